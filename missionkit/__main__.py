@@ -1,0 +1,5 @@
+"""`python -m missionkit`."""
+
+from missionkit.cli import main
+
+main()

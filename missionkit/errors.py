@@ -1,0 +1,87 @@
+"""What can go wrong, in the words the user reads."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+
+from typing_extensions import override
+
+
+class ExitCode(IntEnum):
+    """What a finished command says to the shell."""
+
+    SUCCESS = 0
+    ENDED_SAFELY = 1
+    BAD_FILE = 2
+    VEHICLE_LOST = 3
+    CRASH = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A position in a text file; line and column count from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    @override
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One mistake: where it stands, what is wrong, and what would be right."""
+
+    place: Place
+    message: str
+
+    @override
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}"
+
+
+class MissionkitError(Exception):
+    """Every error that is told to the user as a sentence instead of a traceback."""
+
+    exit_code = ExitCode.CRASH
+
+
+class FileError(MissionkitError):
+    """A mission, world or plug-in file that cannot be used; lists every problem found."""
+
+    exit_code = ExitCode.BAD_FILE
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(map(str, self.problems)))
+
+
+class UsageError(MissionkitError):
+    """The command line asks for something that does not exist or does not fit."""
+
+    exit_code = ExitCode.BAD_FILE
+
+
+class VehicleError(MissionkitError):
+    """The vehicle could not be reached, refused, or was lost."""
+
+    exit_code = ExitCode.VEHICLE_LOST
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Say the alternatives to a misspelt word, the nearest first.
+
+    >>> nearest("visul", ["gps", "visual"])
+    "did you mean 'visual'? Known: gps, visual"
+    """
+    names = sorted(known)
+    if not names:
+        return "none are known here"
+    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names)}"

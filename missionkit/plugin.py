@@ -1,0 +1,63 @@
+"""What a plug-in is: its parameters, its manual page, and one pure method.
+
+A plug-in class is a frozen pydantic model. The name a mission file uses is the class variable
+`kind`; the docstring is the manual page; fields carry units in their types. Nothing here reads
+a clock, draws random numbers or does I/O, so that a flight replays bit for bit.
+"""
+
+from __future__ import annotations
+
+import abc
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+from missionkit.messages import Estimate, Step, Verdict
+
+
+class Plugin(BaseModel):
+    """Parameters of something a mission file names with `use:`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False, allow_inf_nan=False)
+
+    kind: ClassVar[str]
+
+
+class Guard(Plugin):
+    """A predicate over the estimate, answered with a verdict."""
+
+    @abc.abstractmethod
+    def check(self, seen: Estimate) -> Verdict:
+        """Say whether the guard holds, with value, threshold and margin where it has them."""
+
+
+class WindowGuard(Plugin):
+    """A predicate that remembers, such as a sliding window. Its memory advances at every tick."""
+
+    @abc.abstractmethod
+    def begin(self) -> Any:
+        """Return the memory at the start of the mission: an immutable value."""
+
+    @abc.abstractmethod
+    def advance(self, memory: Any, seen: Estimate) -> Any:
+        """Return the next memory; called once a tick whether or not the guard is asked."""
+
+    @abc.abstractmethod
+    def check(self, memory: Any, seen: Estimate) -> Verdict:
+        """Say whether the guard holds, from the memory already advanced to this tick."""
+
+
+class Behavior(Plugin):
+    """What a state does. Its memory lives as long as the state is active."""
+
+    def begin(self, seen: Estimate) -> Any:  # noqa: ARG002
+        """Return the memory on entry to the state: an immutable value."""
+        return None
+
+    @abc.abstractmethod
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        """Say what to do now; the answer's `memory` comes back at the next tick."""
+
+    def targets(self) -> tuple[str, ...]:
+        """Name the targets this behaviour needs, for checks before flight."""
+        return ()
