@@ -1,0 +1,11 @@
+"""Behaviours: what a state does, as guidance for the controller or a request to the autopilot."""
+
+from missionkit.behaviors.go_to import GoTo
+from missionkit.behaviors.hold import Hold
+from missionkit.behaviors.inject import Inject
+from missionkit.behaviors.land import Land
+from missionkit.behaviors.servo import Servo
+from missionkit.behaviors.spiral import Spiral
+from missionkit.behaviors.take_off import TakeOff
+
+ALL = (GoTo, Hold, Inject, Land, Servo, Spiral, TakeOff)

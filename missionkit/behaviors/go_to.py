@@ -1,0 +1,62 @@
+"""Flight to a point."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from missionkit.geometry import Vec3, norm, vec
+from missionkit.messages import Estimate, Goal, Guidance, Step
+from missionkit.perception.goal import goal_of
+from missionkit.plugin import Behavior
+from missionkit.units import Metres, MetresPerSecond, Point
+
+HOME = "home"
+
+
+class GoTo(Behavior):
+    """Fly to `target` at up to `speed`, obstacles permitting; done `within` of it, nearly at rest.
+
+    `target` is a target of the mission or `home`, the place of arming. `standoff` stays off a
+    marker by [out of the marker, right, up] (m), as the viewer sees it. `height` above the
+    take-off point overrides the goal's own.
+    """
+
+    kind: ClassVar[str] = "go_to"
+    target: str
+    standoff: Point = (0.0, 0.0, 0.0)
+    height: Metres | None = None
+    speed: MetresPerSecond = Field(default=5.0, gt=0)
+    within: Metres = Field(default=1.0, gt=0)
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        goal = self._goal(seen)
+        if goal is None:
+            return Step(note=f"where {self.target} is, is not known")
+        near = norm(goal.position - seen.position) <= self.within
+        done = near and norm(seen.velocity) < 0.5
+        yaw = goal.yaw if near else None
+        return Step(Guidance(goal.position, self.speed, yaw=yaw), done=done, goal=goal)
+
+    @override
+    def targets(self) -> tuple[str, ...]:
+        return () if self.target == HOME else (self.target,)
+
+    def _goal(self, seen: Estimate) -> Goal | None:
+        if self.target == HOME:
+            return None if seen.home is None else self._at_height(seen.home, None, seen)
+        target = seen.targets.get(self.target)
+        if target is None:
+            return None
+        pose = goal_of(target, self.standoff, seen.now) if np.any(self.standoff) else None
+        if pose is None:
+            return self._at_height(target.position, None, seen)
+        return self._at_height(pose.position, pose.yaw, seen)
+
+    def _at_height(self, position: Vec3, yaw: float | None, seen: Estimate) -> Goal:
+        down = position[2] if self.height is None else -self.height
+        return Goal(vec(position[0], position[1], down), yaw, seen.now)

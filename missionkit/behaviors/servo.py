@@ -1,0 +1,55 @@
+"""Visual servoing."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+from pydantic import Field
+from typing_extensions import override
+
+from missionkit.geometry import norm
+from missionkit.messages import Estimate, Goal, Guidance, Step, Target
+from missionkit.perception.goal import goal_of
+from missionkit.plugin import Behavior
+from missionkit.units import Metres, MetresPerSecond, Point, Seconds
+
+
+class Servo(Behavior):
+    """Approach the pose `standoff` = [out, right, up] (m) off a marker, facing it.
+
+    T_goal = T_marker · T_offset  (P1, section 2.3)
+
+    The vehicle looks at the marker on the way, so that it stays in view, and turns to the goal's
+    own heading within `align` of it. Without a sighting for `patience` it stops and waits.
+    """
+
+    kind: ClassVar[str] = "servo"
+    target: str
+    standoff: Point = (1.2, 0.0, 0.0)
+    speed: MetresPerSecond = Field(default=1.0, gt=0)
+    align: Metres = Field(default=0.6, gt=0)
+    patience: Seconds = 0.7
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        target = seen.targets.get(self.target)
+        goal = None if target is None else goal_of(target, self.standoff, seen.now)
+        if target is None or goal is None:
+            return Step(note=f"{self.target} was never seen")
+        if target.seen_at is None or seen.now - target.seen_at > self.patience:
+            return Step(note=f"waiting for {self.target}", goal=goal)
+        yaw = heading(seen, target, goal, self.align)
+        return Step(Guidance(goal.position, self.speed, yaw=yaw, avoid=False), goal=goal)
+
+    @override
+    def targets(self) -> tuple[str, ...]:
+        return (self.target,)
+
+
+def heading(seen: Estimate, target: Target, goal: Goal, align: float) -> float | None:
+    """Return the heading (rad): at the target from afar, the goal's own within `align` (m)."""
+    if norm(goal.position - seen.position) <= align:
+        return goal.yaw
+    offset = target.position - seen.position
+    return math.atan2(offset[1], offset[0])

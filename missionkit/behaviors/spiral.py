@@ -1,0 +1,89 @@
+"""Search."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import Field, model_validator
+from typing_extensions import override
+
+from missionkit.geometry import Vec3, norm
+from missionkit.messages import Estimate, Goal, Guidance, Step
+from missionkit.planning.spiral import Spiral as Curve
+from missionkit.plugin import Behavior
+from missionkit.units import Metres, MetresPerSecond, RadiansPerSecond
+
+
+class Centre(NamedTuple):
+    """Where and when the search began."""
+
+    position: Vec3  # (3,), m, NED
+    at: float  # s
+
+
+class Spiral(Behavior):
+    """Look for `target` on a widening level spiral, always facing where it was last.
+
+    p(t) = p_center + r(t) [cos θ(t), sin θ(t), 0]  (P1, section 3.4)
+
+    The centre lies `back` further from the target than where the search began, since a camera
+    sees more from afar. `form` is `steady` (constant ground speed, turns a camera `footprint`
+    apart) or `paper` (r = v_r t with `growth`, θ = ω t with `rate`). Both keep to `speed`.
+    """
+
+    kind: ClassVar[str] = "spiral"
+    target: str
+    form: Literal["steady", "paper"] = "steady"
+    speed: MetresPerSecond = Field(default=0.8, gt=0)
+    footprint: Metres = Field(default=1.5, gt=0)
+    outer: Metres = Field(default=4.0, gt=0)
+    back: Metres = Field(default=1.5, ge=0)
+    growth: MetresPerSecond = Field(default=0.15, gt=0)
+    rate: RadiansPerSecond = Field(default=0.6, gt=0)
+
+    @model_validator(mode="after")
+    def _flyable(self) -> Self:
+        _ = self._curve
+        return self
+
+    @cached_property
+    def _curve(self) -> Curve:
+        if self.form == "steady":
+            return Curve.steady(self.speed, self.footprint, self.outer)
+        return Curve.paper(
+            self.growth, self.rate, speed=self.speed, footprint=self.footprint, outer=self.outer
+        )
+
+    @override
+    def begin(self, seen: Estimate) -> Centre:
+        target = seen.targets.get(self.target)
+        if target is None:
+            return Centre(seen.position, seen.now)
+        away = seen.position - target.position
+        away[2] = 0.0
+        gap = norm(away)
+        step = away * (self.back / gap) if gap > 0.1 else 0.0 * away
+        return Centre(seen.position + step, seen.now)
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        centre: Centre = memory
+        here = self._curve.at(seen.now - centre.at)
+        position = centre.position + here.position
+        target = seen.targets.get(self.target)
+        yaw = None
+        if target is not None:
+            offset = target.position - seen.position
+            yaw = math.atan2(offset[1], offset[0])
+        return Step(
+            Guidance(position, 2.0 * self.speed, here.velocity, yaw),
+            goal=Goal(centre.position, None, centre.at),
+            note=f"searching for {self.target}",
+            memory=centre,
+        )
+
+    @override
+    def targets(self) -> tuple[str, ...]:
+        return (self.target,)

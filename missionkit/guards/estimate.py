@@ -1,0 +1,38 @@
+"""Trust in the position estimate."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field
+from typing_extensions import override
+
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard
+from missionkit.units import Metres, Seconds
+
+
+class EstimateBad(Guard):
+    """Holds when the filter has diverged or its horizontal 1-sigma exceeds `position_sd`."""
+
+    kind: ClassVar[str] = "estimate_bad"
+    position_sd: Metres = Field(default=5.0, gt=0)
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        if seen.health.diverged:
+            return Verdict(holds=True, why="the filter has diverged")
+        return Verdict.above(seen.health.position_sd, self.position_sd)
+
+
+class GnssLost(Guard):
+    """Holds when no position fix was accepted for `longer_than`."""
+
+    kind: ClassVar[str] = "gnss_lost"
+    longer_than: Seconds = 5.0
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        if seen.health.gnss_at is None:
+            return Verdict.unknown("no fix was accepted yet")
+        return Verdict.above(seen.now - seen.health.gnss_at, self.longer_than)

@@ -1,0 +1,45 @@
+"""Geofence."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field, field_validator
+from typing_extensions import override
+
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard
+from missionkit.units import Metres
+
+
+class InsideFence(Guard):
+    """Holds inside a box around the take-off point: `north` and `east` ranges, up to `height`.
+
+    The verdict's value is the distance to the nearest wall or the ceiling, negative outside.
+    """
+
+    kind: ClassVar[str] = "inside_fence"
+    north: tuple[Metres, Metres]
+    east: tuple[Metres, Metres]
+    height: Metres = Field(gt=0)
+
+    @field_validator("north", "east")
+    @classmethod
+    def _ordered(cls, limits: tuple[float, float]) -> tuple[float, float]:
+        if limits[0] >= limits[1]:
+            raise ValueError(f"the lower limit {limits[0]:g} must be below the upper {limits[1]:g}")
+        return limits
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        if not seen.health.aligned:
+            return Verdict.unknown("the position is not known yet")
+        north, east, down = seen.position.tolist()
+        inside = min(
+            north - self.north[0],
+            self.north[1] - north,
+            east - self.east[0],
+            self.east[1] - east,
+            self.height + down,
+        )
+        return Verdict.at_least(inside, 0.0)

@@ -1,0 +1,20 @@
+"""Plug-ins that misbehave."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard
+
+
+class PluginFailed(Guard):
+    """Holds while a plug-in raises, answers with NaN, or takes too long."""
+
+    kind: ClassVar[str] = "plugin_failed"
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        return Verdict(bool(seen.failing), "; ".join(seen.failing))

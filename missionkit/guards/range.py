@@ -1,0 +1,47 @@
+"""Distances."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field
+from typing_extensions import override
+
+from missionkit.geometry import norm
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard
+from missionkit.units import Metres
+
+
+class Within(Guard):
+    """Holds within `radius` of a target.
+
+    C_range: ||p_target - p|| ≤ r_visual  (P1, section 1.2)
+    """
+
+    kind: ClassVar[str] = "within"
+    of: str
+    radius: Metres = Field(gt=0)
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        target = seen.targets.get(self.of)
+        if target is None:
+            return Verdict.unknown(f"where {self.of} is, is not known")
+        return Verdict.at_most(norm(target.position - seen.position), self.radius)
+
+
+class NearGoal(Guard):
+    """Holds within `radius` of the active behaviour's goal.
+
+    C_proximity: ||p_goal - p|| ≤ r_gps_tolerance  (P1, section 1.2)
+    """
+
+    kind: ClassVar[str] = "near_goal"
+    radius: Metres = Field(gt=0)
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        if seen.goal is None:
+            return Verdict.unknown("the behaviour has no goal yet")
+        return Verdict.at_most(norm(seen.goal.position - seen.position), self.radius)

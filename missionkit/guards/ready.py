@@ -1,0 +1,31 @@
+"""Readiness to fly."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard
+from missionkit.units import Fraction, Seconds
+
+
+class Ready(Guard):
+    """Holds when the estimate is aligned, the vehicle passes its checks and has `charge` left."""
+
+    kind: ClassVar[str] = "ready"
+    charge: Fraction = 0.5
+    max_age: Seconds = 5.0
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        if seen.status is None or seen.battery is None:
+            return Verdict.unknown("no word from the vehicle yet")
+        if seen.now - seen.status.at > self.max_age:
+            return Verdict.unknown("the vehicle has fallen silent")
+        if not seen.health.aligned:
+            return Verdict(holds=False, why="the estimate is not aligned yet")
+        if not seen.status.ready:
+            return Verdict(holds=False, why="the vehicle's own checks fail")
+        return Verdict.at_least(seen.battery.charge, self.charge)

@@ -1,0 +1,21 @@
+"""GPS: waypoint flight."""
+
+from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.states.common import HOVER, UNREACHABLE
+from missionkit.states.contract import Invariant, StateKind
+
+
+def _has_goal(seen: Estimate, target: str | None) -> Verdict:
+    known = target is None or target in seen.targets
+    return Verdict(known, "" if known else f"where {target} is, is not known")
+
+
+GPS = StateKind(
+    name="gps",
+    summary="Flying to a place by satellite and inertial navigation, past obstacles.",
+    mode=Mode.GPS,
+    flying=True,
+    must_reach=("land",),
+    invariant=Invariant("gps_target ≠ ∅", _has_goal, tolerated=1.0, to_kind=HOVER),
+    failsafes=(UNREACHABLE,),
+)

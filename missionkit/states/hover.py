@@ -1,0 +1,14 @@
+"""Hover: where a goal out of reach ends."""
+
+from missionkit.messages import Mode
+from missionkit.states.common import HOVER
+from missionkit.states.contract import StateKind
+
+HOVER_STATE = StateKind(
+    name=HOVER,
+    summary="Holding position because the goal is out of reach; goes home after a while.",
+    mode=Mode.GPS,
+    flying=True,
+    default_behavior="hold",
+    must_reach=("land",),
+)

@@ -1,0 +1,34 @@
+"""Task: the work the mission is flown for."""
+
+import math
+
+from missionkit.geometry import norm, wrap
+from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.states.common import LOCK_LIMIT, LOCK_LOST
+from missionkit.states.contract import Invariant, StateKind
+
+POSITION = 0.10  # m, ε_pos
+YAW = 5.0  # deg, ε_yaw
+
+
+def _on_goal(seen: Estimate, _: str | None) -> Verdict:
+    if seen.goal is None:
+        return Verdict.unknown("the behaviour has no goal yet")
+    error = norm(seen.position - seen.goal.position)
+    if error > POSITION or seen.goal.yaw is None:
+        return Verdict.at_most(error, POSITION, "position error, m")
+    turned = math.degrees(abs(wrap(seen.goal.yaw - seen.yaw)))
+    return Verdict.at_most(turned, YAW, "yaw error, deg")
+
+
+TASK = StateKind(
+    name="task",
+    summary="Working at the goal pose, within its tolerance.",
+    mode=Mode.VISUAL,
+    flying=True,
+    must_reach=("land",),
+    invariant=Invariant(
+        "‖e_p‖ < ε_pos ∧ |e_ψ| < ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
+    ),
+    failsafes=(LOCK_LOST,),
+)

@@ -1,0 +1,27 @@
+"""Visual: servoing on a marker."""
+
+from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.states.common import LOCK_LIMIT, LOCK_LOST, UNREACHABLE
+from missionkit.states.contract import Invariant, StateKind
+
+SURE_WITHIN = 0.5  # s: a lock this fresh needs more than half of 20 Hz frames
+
+
+def _locked(seen: Estimate, target: str | None) -> Verdict:
+    if target is None:
+        return Verdict(holds=True)
+    found = seen.targets.get(target)
+    if found is None or found.seen_at is None:
+        return Verdict(holds=False, why=f"{target} was never seen")
+    return Verdict.at_most(seen.now - found.seen_at, SURE_WITHIN, f"{target} last seen, s ago")
+
+
+VISUAL = StateKind(
+    name="visual",
+    summary="Approaching a marker by what the camera sees.",
+    mode=Mode.VISUAL,
+    flying=True,
+    must_reach=("search", "land"),
+    invariant=Invariant("C_aruco ∧ visual_target ≠ ∅", _locked, LOCK_LIMIT, to_kind="search"),
+    failsafes=(LOCK_LOST, UNREACHABLE),
+)
