@@ -1,0 +1,184 @@
+"""The flight record: one MCAP file per run, readable by Foxglove.
+
+Rates follow P1 section 9.2: poses and commands at every tick (20 Hz), goal, state, guards, estimate
+and timing at 10 Hz, status at 1 Hz. A transition, a change of a guard's answer, a new problem and
+an overrun are written at their own tick whatever the rate. Camera frames come at `image_rate`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from missionkit.messages import CameraModel, Frame, Record
+from missionkit.recorder import encode, track, wire
+from missionkit.recorder.channels import Channels
+from missionkit.recorder.scenery import Scenery, scene_update
+from missionkit.recorder.track import Track, Truth
+
+INFO, WARNING = 2, 3
+
+
+class Pace:
+    """Says yes at most `rate` times a second of mission time."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._slot = -1
+
+    def due(self, now: float) -> bool:
+        """Say whether the slot of time `now` (s) is still unused, and use it."""
+        slot = int(now * self._rate + 1e-6)
+        if slot == self._slot:
+            return False
+        self._slot = slot
+        return True
+
+
+class Seen(NamedTuple):
+    """What the tick before said; a change is worth a message."""
+
+    state: str = ""
+    since: float = 0.0  # s
+    answers: tuple[tuple[str, bool | None], ...] = ()
+    problems: tuple[str, ...] = ()
+    overruns: int = 0
+
+
+class FlightRecorder:
+    """Writes `flight.mcap` into the folder of a run and keeps its track.
+
+    Args:
+        folder: exists and holds no flight record yet.
+        camera: intrinsics and mount, for the frame tree.
+        scenery: what stands around, written once.
+        image_rate: camera frames a second at most; 0 keeps none.
+
+    Raises:
+        FileExistsError: the folder already holds a flight record.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        camera: CameraModel | None = None,
+        scenery: Scenery | None = None,
+        image_rate: float = 5.0,
+    ) -> None:
+        self.track: Track = track.begin()
+        self._channels = Channels(folder / "flight.mcap")
+        self._camera = camera
+        self._scenery = scenery
+        self._standing, self._status = Pace(10.0), Pace(1.0)
+        self._images = Pace(image_rate) if image_rate > 0.0 else None
+        self._seen = Seen()
+        self._hash = ""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def write(self, record: Record, frame: Frame | None = None, truth: Truth | None = None) -> None:
+        """Record one tick.
+
+        Args:
+            record: what the tick decided.
+            frame: the camera frame that arrived at this tick.
+            truth: where a simulated vehicle really is.
+        """
+        track.add(self.track, record, truth)
+        at, stamp = wire.nanoseconds(record.now), wire.stamp(record.now)
+        self._motion(record, truth, at, stamp)
+        self._chart(record, at, stamp)
+        if self._status.due(record.now):
+            self._diagnostics(record, at, stamp)
+        if frame is not None and frame.image is not None:
+            self._image(record, frame, at)
+
+    def close(self) -> str:
+        """Finish the file and return its digest; closing twice does no harm."""
+        if not self._hash:
+            self._hash = self._channels.close()
+        return self._hash
+
+    def _motion(self, record: Record, truth: Truth | None, at: int, stamp: str) -> None:
+        publish, seen = self._channels.publish, record.estimate
+        publish("/pose", at, encode.pose(stamp, seen.position, seen.attitude))
+        publish("/command", at, encode.command(stamp, record.command))
+        if truth is not None:
+            publish("/truth/pose", at, encode.pose(stamp, truth.position, truth.attitude))
+
+    def _chart(self, record: Record, at: int, stamp: str) -> None:
+        """Write state, guards, estimate and goal when due or changed, transitions always."""
+        publish, before = self._channels.publish, self._seen
+        now = self._seen = _summary_of(record, before)
+        due = self._standing.due(record.now)
+        if record.fired is not None:
+            publish("/transitions", at, encode.transition(stamp, record.fired))
+        if due or now.state != before.state or now.problems != before.problems:
+            publish("/state", at, encode.state(stamp, record, now.since))
+        if record.verdicts and (due or now.answers != before.answers):
+            publish("/guards", at, encode.guards(stamp, record))
+        if due or now.overruns != before.overruns:
+            publish("/timing", at, encode.timing(stamp, record.cycle))
+        if due:
+            publish("/tf", at, encode.body(stamp, record.estimate))
+            publish("/estimate", at, encode.estimate(stamp, record.estimate))
+            if record.estimate.goal is not None:
+                publish("/goal", at, encode.goal(stamp, record.estimate.goal))
+        self._log(record, before, at, stamp)
+
+    def _log(self, record: Record, before: Seen, at: int, stamp: str) -> None:
+        fired = record.fired
+        if fired is not None:
+            line = f"{fired.source} -> {fired.to}: {fired.reason}"
+            self._channels.publish("/log", at, encode.log(stamp, INFO, line))
+            for output in fired.outputs:
+                self._channels.publish("/log", at, encode.log(stamp, INFO, output))
+        if record.problems != before.problems:
+            for problem in record.problems:
+                self._channels.publish("/log", at, encode.log(stamp, WARNING, problem))
+
+    def _diagnostics(self, record: Record, at: int, stamp: str) -> None:
+        """Write status, the links that never move, and the scene with the first of them."""
+        publish = self._channels.publish
+        publish("/status", at, encode.status(stamp, record.estimate))
+        publish("/tf", at, encode.fixed_links(stamp, self._camera))
+        if self._camera is not None:
+            publish("/camera/calibration", at, encode.calibration(stamp, self._camera))
+        if self._scenery is not None:
+            publish("/scene", at, scene_update(self._scenery, stamp, encode.NED))
+            self._scenery = None
+        self._channels.flush()
+
+    def _image(self, record: Record, frame: Frame, at: int) -> None:
+        """Write a camera frame and the markers found in it, both at the time of exposure."""
+        if frame.image is None or self._images is None or not self._images.due(record.now):
+            return
+        from missionkit.perception.imaging import encode_jpeg  # noqa: PLC0415
+
+        stamp = wire.stamp(frame.at)
+        self._channels.publish("/camera/image", at, encode.image(stamp, encode_jpeg(frame.image)))
+        found = tuple(it for it in record.estimate.sightings if it.at == frame.at)
+        self._channels.publish("/camera/markers", at, encode.markers(stamp, found))
+
+
+def _summary_of(record: Record, before: Seen) -> Seen:
+    """Reduce a tick to what the next one is compared with."""
+    entered = record.state != before.state or record.fired is not None
+    return Seen(
+        record.state,
+        record.now if entered else before.since,
+        tuple([(name, said.holds) for name, said in record.verdicts]),
+        record.problems,
+        record.cycle.overruns,
+    )

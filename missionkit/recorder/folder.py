@@ -1,0 +1,44 @@
+"""The folder of a run: `runs/<mission>-<label>`, never written over."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+import shutil
+from pathlib import Path
+
+
+def run_folder(root: Path, mission: str, label: str) -> Path:
+    """Create and return an empty folder for one run.
+
+    Args:
+        root: where runs are kept; created when missing.
+        mission: name of the mission; characters unfit for a file name become `-`.
+        label: what tells runs apart, such as the seed or a time stamp.
+
+    Returns:
+        `root/mission-label`, or with `-2`, `-3`, … behind it when that is taken.
+    """
+    root.mkdir(parents=True, exist_ok=True)
+    name = re.sub(r"[^\w.=+-]+", "-", f"{mission}-{label}").strip("-.") or "run"
+    for attempt in itertools.count(1):
+        folder = root / (name if attempt == 1 else f"{name}-{attempt}")
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            continue
+        return folder
+    raise AssertionError  # count never ends
+
+
+def keep_mission(folder: Path, mission: Path) -> Path:
+    """Copy the mission file that was flown into the run's folder; return the copy."""
+    return Path(shutil.copyfile(mission, folder / "mission.yaml"))
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file so that a reader sees all of it or none."""
+    part = path.with_name(f".{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)  # noqa: PTH105

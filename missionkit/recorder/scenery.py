@@ -1,0 +1,137 @@
+"""What stands around: obstacles and markers, for the picture and the 3D view."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from missionkit.geometry import IDENTITY, Quat, Vec3, rotate, vec
+from missionkit.recorder import wire
+
+Ground = npt.NDArray[np.float64]  # (N, 2), m, north and east
+Spot = tuple[float, float]  # m, north and east
+
+BARK = wire.colour(0.45, 0.35, 0.25, 0.9)
+PAPER = wire.colour(0.95, 0.95, 0.95)
+
+
+class Round(NamedTuple):
+    """An upright cylinder, or a ball when `ball`."""
+
+    at: Spot
+    radius: float  # m
+    bottom: float  # m above the ground
+    top: float  # m above the ground
+    ball: bool = False
+
+    def footprint(self) -> Ground:
+        """Return the outline (N, 2), m, north and east."""
+        turn = np.linspace(0.0, 2.0 * math.pi, 37)
+        return np.asarray(self.at) + self.radius * np.column_stack([np.cos(turn), np.sin(turn)])
+
+
+class Box(NamedTuple):
+    """A box with its sides along north and east."""
+
+    low: Spot
+    high: Spot
+    bottom: float  # m above the ground
+    top: float  # m above the ground
+
+    def footprint(self) -> Ground:
+        """Return the outline (5, 2), m, north and east."""
+        (n0, e0), (n1, e1) = self.low, self.high
+        return np.array([(n0, e0), (n1, e0), (n1, e1), (n0, e1), (n0, e0)])
+
+
+class Marker(NamedTuple):
+    """A square marker."""
+
+    name: str
+    position: Vec3  # (3,), m, NED, of its centre
+    attitude: Quat  # marker axes (x right, y up, z towards the viewer) to world
+    size: float  # m, side
+
+    @property
+    def normal(self) -> Vec3:
+        """Where it faces, (3,), unit length, NED."""
+        return rotate(self.attitude, vec(0.0, 0.0, 1.0))
+
+
+class Scenery(NamedTuple):
+    """Everything that stands in the world."""
+
+    obstacles: tuple[Round | Box, ...] = ()
+    markers: tuple[Marker, ...] = ()
+
+
+def scenery_of(world: Any) -> Scenery:
+    """Read obstacles and markers from a simulator's world.
+
+    Args:
+        world: has `obstacles`, each with `use` (cylinder, box or sphere) and its measures, and
+            `markers`, each with `id`, `size`, `position` and `attitude`.
+    """
+    return Scenery(
+        tuple(map(_obstacle, world.obstacles)),
+        tuple(
+            Marker(f"marker {it.id}", vec(*it.position), it.attitude, it.size)
+            for it in world.markers
+        ),
+    )
+
+
+def _obstacle(it: Any) -> Round | Box:
+    if it.use == "box":
+        return Box(it.min, it.max, it.bottom, it.height)
+    if it.use == "sphere":
+        north, east, down = it.at
+        return Round((north, east), it.radius, -down - it.radius, -down + it.radius, ball=True)
+    return Round(it.at, it.radius, 0.0, it.height)
+
+
+def scene_update(scenery: Scenery, at: str, frame: str) -> str:
+    """Return the world as one `foxglove.SceneUpdate`."""
+    round_ones = [it for it in scenery.obstacles if isinstance(it, Round)]
+    balls = [_solid(*_round(it)) for it in round_ones if it.ball]
+    cylinders = [_cylinder(it) for it in round_ones if not it.ball]
+    cubes = [_box(it) for it in scenery.obstacles if isinstance(it, Box)]
+    cubes += [_marker(it) for it in scenery.markers]
+    return (
+        f'{{"deletions":[],"entities":[{{"timestamp":{at},"frame_id":"{frame}","id":"world",'
+        '"lifetime":{"sec":0,"nsec":0},"frame_locked":false,"metadata":[],"arrows":[],'
+        f'"cubes":[{",".join(cubes)}],"spheres":[{",".join(balls)}],'
+        f'"cylinders":[{",".join(cylinders)}],"lines":[],"triangles":[],"texts":[],"models":[]}}]}}'
+    )
+
+
+def _round(it: Round) -> tuple[str, Vec3]:
+    """Return pose and extent."""
+    middle = vec(*it.at, -0.5 * (it.bottom + it.top))
+    size = vec(2.0 * it.radius, 2.0 * it.radius, it.top - it.bottom)
+    return wire.pose(middle, IDENTITY), size
+
+
+def _cylinder(it: Round) -> str:
+    pose, size = _round(it)
+    return (
+        f'{{"pose":{pose},"size":{wire.vector(size)},"bottom_scale":1,"top_scale":1,'
+        f'"color":{BARK}}}'
+    )
+
+
+def _box(it: Box) -> str:
+    (n0, e0), (n1, e1) = it.low, it.high
+    middle = vec(0.5 * (n0 + n1), 0.5 * (e0 + e1), -0.5 * (it.bottom + it.top))
+    return _solid(wire.pose(middle, IDENTITY), vec(n1 - n0, e1 - e0, it.top - it.bottom))
+
+
+def _marker(it: Marker) -> str:
+    return _solid(wire.pose(it.position, it.attitude), vec(it.size, it.size, 0.02), PAPER)
+
+
+def _solid(pose: str, size: Vec3, colour: str = BARK) -> str:
+    return f'{{"pose":{pose},"size":{wire.vector(size)},"color":{colour}}}'

@@ -1,0 +1,108 @@
+"""What a run looked like from afar: kept in memory for the summary and the picture."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from missionkit.geometry import Quat, Vec3
+from missionkit.messages import Cycle, Fired, Goal, Record
+
+Place = tuple[float, float, float]
+
+
+class Truth(Protocol):
+    """Where a simulated vehicle really is."""
+
+    @property
+    def position(self) -> Vec3:
+        """Position (3,), m, NED."""
+
+    @property
+    def attitude(self) -> Quat:
+        """Attitude (4,), body to world."""
+
+
+class Span(NamedTuple):
+    """A stretch of ticks in which a guard gave the same answer."""
+
+    start: float  # s
+    end: float  # s
+    holds: bool | None
+
+
+class Visit(NamedTuple):
+    """A stretch of ticks in one state."""
+
+    state: str
+    start: float  # s
+    end: float  # s
+
+
+class Track(NamedTuple):
+    """One entry per tick in the first lists; the others grow when something happens."""
+
+    times: list[float]  # s
+    estimated: list[Place]  # m, NED
+    true: list[Place]  # m, NED; empty when nobody knows the truth
+    cycles: list[Cycle]
+    visits: list[Visit]
+    guards: dict[str, list[Span]]
+    transitions: list[tuple[float, Fired]]
+    problems: list[tuple[float, str]]
+    goals: list[Goal]  # of each state, the last one
+
+
+def begin() -> Track:
+    """Return an empty track."""
+    return Track([], [], [], [], [], {}, [], [], [])
+
+
+def add(track: Track, record: Record, truth: Truth | None) -> None:
+    """Append one tick."""
+    now, seen = record.now, record.estimate
+    before = track.times[-1] if track.times else now
+    track.times.append(now)
+    track.estimated.append(tuple(seen.position.tolist()))
+    if truth is not None:
+        track.true.append(tuple(truth.position.tolist()))
+    if record.cycle.total > 0.0:
+        track.cycles.append(record.cycle)
+    if record.fired is not None:
+        track.transitions.append((now, record.fired))
+    if record.problems:
+        known = {what for _, what in track.problems}
+        track.problems.extend((now, what) for what in record.problems if what not in known)
+    _visit(track, record.state, now)
+    _goal(track, seen.goal)
+    _answers(track, record, before)
+
+
+def _visit(track: Track, state: str, now: float) -> None:
+    """Extend the current visit, or end it and start the next."""
+    if not track.visits:
+        track.visits.append(Visit(state, now, now))
+        return
+    last = track.visits[-1]
+    track.visits[-1] = last._replace(end=now)
+    if last.state != state:
+        track.visits.append(Visit(state, now, now))
+
+
+def _goal(track: Track, goal: Goal | None) -> None:
+    if goal is None:
+        return
+    if track.goals and track.goals[-1].target == goal.target:
+        track.goals[-1] = goal
+    else:
+        track.goals.append(goal)
+
+
+def _answers(track: Track, record: Record, before: float) -> None:
+    """Extend each guard's last span when it was asked at the tick before and said the same."""
+    for name, said in record.verdicts:
+        spans = track.guards.setdefault(name, [])
+        holds = None if said.holds is None else bool(said.holds)
+        if spans and spans[-1].end >= before and spans[-1].holds is holds:
+            spans[-1] = Span(spans[-1].start, record.now, holds)
+        else:
+            spans.append(Span(record.now, record.now, holds))

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+from missionkit.messages import Fired
+from missionkit.recorder import track as tracks
+from missionkit.recorder.palette import STATES, colours
+from missionkit.recorder.plot import draw
+from missionkit.recorder.plot_list import MOST, draw_list
+from missionkit.recorder.scenery import Scenery
+
+
+@pytest.fixture
+def flown(flight):
+    track = tracks.begin()
+    for record, truth in flight():
+        tracks.add(track, record, truth)
+    return track
+
+
+@pytest.fixture
+def words(monkeypatch):
+    """Every text that is drawn inside its panel or page."""
+    seen = []
+    real = Text.draw
+
+    def spy(self, renderer):
+        if self.get_visible() and self.get_text():
+            seen.append(self.get_text())
+        return real(self, renderer)
+
+    monkeypatch.setattr(Text, "draw", spy)
+    return seen
+
+
+def test_a_northern_flight_fills_the_page(tmp_path, flown, orchard, words):
+    draw(tmp_path / "track.png", flown, orchard, "precision-task: success", "seed 1")
+    picture = imread(tmp_path / "track.png")
+    assert picture.shape[:2] == (1600, 1400)
+    for word in ("precision-task: success", "Map", "Close-up of trunk", "marker 23", "marker-sure"):
+        assert word in words
+    assert "gps → visual" in words
+    assert "visual" in words
+
+
+def test_the_map_is_undistorted_with_north_up(tmp_path, flown, orchard, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *a, **k: figures.append(self), raising=True)
+    draw(tmp_path / "track.png", flown, orchard, "t")
+    (figure,) = figures
+    ground = [it for it in figure.axes if it.get_title(loc="left").startswith(("Map", "Close"))]
+    assert len(ground) == 2
+    for axes in ground:
+        origin, north, east = axes.transData.transform([(10, 80), (10, 81), (11, 80)])
+        assert north[1] - origin[1] == pytest.approx(east[0] - origin[0])
+        assert north[1] > origin[1]
+        assert east[0] > origin[0]
+
+
+def test_an_eastern_flight_without_truth_or_guards(tmp_path, flown, words):
+    east = flown._replace(
+        estimated=[(e, n, d) for n, e, d in flown.estimated], true=[], guards={}, goals=[]
+    )
+    draw(tmp_path / "track.png", east, Scenery(), "t")
+    assert imread(tmp_path / "track.png").shape[:2] == (1600, 1400)
+    assert "truth" not in words
+    assert not any(word.startswith("Close-up") for word in words)
+
+
+def test_a_run_that_never_ticked_still_gives_a_page(tmp_path):
+    draw(tmp_path / "track.png", tracks.begin(), Scenery(), "nothing: crash")
+    assert imread(tmp_path / "track.png").shape[:2] == (1600, 1400)
+
+
+def test_a_long_list_of_transitions_says_how_many_more():
+    track = tracks.begin()
+    track.transitions.extend((k, Fired("a", "b", "x " * 80, (), ())) for k in range(MOST + 3))
+    axes = Figure().add_subplot()
+    draw_list(axes, track, {}, letters=40)
+    told = [it.get_text() for it in axes.texts]
+    assert told[-1] == "and 3 more"
+    assert all(len(it) <= 40 for it in told)
+
+
+def test_states_keep_their_colour_and_neighbours_differ():
+    shades = colours(["idle", "gps", "visual", "gps", *map(str, range(9))])
+    assert shades["gps"] == STATES[1]
+    assert all(a != b for a, b in itertools.pairwise(shades.values()))
