@@ -1,0 +1,1 @@
+"""Control: PID, yaw law, smoothing, limits."""

@@ -1,0 +1,184 @@
+"""From what a behaviour wants to the setpoint that is flown: the mission's `control:` section."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from missionkit.control import pid
+from missionkit.control.limits import ZERO, Limits, Triple, finite
+from missionkit.control.pid import Gains, PidMemory, Tracking
+from missionkit.control.smoothing import alpha_at, smoothed
+from missionkit.control.yaw import YawLaw, YawMemory
+from missionkit.geometry import Vec3
+from missionkit.messages import Estimate, Guidance, Mode, Setpoint
+from missionkit.units import Fraction
+
+LONGEST_STEP = 0.2  # s; after a longer gap the acceleration limit must not allow a leap
+PUSHED = 0.3  # m/s of avoidance above which the integrator waits
+
+
+class ControlMemory(NamedTuple):
+    """What control remembers from one step to the next."""
+
+    pid: PidMemory = PidMemory()
+    yaw: YawMemory = YawMemory()
+    velocity: Triple = ZERO  # m/s, NED, as commanded last
+    pushed: bool = False  # avoidance was at work
+
+
+class Control(BaseModel):
+    """Velocity and yaw rate from guidance.
+
+    u = PID_m(p_desired - p) + α_ff v_ref, at most the guidance's speed; plus the potential
+    field's push; within the limits; then v(t) = α u + (1 - α) v(t-1), slewed at most at the
+    acceleration limit. Without guidance, or with one that is not finite, the velocity goes to
+    zero as fast as the limits allow and the yaw stays.
+
+    The modes differ in their gains. What the integrators hold is a velocity and carries over,
+    so a change of mode makes no bump; it is forgotten when there is no guidance.
+
+    Sources: P1 sections 3.2, 3.3, 4.2 and 6.2.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    gps: Gains = Gains()
+    visual: Gains = Gains(kp=(1.5, 1.5), ki=(0.5, 0.5), kd=(0.25, 0.25))
+    trajectory: Gains = Gains(kp=(1.0, 1.0), kd=(0.2, 0.1))
+    alpha_ff: Fraction = 1.0
+    alpha: Fraction = 0.8  # at 20 Hz
+    yaw: YawLaw = YawLaw()
+    limits: Limits = Limits()
+
+    def begin(self) -> ControlMemory:
+        """Return the memory at the start: at rest."""
+        return ControlMemory()
+
+    def step(
+        self,
+        memory: ControlMemory,
+        mode: Mode,
+        guidance: Guidance | None,
+        seen: Estimate,
+        dt: float,
+        *,
+        push: Vec3 | None = None,
+    ) -> tuple[Setpoint, ControlMemory]:
+        """Return the setpoint and the next memory.
+
+        Args:
+            memory: what this returned a step ago.
+            mode: chooses the gains; NONE gives zero at once.
+            guidance: what the behaviour wants; None to stand still.
+            seen: the estimate at this tick.
+            dt: time since the last step (s).
+            push: (3,), m/s, NED, avoidance, used where the guidance allows it.
+        """
+        wanted, memory = self.aim(memory, mode, guidance, seen, dt)
+        return self.fly(memory, wanted, guidance, seen, dt, push=push)
+
+    def aim(
+        self,
+        memory: ControlMemory,
+        mode: Mode,
+        guidance: Guidance | None,
+        seen: Estimate,
+        dt: float,
+    ) -> tuple[Triple | None, ControlMemory]:
+        """Return the velocity (m/s, NED) that leads to the goal if nothing is in the way.
+
+        This is the first half of `step`: it is what obstacle avoidance wants to know. None in
+        mode NONE, when the autopilot flies by itself.
+        """
+        if mode is Mode.NONE:
+            return None, self.begin()
+        track = _tracking(guidance, seen, self.alpha_ff)
+        if track is None:
+            return ZERO, memory._replace(pid=PidMemory())
+        gains = self._gains(mode)
+        track = track._replace(blocked=memory.pushed)
+        wanted, charge = pid.step(gains, self.limits, memory.pid, track, _sane(dt))
+        return wanted, memory._replace(pid=charge)
+
+    def fly(
+        self,
+        memory: ControlMemory,
+        wanted: Triple | None,
+        guidance: Guidance | None,
+        seen: Estimate,
+        dt: float,
+        *,
+        push: Vec3 | None = None,
+    ) -> tuple[Setpoint, ControlMemory]:
+        """Turn what `aim` wanted into a setpoint: the second half of `step`."""
+        if wanted is None:
+            return Setpoint(np.zeros(3), 0.0), self.begin()
+        shove = _shove(guidance, push)
+        pushed = abs(shove[0]) + abs(shove[1]) + abs(shove[2]) > PUSHED
+        total = (wanted[0] + shove[0], wanted[1] + shove[1], wanted[2] + shove[2])
+        dt = _sane(dt)
+        last = memory.velocity
+        smooth = smoothed(last, self.limits.bounded(total), alpha_at(self.alpha, dt))
+        velocity = self.limits.slewed(last, smooth, dt)
+        rate, look = self._turn(memory.yaw, guidance, seen)
+        setpoint = finite(Setpoint(np.array(velocity), rate))
+        if setpoint is None:
+            return Setpoint(np.zeros(3), 0.0), self.begin()
+        return setpoint, ControlMemory(memory.pid, look, velocity, pushed)
+
+    def _gains(self, mode: Mode) -> Gains:
+        if mode is Mode.VISUAL:
+            return self.visual
+        return self.trajectory if mode is Mode.TRAJECTORY else self.gps
+
+    def _turn(
+        self, memory: YawMemory, guidance: Guidance | None, seen: Estimate
+    ) -> tuple[float, YawMemory]:
+        yaw = seen.yaw
+        if not math.isfinite(yaw):
+            return 0.0, memory
+        if guidance is None:
+            held = yaw if memory.held is None else memory.held
+            return self.yaw.rate(held, yaw), YawMemory(None, held)
+        if guidance.yaw is not None:
+            if not math.isfinite(guidance.yaw):
+                return 0.0, memory
+            return self.yaw.rate(guidance.yaw, yaw), YawMemory(None, guidance.yaw)
+        to, at = guidance.position.tolist(), seen.position.tolist()
+        offset = (to[0] - at[0], to[1] - at[1])
+        north, east, _ = seen.velocity.tolist()
+        if not math.isfinite(offset[0] + offset[1] + north + east):
+            return 0.0, memory
+        desired, memory = self.yaw.desired(memory, offset, (north, east), yaw)
+        return self.yaw.rate(desired, yaw), memory
+
+
+def _tracking(guidance: Guidance | None, seen: Estimate, alpha_ff: float) -> Tracking | None:
+    """Return errors and feed-forward, or None when there is no guidance or it is not finite."""
+    if guidance is None:
+        return None
+    tx, ty, tz = guidance.position.tolist()
+    px, py, pz = seen.position.tolist()
+    vx, vy, vz = seen.velocity.tolist()
+    rx, ry, rz = ZERO if guidance.velocity is None else guidance.velocity.tolist()
+    error = (tx - px, ty - py, tz - pz)
+    rate = (rx - vx, ry - vy, rz - vz)
+    if not math.isfinite(sum(error) + sum(rate) + rx + ry + rz + guidance.speed):
+        return None
+    forward = (alpha_ff * rx, alpha_ff * ry, alpha_ff * rz)
+    return Tracking(error, rate, max(0.0, guidance.speed), forward)
+
+
+def _shove(guidance: Guidance | None, push: Vec3 | None) -> Triple:
+    if push is None or guidance is None or not guidance.avoid:
+        return ZERO
+    x, y, z = push.tolist()
+    return (x, y, z) if math.isfinite(x + y + z) else ZERO
+
+
+def _sane(dt: float) -> float:
+    return min(LONGEST_STEP, dt) if dt > 0.0 else 0.0
