@@ -1,0 +1,1 @@
+"""Planning: potential field, search patterns."""
