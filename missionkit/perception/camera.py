@@ -1,0 +1,100 @@
+"""The camera section of a mission file."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from missionkit.geometry import Mat, Quat, Transform, from_euler, from_matrix, multiply
+from missionkit.messages import CameraModel
+from missionkit.units import Degrees, Hertz, Number, Pixels, Point, Seconds
+
+FOCAL = 554.0  # px, about 60 deg across 640 px
+_FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+Row = tuple[Pixels, Pixels, Pixels]
+Focal = Annotated[Pixels, Field(gt=0)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Mount(_Section):
+    """Where the camera sits on the body (FRD, m), looking forward and `tilt_deg` downwards."""
+
+    position: Point = (0.1, 0.0, 0.0)
+    tilt_deg: Annotated[Degrees, Field(ge=-90, le=90)] = 0.0
+
+    def transform(self) -> Transform:
+        """Return camera to body FRD."""
+        return Transform(looking(math.radians(self.tilt_deg)), np.array(self.position))
+
+
+class Camera(_Section):
+    """A camera: how it sees, how often, how late, and where it is mounted.
+
+    `use` says where its frames come from in the simulator: `rendered` images, `corners` without
+    an image (much faster, for campaigns), or `none`. The lens is given either by `focal` in
+    pixels (or `focal_x` and `focal_y`) and `centre`, or by the `matrix` of an OpenCV calibration:
+
+        K = [f_x 0 c_x; 0 f_y c_y; 0 0 1]     distortion = [k1, k2, p1, p2, k3]
+    """
+
+    use: Literal["rendered", "corners", "none"] = "rendered"
+    width: Annotated[int, Field(ge=16, json_schema_extra={"unit": "px"})] = 640
+    height: Annotated[int, Field(ge=16, json_schema_extra={"unit": "px"})] = 480
+    focal: Focal | None = None
+    focal_x: Focal | None = None
+    focal_y: Focal | None = None
+    centre: tuple[Pixels, Pixels] | None = None
+    matrix: tuple[Row, Row, Row] | None = None
+    distortion: tuple[Number, Number, Number, Number, Number] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    rate: Hertz = 20.0
+    latency: Seconds = 0.06
+    exposure: Seconds = 0.004
+    mount: Mount = Mount()
+
+    @model_validator(mode="after")
+    def _one_lens(self) -> Self:
+        pair = (self.focal_x, self.focal_y)
+        if (self.focal_x is None) != (self.focal_y is None):
+            raise ValueError("focal_x and focal_y belong together")
+        if self.focal is not None and self.focal_x is not None:
+            raise ValueError("give either focal, or focal_x and focal_y")
+        if self.matrix is None:
+            return self
+        if any(value is not None for value in (self.focal, *pair, self.centre)):
+            raise ValueError("the matrix already holds focal length and centre: give one of them")
+        (fx, skew, _), (zero, fy, _), last = self.matrix
+        if min(fx, fy) <= 0 or (skew, zero, *last) != (0.0, 0.0, 0.0, 0.0, 1.0):
+            raise ValueError("the matrix must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], fx, fy > 0")
+        return self
+
+    def model(self) -> CameraModel:
+        """Return the numbers that perception and the renderer work with."""
+        return CameraModel(
+            width=self.width,
+            height=self.height,
+            matrix=self._matrix(),
+            distortion=np.array(self.distortion),
+            mount=self.mount.transform(),
+            period=1.0 / self.rate,
+        )
+
+    def _matrix(self) -> Mat:
+        if self.matrix is not None:
+            return np.array(self.matrix)
+        both = self.focal or FOCAL
+        fx, fy = self.focal_x or both, self.focal_y or both
+        # The middle of the image: pixel centres have whole numbers, as in OpenCV.
+        cx, cy = self.centre or (0.5 * (self.width - 1), 0.5 * (self.height - 1))
+        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def looking(tilt: float) -> Quat:
+    """Return camera to body for a camera that looks forward, `tilt` (rad) downwards."""
+    return multiply(from_euler(0.0, -tilt, 0.0), from_matrix(_FORWARD))

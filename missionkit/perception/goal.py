@@ -1,0 +1,52 @@
+"""Where to be in front of a target: P1 section 2.3."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec
+from missionkit.messages import Goal, Target
+
+LEVEL = 0.1  # below this horizontal part of its normal, a marker lies flat and no yaw faces it
+
+
+def goal_rotation(marker: Mat) -> Mat:
+    """Return the body that faces a marker, (3, 3), columns forward, right, down.
+
+        R_goal = [-z_m, x_m, -y_m]
+
+    `marker` (3, 3) has the marker's axes as columns: x right, y up, z towards the viewer.
+    Source: P1 section 2.3; a proper rotation (NOTES P1.2).
+    """
+    x, y, z = marker.T
+    return np.column_stack([-z, x, -y])
+
+
+def goal_of(target: Target, standoff: tuple[float, float, float], now: float) -> Goal | None:
+    """Return where to hover in front of `target`, facing it; None if its attitude is unknown.
+
+        T_goal = T_marker · T_offset
+
+    `standoff` is (out, right, up), m: along the marker's z, x and y axes. The yaw is None for a
+    marker that lies flat. Source: P1 section 2.3, in the world frame.
+    """
+    if target.attitude is None:
+        return None
+    out, right, up = standoff
+    position = target.position + rotate(target.attitude, vec(right, up, out))
+    forward = goal_rotation(to_matrix(target.attitude))[:, 0]
+    yaw = math.atan2(forward[1], forward[0]) if math.hypot(*forward[:2]) > LEVEL else None
+    return Goal(position, yaw, now, target.name)
+
+
+def facing(yaw: float) -> Quat:
+    """Return the attitude (marker axes to world) of an upright marker facing heading `yaw` (rad).
+
+    Its normal points to (cos yaw, sin yaw, 0) NED: a marker that faces south (pi) is seen by a
+    viewer who stands south of it and looks north.
+    """
+    z = vec(math.cos(yaw), math.sin(yaw), 0.0)
+    y = vec(0.0, 0.0, -1.0)
+    return from_matrix(np.column_stack([np.cross(y, z), y, z]))
