@@ -1,0 +1,1 @@
+"""The built-in simulator: world, vehicle, sensors, camera, faults, grading."""

@@ -1,0 +1,130 @@
+"""What can go wrong in a rehearsal, by name and at a time.
+
+    NAME[=VALUE][@WHEN][+DURATION]      WHEN: seconds, or STATE[:DELAY]
+
+`gnss_lost@20+10` from 20 s to 30 s; `marker_hidden@visual:1.5+6` for 6 s, beginning 1.5 s after the
+mission first enters the state visual; `gnss_jump=8@gps` for good, from the first entry to gps.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from missionkit.errors import UsageError, nearest
+
+
+class Kind(NamedTuple):
+    """One kind of fault: its default value, unit, and what it does."""
+
+    value: float | None
+    unit: str
+    effect: str
+
+
+KINDS: Mapping[str, Kind] = {
+    "camera_frozen": Kind(None, "", "the camera repeats its last frame, with its old time"),
+    "camera_off": Kind(None, "", "no frames"),
+    "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE"),
+    "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
+    "gnss_jump": Kind(10.0, "m", "fixes are off to the north by VALUE"),
+    "gnss_drift": Kind(0.5, "m/s", "fixes wander off to the north at VALUE"),
+    "marker_hidden": Kind(None, "id", "the marker VALUE (default: every marker) is covered"),
+    "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
+    "battery_sag": Kind(0.3, "1", "the charge drops by VALUE"),
+    "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
+}
+
+GRAMMAR = re.compile(
+    r"(?P<name>[a-z_]+)(=(?P<value>[^@+]+))?"
+    r"(@((?P<start>\d+(\.\d+)?)|(?P<state>[A-Za-z_][\w.-]*)(:(?P<delay>\d+(\.\d+)?))?))?"
+    r"(\+(?P<duration>\d+(\.\d+)?))?"
+)
+FORM = "NAME[=VALUE][@WHEN][+DURATION], WHEN in seconds or STATE[:DELAY]"
+
+
+class Fault(NamedTuple):
+    """One fault and its window in time."""
+
+    name: str
+    value: float | None = None
+    start: float = 0.0  # s; after entering `state` if that is given
+    state: str | None = None
+    duration: float = math.inf  # s
+
+    def since(self, now: float, entered: Mapping[str, float]) -> float | None:
+        """Return for how long (s) the fault has been active at `now`, `None` when it is not.
+
+        Args:
+            now: s.
+            entered: when each state was first entered (s).
+        """
+        begin = 0.0 if self.state is None else entered.get(self.state, math.inf)
+        age = now - begin - self.start
+        return age if 0.0 <= age < self.duration else None
+
+
+def parse_fault(text: str) -> Fault:
+    """Read one fault.
+
+    Raises:
+        UsageError: unknown name, or not of the form above.
+    """
+    name = re.split("[=@+]", text, maxsplit=1)[0]
+    if name not in KINDS:
+        raise UsageError(f"unknown fault {name!r}: {nearest(name, KINDS)}")
+    match = GRAMMAR.fullmatch(text)
+    if match is None:
+        raise UsageError(f"cannot read the fault {text!r}; the form is {FORM}")
+    part = match.groupdict()
+    return Fault(
+        name,
+        _value(name, part["value"]),
+        float(part["start"] or part["delay"] or 0.0),
+        part["state"],
+        math.inf if part["duration"] is None else float(part["duration"]),
+    )
+
+
+def _value(name: str, text: str | None) -> float | None:
+    kind = KINDS[name]
+    if text is None or (name == "marker_hidden" and text == "all"):
+        return kind.value
+    if not kind.unit:
+        raise UsageError(f"fault {name} takes no value, got {text!r}")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UsageError(f"fault {name} needs a number ({kind.unit}), got {text!r}")
+    return value
+
+
+class Mishaps(NamedTuple):
+    """The faults of one run and when the states they wait for were first entered."""
+
+    faults: tuple[Fault, ...]
+    entered: dict[str, float]
+
+    def since(self, name: str, now: float) -> tuple[float, float] | None:
+        """Return (value, age in s) of the first active fault of that name, or `None`."""
+        for fault in self.faults:
+            age = fault.since(now, self.entered) if fault.name == name else None
+            if age is not None:
+                return fault.value or 0.0, age
+        return None
+
+    def active(self, name: str, now: float) -> bool:
+        """Tell whether a fault of that name is active."""
+        return self.since(name, now) is not None
+
+    def hidden(self, now: float, ids: frozenset[int]) -> frozenset[int]:
+        """Return which of the markers `ids` are covered at `now`."""
+        covered: frozenset[int] = frozenset()
+        for fault in self.faults:
+            if fault.name == "marker_hidden" and fault.since(now, self.entered) is not None:
+                covered |= ids if fault.value is None else ids & {int(fault.value)}
+        return covered

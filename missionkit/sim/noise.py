@@ -1,0 +1,40 @@
+"""Random numbers in blocks: the same sequence however it is cut into pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missionkit.geometry import Mat
+
+STREAMS = ("wind", "autopilot", "imu", "gnss", "baro", "magnetometer", "scan", "link", "camera")
+
+
+class Normals:
+    """Rows of standard normal numbers, drawn ahead in blocks because single draws are slow."""
+
+    def __init__(self, rng: np.random.Generator, width: int, block: int = 1000) -> None:
+        self._rng = rng
+        self._shape = (block, width)
+        self._rows = np.empty((0, width))
+        self._used = 0
+
+    def take(self, count: int) -> Mat:
+        """Return the next `count` rows, (count, width), not to be changed."""
+        end = self._used + count
+        while end > len(self._rows):
+            fresh = self._rng.standard_normal(self._shape)
+            self._rows = np.concatenate((self._rows[self._used :], fresh))
+            self._used, end = 0, count
+        rows = self._rows[self._used : end]
+        self._used = end
+        return rows
+
+
+def streams(seed: int) -> dict[str, np.random.Generator]:
+    """Return one independent generator for each source of randomness, by name.
+
+    Each has its own child of the seed, so that switching one sensor off leaves the others as
+    they were.
+    """
+    children = np.random.SeedSequence(seed).spawn(len(STREAMS))
+    return {name: np.random.default_rng(c) for name, c in zip(STREAMS, children, strict=True)}

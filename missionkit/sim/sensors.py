@@ -1,0 +1,113 @@
+"""Sensors outside the kernels: satellite fix, barometer, magnetometer, battery gauge.
+
+Each is given the true state (see `layout`) and draws from its own stream.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from missionkit.geometry import Vec3, conjugate, norm, rotate, vec
+from missionkit.messages import Baro, Battery, Gnss, Magnetometer
+from missionkit.sim.layout import RATE, gauss_markov
+from missionkit.sim.noise import Normals
+from missionkit.sim.parameters import BaroModel, BatteryModel, GnssModel, MagnetometerModel
+
+
+class Beat:
+    """Says when something with a rate is due, in physics steps."""
+
+    def __init__(self, rate: float) -> None:
+        self.every = max(1, round(RATE / rate))
+        self._next = self.every
+
+    def due(self, step: int) -> bool:
+        """Tell whether the next beat has come by `step`; if so, wait for the one after."""
+        if step < self._next:
+            return False
+        self._next = step - step % self.every + self.every
+        return True
+
+
+class GnssSensor:
+    """Position and velocity; the correlated error is in its stationary state from the start."""
+
+    def __init__(self, model: GnssModel, rng: np.random.Generator) -> None:
+        self.beat = Beat(model.rate)
+        self.latency = model.latency
+        self._noise = Normals(rng, 9, 200)
+        self._keep, self._kick = gauss_markov(
+            model.drift_sd, model.drift_tau, self.beat.every / RATE
+        )
+        white = vec(model.horizontal_sd, model.horizontal_sd, model.vertical_sd)
+        self._white = white
+        self._velocity_sd = model.velocity_sd
+        self._sd = np.sqrt(white**2 + model.drift_sd**2)
+        self._drift = model.drift_sd * self._noise.take(1)[0, :3]
+
+    def measure(self, at: float, x: Vec3, offset: Vec3) -> Gnss:
+        """Return the fix valid at `at` (s); `offset` (3,), m, NED, is a fault's."""
+        noise = self._noise.take(1)[0]
+        self._drift = self._keep * self._drift + self._kick * noise[6:]
+        position = x[:3] + self._drift + self._white * noise[:3] + offset
+        velocity = x[3:6] + self._velocity_sd * noise[3:6]
+        return Gnss(at, position, velocity, self._sd, self._velocity_sd)
+
+
+class BaroSensor:
+    """Height with white noise and drift."""
+
+    def __init__(self, model: BaroModel, rng: np.random.Generator) -> None:
+        self.beat = Beat(model.rate)
+        self._noise = Normals(rng, 2, 500)
+        self._sd = model.sd
+        self._keep, self._kick = gauss_markov(
+            model.drift_sd, model.drift_tau, self.beat.every / RATE
+        )
+        self._drift = 0.0
+
+    def measure(self, at: float, x: Vec3) -> Baro:
+        """Return the height at `at` (s)."""
+        white, walk = self._noise.take(1)[0].tolist()
+        self._drift = self._keep * self._drift + self._kick * walk
+        return Baro(at, -float(x[2]) + self._drift + self._sd * white)
+
+
+class MagnetometerSensor:
+    """Direction of the field in body axes, with constant hard iron."""
+
+    def __init__(self, model: MagnetometerModel, rng: np.random.Generator) -> None:
+        self.beat = Beat(model.rate)
+        self._noise = Normals(rng, 3, 500)
+        self._sd = model.sd
+        dip = math.radians(model.inclination_deg)
+        self._field = vec(math.cos(dip), 0.0, math.sin(dip))
+        self._iron = model.hard_iron * self._noise.take(1)[0]
+
+    def measure(self, at: float, x: Vec3) -> Magnetometer:
+        """Return the unit field (FRD) at `at` (s)."""
+        true = rotate(conjugate(x[6:10]), self._field)
+        field = true + self._iron + self._sd * self._noise.take(1)[0]
+        return Magnetometer(at, field / norm(field))
+
+
+class BatteryGauge:
+    """Charge left after the energy taken, and terminal voltage under load."""
+
+    def __init__(self, model: BatteryModel) -> None:
+        self.beat = Beat(1.0)
+        self.sag = 0.0  # charge lost to a fault
+        self._model = model
+        self._joules = 3600.0 * model.capacity
+
+    def charge(self, energy: float) -> float:
+        """Return the charge, 0 to 1, after `energy` (J)."""
+        return max(0.0, self._model.charge - energy / self._joules - self.sag)
+
+    def measure(self, at: float, energy: float, power: float) -> Battery:
+        """Return the reading at `at` (s) with `power` (W) being taken."""
+        charge = self.charge(energy)
+        idle = 13.2 + 3.6 * charge  # V, four cells
+        return Battery(at, charge, idle - self._model.resistance * power / idle)

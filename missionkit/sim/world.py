@@ -1,0 +1,145 @@
+"""The world a mission is rehearsed in, as `worlds/*.yaml` describe it.
+
+NED, m, with the origin at the take-off point; the ground is the plane down = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
+from missionkit.geometry import exp as rotation
+from missionkit.sim.parameters import Autopilot, BatteryModel, Frozen, Quadrotor, Sensors
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
+
+Spot = tuple[Metres, Metres]
+"""North, east (m)."""
+
+
+class Ground(Frozen):
+    """The plane down = 0 and what it looks like."""
+
+    texture: Literal["grass", "soil", "gravel", "concrete"] = "grass"
+
+
+class Wind(Frozen):
+    """Mean wind (NED, where the air goes to) and first-order Gauss-Markov gusts.
+
+    Each horizontal axis of the gust has standard deviation `gust`, the vertical one half of it.
+    Source: Dryden's model to first order, MIL-F-8785C, at constant airspeed.
+    """
+
+    mean: tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond] = (0.0, 0.0, 0.0)
+    gust: MetresPerSecond = Field(default=0.0, ge=0)
+    gust_tau: Seconds = Field(default=3.0, gt=0)
+
+
+class Cylinder(Frozen):
+    """An upright cylinder standing on the ground, such as a trunk."""
+
+    use: Literal["cylinder"]
+    at: Spot
+    radius: Metres = Field(gt=0)
+    height: Metres = Field(gt=0)
+
+
+class Box(Frozen):
+    """A box with sides along north and east, from `bottom` to `height` above the ground."""
+
+    use: Literal["box"]
+    min: Spot
+    max: Spot
+    height: Metres = Field(gt=0)
+    bottom: Metres = Field(default=0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Box:
+        if not (self.min[0] < self.max[0] and self.min[1] < self.max[1]):
+            raise ValueError("min must be south and west of max")
+        if self.bottom >= self.height:
+            raise ValueError("bottom must be below height")
+        return self
+
+
+class Sphere(Frozen):
+    """A ball, such as a crown or a balloon; `at` is its centre, NED."""
+
+    use: Literal["sphere"]
+    at: Point
+    radius: Metres = Field(gt=0)
+
+
+Obstacle = Annotated[Cylinder | Box | Sphere, Field(discriminator="use")]
+
+
+class Marker(Frozen):
+    """A printed fiducial, where it really hangs.
+
+    `facing_deg` is the heading of its normal; `tilt_deg` raises the normal (90: lying face up, its
+    upper edge then points away from `facing_deg`); `roll_deg` turns it clockwise for the viewer.
+    """
+
+    dictionary: str
+    id: int = Field(ge=0)
+    size: Metres = Field(gt=0, description="side of the black square")
+    position: Point
+    facing_deg: Degrees = 180.0
+    tilt_deg: Degrees = 0.0
+    roll_deg: Degrees = 0.0
+
+    @property
+    def attitude(self) -> Quat:
+        """Marker axes (x right, y up, z towards the viewer) to world, (4,)."""
+        return marker_attitude(self.facing_deg, self.tilt_deg, self.roll_deg)
+
+    @property
+    def pose(self) -> Transform:
+        """Marker to world."""
+        return Transform(self.attitude, vec(*self.position))
+
+
+def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 0.0) -> Quat:
+    """Return marker-to-world (4,) of a marker whose normal has that heading and elevation.
+
+    With no tilt and no roll the columns are x = (sin f, -cos f, 0), y = up, z = (cos f, sin f, 0).
+    """
+    f = math.radians(facing_deg)
+    upright = from_matrix(
+        np.array(
+            [
+                [math.sin(f), 0.0, math.cos(f)],
+                [-math.cos(f), 0.0, math.sin(f)],
+                [0.0, -1.0, 0.0],
+            ]
+        )
+    )
+    tilt = rotation(vec(-math.radians(tilt_deg), 0.0, 0.0))
+    roll = rotation(vec(0.0, 0.0, -math.radians(roll_deg)))
+    return multiply(upright, multiply(tilt, roll))
+
+
+class World(Frozen):
+    """Everything the simulator needs to know beyond the mission file."""
+
+    world: str = Field(description="name")
+    ground: Ground = Ground()
+    wind: Wind = Wind()
+    obstacles: tuple[Obstacle, ...] = ()
+    markers: tuple[Marker, ...] = ()
+    sensors: Sensors = Sensors()
+    battery: BatteryModel = BatteryModel()
+    quadrotor: Quadrotor = Quadrotor()
+    autopilot: Autopilot = Autopilot()
+    start: Spot = (0.0, 0.0)
+    start_yaw_deg: Degrees = 0.0
+
+    def marker(self, id: int, dictionary: str | None = None) -> Marker | None:
+        """Return the first marker with that id (and dictionary), if there is one."""
+        for marker in self.markers:
+            if marker.id == id and dictionary in {None, marker.dictionary}:
+                return marker
+        return None
