@@ -1,0 +1,85 @@
+"""Rotations and small dense matrices, compiled; in place where nothing is returned."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missionkit import geometry
+from missionkit.compiled import compiled
+from missionkit.geometry import Mat
+
+conjugate = compiled(geometry.conjugate)
+exp = compiled(geometry.exp)
+log = compiled(geometry.log)
+multiply = compiled(geometry.multiply)
+normalised = compiled(geometry.normalised)
+rotate = compiled(geometry.rotate)
+to_matrix = compiled(geometry.to_matrix)
+wrap = compiled(geometry.wrap)
+
+
+@compiled
+def transpose(P: Mat) -> None:
+    """Transpose a square matrix."""
+    for i in range(len(P)):
+        for j in range(i):
+            P[i, j], P[j, i] = P[j, i], P[i, j]
+
+
+@compiled
+def symmetrise(P: Mat) -> None:
+    """P := ½ (P + Pᵀ)."""
+    for i in range(len(P)):
+        for j in range(i):
+            P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+
+
+@compiled
+def inverted(S: Mat) -> tuple[Mat, bool]:
+    """Return the inverse of a symmetric (m, m) by elimination, and whether it is positive."""
+    m, A = len(S), S.copy()
+    for k in range(m):
+        pivot = A[k, k]
+        if not pivot > 0.0:
+            return A, False
+        A[k, k] = 1.0
+        for j in range(m):
+            A[k, j] /= pivot
+        for i in range(m):
+            if i != k:
+                g = A[i, k]
+                A[i, k] = 0.0
+                for j in range(m):
+                    A[i, j] -= g * A[k, j]
+    return A, True
+
+
+@compiled
+def times_transposed(A: Mat, B: Mat) -> Mat:
+    """Return A Bᵀ (n, m) of A (n, k) and B (m, k), which is mostly zeros."""
+    n, m = len(A), len(B)
+    C = np.zeros((n, m))
+    for i in range(m):
+        for k in range(A.shape[1]):
+            g = B[i, k]
+            if g != 0.0:
+                for c in range(n):
+                    C[c, i] += g * A[c, k]
+    return C
+
+
+@compiled
+def joseph(P: Mat, K: Mat, H: Mat, R: Mat) -> None:
+    """P := (I - K H) P (I - K H)ᵀ + K R Kᵀ, which stays positive whatever K is."""
+    n = len(P)
+    for _ in range(2):
+        B = times_transposed(P, H)
+        for c in range(n):
+            for k in range(n):
+                P[c, k] -= B[c, 0] * K[k, 0] + B[c, 1] * K[k, 1] + B[c, 2] * K[k, 2]
+        transpose(P)
+    L = times_transposed(K, R)
+    for c in range(n):
+        for k in range(n):
+            P[c, k] += L[c, 0] * K[k, 0] + L[c, 1] * K[k, 1] + L[c, 2] * K[k, 2]
+    symmetrise(P)

@@ -1,0 +1,129 @@
+"""How the measurements fared, and what that says about the estimate."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from missionkit.estimation import layout
+from missionkit.estimation.history import Outcome
+from missionkit.estimation.layout import FIX, FIX_VELOCITY, SIGHT
+from missionkit.geometry import Mat, Vec3
+from missionkit.messages import Health
+
+if TYPE_CHECKING:
+    from missionkit.estimation.visual_inertial import VisualInertialEkf
+
+MEMORY = 50
+"""How many refused fixes in a row are remembered."""
+STRAY = [layout.AT, layout.Z, layout.Z + 1, layout.Z + 2]
+"""What is remembered of them."""
+
+
+class Tally(NamedTuple):
+    """Counts by kind of measurement (`layout`); a value, never changed."""
+
+    accepted_at: tuple[float, ...]  # s, of the last accepted, -inf if none
+    refused_since: tuple[float, ...]  # s, first of the refused in a row, inf if none
+    refused: tuple[int, ...]  # in a row
+    strays: Mat  # (n, 4), s and m, NED: time and place of the fixes refused in a row
+    late: int  # measurements that arrived too late, in all
+
+
+def begin() -> Tally:
+    """Return the counts before the first measurement."""
+    n = layout.KINDS
+    return Tally((-math.inf,) * n, (math.inf,) * n, (0,) * n, np.empty((0, 4)), 0)
+
+
+def counted(tally: Tally, out: Outcome, bad: list[Vec3], now: float) -> Tally:
+    """Return the counts after the filter decided on some rows; `bad` ones never reached it."""
+    if not (len(out.decided) or out.late or bad):
+        return tally
+    accepted, since = list(tally.accepted_at), list(tally.refused_since)
+    refused, strays = list(tally.refused), tally.strays
+    for r in out.decided:
+        kind, at = int(r[layout.KIND]), float(r[layout.AT])
+        if r[layout.OUTCOME] == layout.ACCEPTED:
+            accepted[kind], since[kind], refused[kind] = max(accepted[kind], at), math.inf, 0
+        else:
+            since[kind] = min(since[kind], at)
+            refused[kind] += 1
+        if kind == FIX:
+            strays = _strayed(strays, r)
+    for r in bad:
+        kind = int(r[layout.KIND])
+        since[kind] = min(since[kind], now)
+        refused[kind] += 1
+    return Tally(tuple(accepted), tuple(since), tuple(refused), strays, tally.late + out.late)
+
+
+def _strayed(strays: Mat, fix: Vec3) -> Mat:
+    if fix[layout.OUTCOME] == layout.ACCEPTED:
+        return strays[:0]
+    if not math.isfinite(fix[layout.NIS]):
+        return strays
+    return np.concatenate((strays[1 - MEMORY :], fix[None, STRAY]))
+
+
+def refused_for(tally: Tally, kinds: tuple[int, ...], now: float) -> float:
+    """Return how long (s) one of `kinds` has been refused while none of them was accepted."""
+    started = min(tally.refused_since[k] for k in kinds)
+    return now - max(started, *(tally.accepted_at[k] for k in kinds))
+
+
+def horizontal_sd(P: Mat, shared: float) -> float:
+    """Return the standard deviation (m) of the horizontal position along its worst direction.
+
+    `shared` (m) is the error that all fixes have in common, which the filter cannot see.
+    """
+    mean, half = 0.5 * (P[0, 0] + P[1, 1]), 0.5 * (P[0, 0] - P[1, 1])
+    return math.sqrt(max(mean + math.hypot(half, P[0, 1]), 0.0) + shared**2)
+
+
+def diverged(tally: Tally, sd: float, silence: float, now: float, s: VisualInertialEkf) -> bool:
+    """Say whether the estimate must not be flown on.
+
+    Args:
+        tally: the counts.
+        sd: horizontal position (m).
+        silence: since the last inertial sample (s).
+        now: the time (s).
+        s: the limits.
+    """
+    return (
+        sd > s.max_position_sd
+        or silence > s.silent_after
+        or refused_for(tally, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after
+        or refused_for(tally, (FIX, SIGHT), now) > s.stray_after
+    )
+
+
+def unaligned(settings: VisualInertialEkf) -> Health:
+    """Return the health before the alignment has succeeded."""
+    return Health(
+        aligned=False,
+        diverged=False,
+        gnss_at=None,
+        vision_at=None,
+        position_sd=settings.origin_sd,
+        rejected=0,
+    )
+
+
+def health(tally: Tally, sd: float, *, lost: bool) -> Health:
+    """Return the health of an aligned filter: `sd` (m, horizontal), `lost` if it diverged."""
+    return Health(
+        aligned=True,
+        diverged=lost,
+        gnss_at=_known(tally.accepted_at[FIX]),
+        vision_at=_known(tally.accepted_at[SIGHT]),
+        position_sd=sd,
+        rejected=max(tally.refused),
+    )
+
+
+def _known(at: float) -> float | None:
+    return at if math.isfinite(at) else None

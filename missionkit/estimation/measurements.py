@@ -1,0 +1,128 @@
+"""Turning what sensors said into rows of the measurement log (`layout`)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from missionkit.estimation import layout
+from missionkit.estimation.alignment import Alignment
+from missionkit.geometry import Mat, Transform, Vec3, rotate, vec
+from missionkit.messages import Imu, Observation, Sighting
+
+if TYPE_CHECKING:
+    from missionkit.estimation.visual_inertial import VisualInertialEkf
+
+LEAST_SD, MOST_SD = 1e-3, 1e3
+"""A sensor that claims to be better or worse is not believed (m, m/s)."""
+LARGEST = 1e6
+"""No place or sensor reading is larger than this, in SI units."""
+NOWHERE = (math.nan, math.nan, math.nan)
+AHEAD = 0.05
+"""Clocks may disagree by this much (s); a measurement from further in the future is refused."""
+
+
+def row(
+    kind: int,
+    at: float,
+    z: Vec3 | tuple[float, ...],
+    noise: Mat,
+    index: int = 0,
+    extra: float = 0.0,
+) -> Vec3:
+    """Return one log row (21,) of a measurement z (3,) at time `at`.
+
+    `noise` is its covariance (3, 3), or variance (3,) or () if the errors are independent.
+    """
+    out = np.zeros(layout.LOG_WIDTH)
+    out[layout.AT], out[layout.KIND], out[layout.INDEX] = at, kind, index
+    out[layout.Z : layout.NOISE] = z
+    if noise.ndim == 2:
+        out[layout.NOISE : layout.EXTRA] = noise.ravel()
+    else:
+        out[layout.NOISE : layout.EXTRA : 4] = noise
+    out[layout.EXTRA] = extra
+    return out
+
+
+def samples(imu: Sequence[Imu]) -> Mat:
+    """Return (n, 7) time, accel, gyro."""
+    rows = [(s.at, *s.accel.tolist(), *s.gyro.tolist()) for s in imu]
+    return np.array(rows, dtype=np.float64).reshape(-1, 7)
+
+
+def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3]:
+    """Return the log rows of everything but inertial samples in `observation`."""
+    rows = []
+    if (fix := observation.gnss) is not None:
+        position_var = np.square(np.clip(fix.position_sd, LEAST_SD, MOST_SD))
+        velocity_var = np.square(np.clip(fix.velocity_sd, LEAST_SD, MOST_SD))
+        rows = [
+            row(layout.FIX, fix.at, fix.position, position_var),
+            row(layout.FIX_VELOCITY, fix.at, fix.velocity, velocity_var),
+        ]
+    if (baro := observation.baro) is not None:
+        noise = np.square(settings.baro_sd)
+        rows.append(row(layout.HEIGHT, baro.at, (baro.height, 0.0, 0.0), noise))
+    if (mag := observation.mag) is not None:
+        noise = np.square(settings.mag_sd)
+        north = math.radians(settings.declination_deg)
+        rows.append(row(layout.HEADING, mag.at, mag.field, noise, extra=north))
+    return rows
+
+
+def sound(seen: Sighting) -> bool:
+    """Say whether all numbers of a sighting are finite and none is absurdly large."""
+    parts = (seen.pose.rotation, seen.pose.translation, (seen.position_sd, seen.angle_sd))
+    return all(abs(value) < LARGEST for part in parts for value in part)
+
+
+def sighted(seen: Sighting, index: int, mount: Transform, bearing_sd: float) -> Vec3:
+    """Return the log row of a sighting: the target's place in body axes, t = R_bc t_c + t_bc.
+
+    Its covariance is σ² u uᵀ + τ² (I - u uᵀ) in camera axes: σ along the line of sight u, and
+    across it τ = |t_c| · bearing_sd, but never more than σ. The row of a sighting that is not
+    finite is not finite either, so that it will be refused.
+    """
+    t = seen.pose.translation
+    if not sound(seen):
+        return row(layout.SIGHT, seen.at, NOWHERE, np.eye(3), index)
+    reach = max(float(np.linalg.norm(t)), LEAST_SD)
+    u = rotate(mount.rotation, t / reach)
+    along = min(max(seen.position_sd, LEAST_SD), MOST_SD)
+    across = min(along, max(reach * bearing_sd, LEAST_SD))
+    line = np.outer(u, u)
+    noise = along**2 * line + across**2 * (np.eye(3) - line)
+    return row(layout.SIGHT, seen.at, mount.apply(t), noise, index)
+
+
+def timely(rows: list[Vec3], now: float) -> tuple[list[Vec3], list[Vec3]]:
+    """Split rows into those that have a time which is not in the future, and the others."""
+    good: list[Vec3] = []
+    bad: list[Vec3] = []
+    for r in rows:
+        (good if r[layout.AT] <= now + AHEAD else bad).append(r)
+    return good, bad
+
+
+def resting(observation: Observation) -> Alignment:
+    """Return what `observation` adds to an alignment, as far as it is finite."""
+    fix, baro, mag = observation.gnss, observation.baro, observation.mag
+    none = vec(0.0, 0.0, 0.0)
+    fixes = [] if fix is None else [(fix.at, *(fix.position + none), *(fix.position_sd + none))]
+    heights = [] if baro is None else [(baro.at, baro.height)]
+    fields = [] if mag is None else [(mag.at, *mag.field)]
+    return Alignment(
+        _finite(samples(observation.imu), 7),
+        _finite(fixes, 7),
+        _finite(heights, 2),
+        _finite(fields, 4),
+    )
+
+
+def _finite(rows: Mat | Sequence[tuple[float, ...]], width: int) -> Mat:
+    table = np.array(rows, dtype=np.float64).reshape(-1, width)
+    return table[(np.abs(table) < LARGEST).all(axis=1)]

@@ -1,0 +1,83 @@
+"""When measurements that were refused deserve to be believed after all.
+
+A jump of the satellite position is refused at first: velocity and inertial data carry the filter
+across a short fault. If the fixes keep coming, agree with each other, and nothing visual
+contradicts them, the filter was wrong, or they are all there is: it admits an error as large as
+the disagreement and takes the same fix again. A target that is seen again and again somewhere
+else is started anew at the place where it is seen.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from missionkit.estimation import layout
+from missionkit.estimation.health import Tally, refused_for
+from missionkit.estimation.layout import FIX, FIX_VELOCITY, SIGHT
+from missionkit.estimation.measurements import MOST_SD, row
+from missionkit.geometry import Mat, Vec3
+from missionkit.messages import Gnss
+
+if TYPE_CHECKING:
+    from missionkit.estimation.visual_inertial import VisualInertialEkf
+
+FIXES = 10
+"""How many refused fixes in a row have to agree."""
+NOTHING = np.zeros((3, 3))
+
+
+def agreeing(strays: Mat, count: int, sd: float) -> bool:
+    """Say whether the last `count` of refused places (n, 3) scatter less than 3 `sd` (m)."""
+    if len(strays) < count:
+        return False
+    recent = strays[-count:]
+    scatter = np.square(recent - recent.mean(axis=0)).sum(axis=1).mean()
+    return math.sqrt(float(scatter)) <= 3.0 * sd
+
+
+def straightened(strays: Mat) -> Mat:
+    """Return how far (n, 3) timed places (n, 4) lie from the straight flight that fits best."""
+    line = np.column_stack((np.ones(len(strays)), strays[:, 0] - strays[0, 0]))
+    residual: Mat = strays[:, 1:] - line @ (np.linalg.pinv(line) @ strays[:, 1:])
+    return residual
+
+
+def forget_vehicle(
+    tally: Tally, fix: Gnss, misses: list[float], now: float, settings: VisualInertialEkf
+) -> Vec3 | None:
+    """Return the log row that makes room for `fix`, None if it is not to be believed.
+
+    Args:
+        tally: the counts.
+        fix: the newest, refused.
+        misses: how far its position (m) and velocity (m/s) are from the estimate.
+        now: the time (s).
+        settings: the limits.
+    """
+    seen_ago = now - tally.accepted_at[SIGHT]
+    sd = math.hypot(*np.minimum(fix.position_sd, MOST_SD).tolist())
+    if (
+        refused_for(tally, (FIX,), now) < settings.reset_after
+        or seen_ago < settings.blind_after
+        or not agreeing(straightened(tally.strays[-FIXES:]), FIXES, sd)
+    ):
+        return None
+    drift = (0.0, 0.0, 0.0)
+    if refused_for(tally, (FIX_VELOCITY,), now) > settings.blind_after:
+        velocity_sd = settings.reset_velocity_sd + misses[1]
+        drift = (velocity_sd, settings.reset_angle_sd, settings.accel_bias_sd)
+    return row(layout.FORGET_VEHICLE, fix.at, drift, NOTHING, extra=sd + misses[0])
+
+
+def forget_target(sighting: Vec3) -> Vec3:
+    """Return the log row that puts a target where the sighting's row (21,) has it.
+
+    Its uncertainty becomes as large as its distance, and the same sighting then corrects it.
+    """
+    z = sighting[layout.Z : layout.NOISE]
+    reach = float(np.linalg.norm(z))
+    at, index = float(sighting[layout.AT]), int(sighting[layout.INDEX])
+    return row(layout.FORGET_TARGET, at, z, NOTHING, index, extra=max(reach, 1.0))
