@@ -9,6 +9,9 @@ from enum import IntEnum
 
 from typing_extensions import override
 
+SHOWN = 40  # names listed in a message
+COMPARED = 400  # names compared: a millisecond each hundred
+
 
 class ExitCode(IntEnum):
     """What a finished command says to the shell."""
@@ -82,6 +85,8 @@ def nearest(word: str, known: Iterable[str]) -> str:
     names = sorted(known)
     if not names:
         return "none are known here"
-    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    alike = names if len(names) <= SHOWN else [name for name in names if name[:1] == word[:1]]
+    close = difflib.get_close_matches(word, alike[:COMPARED], n=1, cutoff=0.6)
     hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names)}"
+    more = f", ... ({len(names)} in all)" if len(names) > SHOWN else ""
+    return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names[:SHOWN])}{more}"

@@ -10,6 +10,17 @@ from samples import calm
 from missionkit.messages import Estimate
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let golden files be written anew."""
+    parser.addoption("--update-refs", action="store_true", help="write golden files anew")
+
+
+@pytest.fixture
+def update_refs(request: pytest.FixtureRequest) -> bool:
+    """Whether golden files are to be written anew."""
+    return bool(request.config.getoption("--update-refs"))
+
+
 @pytest.fixture
 def seen() -> Callable[..., Estimate]:
     """Make estimates: `seen(now=3.0, battery=None)`."""

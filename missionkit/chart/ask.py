@@ -1,0 +1,231 @@
+"""Guard expressions compiled to closures, in three-valued logic (Kleene)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from numbers import Real
+from typing import Any as Anything
+from typing import cast
+
+from missionkit.chart import expressions as ex
+from missionkit.chart.compiled import Ask, Question, Slot
+from missionkit.messages import Verdict
+from missionkit.plugin import Guard, Plugin, WindowGuard
+
+
+class Asker:
+    """Compiles the guards of one mission; guards that remember share their slots by name."""
+
+    def __init__(self, named: dict[str, ex.Expression]) -> None:
+        self._named = named
+        self._compiled: dict[str, Ask] = {}
+        self._meanings: dict[str, object] = {name: name for name in named}
+        self.slots: list[Slot] = []
+
+    def ask(self, expression: ex.Expression) -> Ask:
+        """Return the closure that answers `expression`."""
+        match expression:
+            case ex.Named(name=name):
+                return self._remembered(name, lambda: self._guard(name))
+            case ex.Use():
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._plugin(name, expression.plugin))
+            case ex.All(parts=parts):
+                return _all(tuple(self.ask(part) for part in parts))
+            case ex.Any(parts=parts):
+                return _any(tuple(self.ask(part) for part in parts))
+            case ex.Not(part=part):
+                return _not(self.ask(part))
+            case ex.Hysteresis():
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._latch(name, expression))
+
+    def name(self, expression: ex.Expression) -> str:
+        """Return what the record calls a guard: its text, numbered where two read the same."""
+        said, count = ex.text(expression), 1
+        meaning: object
+        match expression:
+            case ex.Use():
+                meaning = expression.plugin
+            case ex.Hysteresis(part=part, enter=enter, exit=leave):
+                meaning = (self.name(part), enter, leave)
+            case _:
+                return said
+        name = said
+        while self._meanings.setdefault(name, meaning) != meaning:
+            count += 1
+            name = f"{said} ({count})"
+        return name
+
+    def _remembered(self, name: str, compile_it: Callable[[], Ask]) -> Ask:
+        if name not in self._compiled:
+            self._compiled[name] = compile_it()
+        return self._compiled[name]
+
+    def _guard(self, name: str) -> Ask:
+        expression = self._named[name]
+        if isinstance(expression, ex.Use):
+            return self._plugin(name, expression.plugin)
+        return _answered(name, self.ask(expression))
+
+    def _plugin(self, name: str, plugin: Plugin) -> Ask:
+        foreign = not type(plugin).__module__.startswith("missionkit.")
+        if isinstance(plugin, WindowGuard):
+            slot = self._slot(name, plugin.begin, _advancing(name, plugin, foreign=foreign))
+            return _answered(name, _window(name, plugin, slot, foreign=foreign))
+        return _answered(name, _simple(name, cast(Guard, plugin), foreign=foreign))
+
+    def _latch(self, name: str, latch: ex.Hysteresis) -> Ask:
+        inner = self.ask(latch.part)
+        slot = self._slot(name, lambda: False, _latching(inner, latch))
+
+        def ask(question: Question) -> Verdict:
+            verdict, on = inner(question), question.windows[slot]
+            if verdict.value is None:
+                return Verdict.unknown(verdict.why or "the guard gives no value")
+            threshold = latch.exit if on else latch.enter
+            sign = 1.0 if latch.enter >= latch.exit else -1.0
+            margin = sign * (verdict.value - threshold)
+            return Verdict(on, verdict.why, verdict.value, threshold, margin)
+
+        return _answered(name, ask)
+
+    def _slot(
+        self,
+        name: str,
+        begin: Callable[[], Anything],
+        advance: Callable[[Anything, Question], Anything],
+    ) -> int:
+        self.slots.append(Slot(name, begin, advance))
+        return len(self.slots) - 1
+
+
+def _answered(name: str, ask: Ask) -> Ask:
+    """Ask once a tick and keep the answer for the record."""
+
+    def once(question: Question) -> Verdict:
+        known = question.answers.get(name)
+        if known is None:
+            known = question.answers[name] = ask(question)
+        return known
+
+    return once
+
+
+def _simple(name: str, guard: Guard, *, foreign: bool) -> Ask:
+    check = guard.check
+
+    def ask(question: Question) -> Verdict:
+        boxed = question.contain.call(name, check, question.seen, foreign=foreign)
+        return _trusted(name, boxed, question)
+
+    return ask
+
+
+def _window(name: str, guard: WindowGuard, slot: int, *, foreign: bool) -> Ask:
+    check = guard.check
+
+    def ask(question: Question) -> Verdict:
+        memory = question.windows[slot]
+        boxed = question.contain.call(name, check, memory, question.seen, foreign=foreign)
+        return _trusted(name, boxed, question)
+
+    return ask
+
+
+def _advancing(
+    name: str, guard: WindowGuard, *, foreign: bool
+) -> Callable[[Anything, Question], Anything]:
+    step = guard.advance
+
+    def advance(memory: Anything, question: Question) -> Anything:
+        boxed = question.contain.call(name, step, memory, question.seen, foreign=foreign)
+        return memory if boxed is None else boxed[0]
+
+    return advance
+
+
+def _latching(inner: Ask, latch: ex.Hysteresis) -> Callable[[Anything, Question], bool]:
+    rising = latch.enter >= latch.exit
+
+    def advance(on: Anything, question: Question) -> bool:
+        value = inner(question).value
+        if value is None:
+            return bool(on)
+        threshold = latch.exit if on else latch.enter
+        return value >= threshold if rising else value <= threshold
+
+    return advance
+
+
+def _trusted(name: str, boxed: tuple[object] | None, question: Question) -> Verdict:
+    """Return the verdict if it can be used; note what is wrong with it if not."""
+    if boxed is None:
+        return Verdict.unknown("the guard failed")
+    (answer,) = boxed
+    if not isinstance(answer, Verdict):
+        question.contain.note(f"{name} answered {type(answer).__name__}, expected a Verdict")
+        return Verdict.unknown("the guard's answer cannot be used")
+    verdict = _plain(answer)
+    if verdict is None:
+        question.contain.note(f"{name} answered a Verdict of {answer.holds!r}, {answer.value!r}")
+        return Verdict.unknown("the guard's answer cannot be used")
+    if _finite(verdict):
+        return verdict
+    question.contain.note(f"{name} answered with a number that is not finite")
+    return Verdict.unknown("the guard's number is not finite")
+
+
+def _plain(answer: Verdict) -> Verdict | None:
+    """Return a verdict in Python's own truth values and numbers, `None` if that cannot be done.
+
+    A comparison of numpy numbers gives a truth value that is neither `True` nor `False`.
+    """
+    holds: object = answer.holds
+    numbers = answer[2:]
+    if not all(number is None or isinstance(number, Real) for number in numbers):
+        return None
+    if holds is not None and type(holds).__name__ != "bool":
+        return None
+    value, threshold, margin = (None if n is None else float(n) for n in numbers)
+    return Verdict(
+        None if holds is None else bool(holds), str(answer.why), value, threshold, margin
+    )
+
+
+def _finite(verdict: Verdict) -> bool:
+    _, _, value, *limits = verdict
+    if value is not None and not math.isfinite(value):
+        return False
+    return not any(limit is not None and math.isnan(limit) for limit in limits)
+
+
+def _all(parts: tuple[Ask, ...]) -> Ask:
+    def ask(question: Question) -> Verdict:
+        verdicts = [part(question) for part in parts]
+        return _first(verdicts, holds=False) or _first(verdicts, holds=None) or Verdict(holds=True)
+
+    return ask
+
+
+def _any(parts: tuple[Ask, ...]) -> Ask:
+    def ask(question: Question) -> Verdict:
+        verdicts = [part(question) for part in parts]
+        return _first(verdicts, holds=True) or _first(verdicts, holds=None) or Verdict(holds=False)
+
+    return ask
+
+
+def _not(part: Ask) -> Ask:
+    def ask(question: Question) -> Verdict:
+        verdict = part(question)
+        holds = None if verdict.holds is None else not verdict.holds
+        margin = None if verdict.margin is None else -verdict.margin
+        return verdict._replace(holds=holds, margin=margin)
+
+    return ask
+
+
+def _first(verdicts: list[Verdict], *, holds: bool | None) -> Verdict | None:
+    return next((verdict for verdict in verdicts if verdict.holds is holds), None)

@@ -1,0 +1,114 @@
+"""What a mission file may name: plug-ins by kind, and kinds of state.
+
+There is no registry: the command line builds one catalogue and hands it down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, cast
+
+from missionkit.behaviors import ALL as BEHAVIORS
+from missionkit.chart.plugin_file import plugins_of
+from missionkit.errors import UsageError
+from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.guards import ALL as GUARDS
+from missionkit.perception.aruco import Aruco
+from missionkit.planning.potential_field import PotentialField
+from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
+from missionkit.states import KINDS
+from missionkit.states.contract import StateKind
+
+Plugins = Mapping[str, type[Plugin]]
+GROUPS = ("guards", "behaviors", "navigators", "detectors", "planners")
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Plug-in classes and state kinds by the name that mission files use."""
+
+    guards: Plugins
+    behaviors: Plugins
+    navigators: Plugins
+    detectors: Plugins
+    planners: Plugins
+    kinds: Mapping[str, StateKind]
+
+    def group(self, name: str) -> Plugins:
+        """Return the plug-ins of one of `GROUPS`."""
+        plugins: Plugins = getattr(self, name)
+        return plugins
+
+    def extended(self, group: str, plugins: Iterable[type[Plugin]]) -> Catalogue:
+        """Return a catalogue with more plug-ins.
+
+        Raises:
+            UsageError: a kind is taken; names both sources.
+        """
+        known = dict(self.group(group))
+        for plugin in plugins:
+            taken = known.get(plugin.kind)
+            if taken is not None and taken is not plugin:
+                raise UsageError(
+                    f"two {group} are called {plugin.kind!r}: {source(taken)} and {source(plugin)}"
+                )
+            known[plugin.kind] = plugin
+        return replace(self, **cast(dict[str, Any], {group: known}))
+
+    def with_entry_points(self) -> Catalogue:
+        """Return a catalogue with the plug-ins of installed packages.
+
+        Raises:
+            UsageError: one cannot be imported, is no plug-in, or takes a name that is taken.
+        """
+        catalogue = self
+        for group in GROUPS:
+            for entry in entry_points(group=f"missionkit.{group}"):
+                catalogue = catalogue.extended(group, [_loaded(entry.name, entry.load)])
+        return catalogue
+
+    def with_file(self, path: Path) -> Catalogue:
+        """Return a catalogue with the guards and behaviours that a Python file defines.
+
+        Raises:
+            FileError: the file cannot be imported or defines no complete plug-in.
+            UsageError: a name is taken.
+        """
+        plugins = plugins_of(path)
+        guards = [plugin for plugin in plugins if issubclass(plugin, (Guard, WindowGuard))]
+        behaviors = [plugin for plugin in plugins if issubclass(plugin, Behavior)]
+        return self.extended("guards", guards).extended("behaviors", behaviors)
+
+
+def source(plugin: type[Plugin]) -> str:
+    """Say where a plug-in comes from."""
+    return f"{plugin.__module__}.{plugin.__qualname__}"
+
+
+def builtin() -> Catalogue:
+    """Return the catalogue of what missionkit itself brings."""
+    return Catalogue(
+        guards=_by_kind(GUARDS),
+        behaviors=_by_kind(BEHAVIORS),
+        navigators=_by_kind((VisualInertialEkf,)),
+        detectors=_by_kind((Aruco,)),
+        planners=_by_kind((PotentialField,)),
+        kinds=KINDS,
+    )
+
+
+def _by_kind(plugins: Iterable[type[Plugin]]) -> Plugins:
+    return {plugin.kind: plugin for plugin in plugins}
+
+
+def _loaded(name: str, load: Callable[[], object]) -> type[Plugin]:
+    try:
+        plugin = load()
+    except Exception as error:
+        raise UsageError(f"plug-in {name!r} cannot be imported: {error!r}") from error
+    if not (isinstance(plugin, type) and issubclass(plugin, Plugin)):
+        raise UsageError(f"plug-in {name!r} is {plugin!r}, not a class derived from Plugin")
+    return plugin

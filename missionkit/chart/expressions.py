@@ -1,0 +1,127 @@
+"""Guard expressions as data: what a transition, failsafe or invariant waits for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from missionkit.errors import Place
+from missionkit.plugin import Plugin
+
+P_co = TypeVar("P_co", bound=Plugin, covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Use(Generic[P_co]):
+    """A plug-in with its parameters."""
+
+    kind: str
+    plugin: P_co
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A guard from the mission's `guards:` section."""
+
+    name: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class All:
+    """Holds when every part holds."""
+
+    parts: tuple[Expression, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Any:
+    """Holds when at least one part holds."""
+
+    parts: tuple[Expression, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """Holds when the part does not; unknown when the part is."""
+
+    part: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Hysteresis:
+    """A latch on the part's value.
+
+    With `enter` > `exit` it begins to hold at value >= `enter` and ends at value < `exit`; with
+    `enter` < `exit` it begins at value <= `enter` and ends at value > `exit`.
+    """
+
+    part: Expression  # one guard with a value
+    enter: float
+    exit: float
+    place: Place
+
+
+Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis
+
+
+def text(expression: Expression) -> str:
+    """Return a guard as a person would say it: "marker-sure and not within trunk"."""
+    match expression:
+        case Named(name=name):
+            return name
+        case Use():
+            return use_text(expression)
+        case All(parts=parts):
+            return " and ".join(_grouped(part) for part in parts)
+        case Any(parts=parts):
+            return " or ".join(_grouped(part) for part in parts)
+        case Not(part=part):
+            return f"not {_grouped(part)}"
+        case Hysteresis(part=part, enter=enter, exit=leave):
+            return f"{_grouped(part)} from {enter:g} until {leave:g}"
+
+
+def use_text(use: Use[Plugin]) -> str:
+    """Return a plug-in with the parameters the mission gave it: "within 9 of trunk"."""
+    given = [
+        f"{name} {_value(getattr(use.plugin, name))}"
+        for name in type(use.plugin).model_fields
+        if name in use.plugin.model_fields_set
+    ]
+    words = use.kind.replace("_", " ")
+    return f"{words} ({', '.join(given)})" if given else words
+
+
+def _value(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, (tuple, list)):
+        return f"[{', '.join(map(_value, value))}]"
+    return str(value)
+
+
+def _grouped(expression: Expression) -> str:
+    said = text(expression)
+    return f"({said})" if isinstance(expression, (All, Any)) else said
+
+
+def names_in(expression: Expression) -> Iterator[Named]:
+    """Yield every reference to a named guard."""
+    match expression:
+        case Named():
+            yield expression
+        case All(parts=parts) | Any(parts=parts):
+            for part in parts:
+                yield from names_in(part)
+        case Not(part=inner):
+            yield from names_in(inner)
+        case Hysteresis(part=single):
+            yield from names_in(single)
+        case Use():
+            return

@@ -1,0 +1,117 @@
+"""From a file to a validated model, or to every problem found in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.located import shown
+from missionkit.chart.model import Mission
+from missionkit.chart.named_guards import problems_of
+from missionkit.chart.parameters import Expanded, expand
+from missionkit.chart.part import Scope
+from missionkit.chart.problems import plain, problems_in
+from missionkit.chart.reader import Document, read, read_file
+from missionkit.errors import FileError, Problem, nearest
+
+M = TypeVar("M", bound=BaseModel)
+MAX_PROBLEMS = 50
+NOTHING: Mapping[str, str] = MappingProxyType({})
+
+
+def load(path: Path, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHING) -> Mission:
+    """Read a mission file.
+
+    Args:
+        path: the file, named in messages as given here.
+        catalogue: what the mission may use.
+        overrides: values of parameters by name, in YAML, as `--set` gives them.
+
+    Raises:
+        FileError: everything that is wrong with the file.
+    """
+    mission = checked(read_file(path), catalogue, overrides)
+    if mission.world is not None and not (path.parent / mission.world).is_file():
+        near = nearest(mission.world, _files_near(path, mission.world))
+        message = f"world {mission.world!r}: no such file beside the mission; {near}"
+        raise FileError([Problem(mission.place("world"), message)])
+    return mission
+
+
+def parse(
+    text: str, file: str, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHING
+) -> Mission:
+    """Return the mission that `text` describes; `file` is what messages call it.
+
+    Raises:
+        FileError: everything that is wrong with the text.
+    """
+    return checked(read(text, file), catalogue, overrides)
+
+
+def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, str]) -> Mission:
+    """Return the mission of a document.
+
+    Raises:
+        FileError: everything that is wrong with it.
+    """
+    _require_mapping(document)
+    expanded = expand(document, overrides)
+    try:
+        scope = Scope.of(expanded.data, catalogue)
+        mission = Mission.model_validate(expanded.data, context=scope)
+    except ValidationError as error:
+        found = problems_in(error, Mission, expanded.data, document.start, expanded.origins)
+        raise _refusal(found, expanded) from error
+    if problems := [*expanded.problems, *problems_of(mission.guards)]:
+        raise _refusal(problems, expanded)
+    return mission
+
+
+def load_model(path: Path, model: type[M]) -> M:
+    """Read a file of plain values, such as a world.
+
+    Raises:
+        FileError: everything that is wrong with the file.
+    """
+    document = read_file(path)
+    _require_mapping(document)
+    expanded = Expanded(document.data, {}, document.problems)
+    try:
+        found = plain(model, document.data)
+    except ValidationError as error:
+        problems = problems_in(error, model, document.data, document.start, {})
+        raise _refusal(problems, expanded) from error
+    if document.problems:
+        raise _refusal(document.problems, expanded)
+    return found
+
+
+def _require_mapping(document: Document) -> None:
+    if not isinstance(document.data, dict):
+        message = f"expected a mapping (key: value), got {shown(document.data)}"
+        raise FileError([*document.problems, Problem(document.start, message)])
+
+
+def _refusal(problems: Sequence[Problem], expanded: Expanded) -> FileError:
+    """Join the problems in the order of the file; one place is not reported twice."""
+    places = {problem.place for problem in expanded.problems}
+    fresh = [problem for problem in problems if problem.place not in places]
+    found = sorted(
+        {*expanded.problems, *fresh},
+        key=lambda problem: (problem.place.line, problem.place.column, problem.message),
+    )
+    if len(found) > MAX_PROBLEMS:
+        rest = f"and {len(found) - MAX_PROBLEMS} more problems from here on"
+        found = [*found[:MAX_PROBLEMS], Problem(found[MAX_PROBLEMS].place, rest)]
+    return FileError(found)
+
+
+def _files_near(mission: Path, world: str) -> list[str]:
+    folder = (mission.parent / world).parent
+    return [str(path.relative_to(mission.parent)) for path in folder.glob("*.yaml")]

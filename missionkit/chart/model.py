@@ -1,0 +1,155 @@
+"""The mission as a model: exactly what a mission file may say."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from missionkit.chart.actions import Action
+from missionkit.chart.conditions import Condition
+from missionkit.chart.expressions import Use
+from missionkit.chart.located import Table, Text
+from missionkit.chart.part import KindName, Name, Part, Plain, StateName, TargetName, scope_of
+from missionkit.chart.references import Reference
+from missionkit.chart.sentence import sentence, sentences
+from missionkit.control.controller import Control
+from missionkit.perception.camera import Camera
+from missionkit.plugin import Behavior, Plugin
+from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
+
+Actions = Annotated[tuple[Action, ...], Field(strict=False)]
+Place3 = Annotated[Point, Field(strict=False)]
+_NO_TIME = "'for' needs 'when': it says how long the guard must hold"
+
+
+class Vehicle(Part):
+    """What flies; `--vehicle` replaces it."""
+
+    use: Literal["sim"] = "sim"
+
+
+class TargetPlace(Part):
+    """Where a target is, as surveyed: north, east, down of the take-off point."""
+
+    position: Place3
+    position_sd: Metres = Field(default=1.0, ge=0, description="standard deviation, one axis")
+    facing_deg: Degrees | None = Field(
+        default=None, description="compass direction in which its marker looks"
+    )
+
+
+class Transition(Part):
+    """A way out of a state: taken when all that it names is fulfilled."""
+
+    to: StateName
+    when: Condition | None = Field(default=None, description="guard that must hold")
+    for_: Seconds = Field(default=0.0, alias="for", description="how long it must hold")
+    after: Seconds | None = Field(default=None, description="time since entry to the state")
+    event: Name | None = Field(default=None, description="event that must have come")
+    do: Actions = ()
+    name: Name | None = None
+    emergency: bool = Field(default=False, description="does not wait for the dwell time")
+
+    @model_validator(mode="after")
+    def _has_reason(self) -> Self:
+        if "for_" in self.model_fields_set and self.when is None:
+            raise sentences(sentence(_NO_TIME, "for", at_key=True))
+        if self.when is None and self.after is None and self.event is None:
+            raise sentences(sentence("needs at least one of 'when', 'after', 'event'"))
+        return self
+
+
+class Failsafe(Part):
+    """A transition out of every flying state, tried before the states' own."""
+
+    name: Name
+    when: Condition
+    for_: Seconds = Field(default=0.0, alias="for", description="how long the guard must hold")
+    unknown: Literal["take", "ignore"] = Field(
+        default="take", description="what to do when the guard cannot tell"
+    )
+    to: StateName
+    do: Actions = ()
+
+
+class Invariant(Part):
+    """What must hold while the state is active, besides what its kind demands."""
+
+    holds: Condition | None = None
+    exit: StateName | None = Field(default=None, description="where to go when it is violated")
+
+
+class State(Part):
+    """One state: its kind's contract, what it does, and the ways out of it."""
+
+    kind: KindName
+    summary: str = ""
+    behavior: Annotated[Use[Behavior], Reference("behaviors")]
+    transitions: Annotated[tuple[Transition, ...], Field(strict=False)] = ()
+    entry: Actions = ()
+    exit: Actions = ()
+    dwell: Seconds | None = Field(default=None, description="instead of the mission's")
+    invariant: Invariant = Invariant()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_behavior(cls, data: object, info: ValidationInfo) -> object:
+        if not isinstance(data, Table) or "behavior" in data:
+            return data
+        kind = scope_of(info).catalogue.kinds.get(str(data.get("kind")))
+        if kind is None or kind.default_behavior is None:
+            return data
+        place = data.place_of("kind")
+        return data.extended("behavior", Text(kind.default_behavior, place), place)
+
+
+class Success(Part):
+    """What counts as success, graded against the truth where it is known."""
+
+    visit: StateName
+    target: TargetName | None = None
+    standoff: Place3 = (0.0, 0.0, 0.0)
+    position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
+    yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
+
+
+class Settings(Part):
+    """How the mission is run."""
+
+    rate: Hertz = Field(default=20.0, le=100, description="ticks per second")
+    time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
+
+
+def _use(kind: str) -> Any:
+    return {"use": kind}
+
+
+class Mission(Part):
+    """A mission file, version 1."""
+
+    version: Literal[1] = Field(alias="missionkit", description="version of the file format")
+    name: Name = Field(alias="mission")
+    summary: str = ""
+    params: dict[str, Any] = Field(default={}, description="values that $name stands for")
+    world: str | None = Field(default=None, description="for the simulator, beside this file")
+    vehicle: Vehicle = Vehicle()
+    navigation: Annotated[Use[Plugin], Reference("navigators")] = Field(
+        default=_use("visual_inertial_ekf"), validate_default=True
+    )
+    camera: Annotated[Camera, Plain] = Camera()
+    targets: dict[Name, TargetPlace] = Field(default={})
+    perception: Annotated[
+        tuple[Annotated[Use[Plugin], Reference("detectors")], ...], Field(strict=False)
+    ] = ()
+    avoid: Annotated[Use[Plugin] | None, Reference("planners", optional=True)] = Field(
+        default=_use("potential_field"), validate_default=True
+    )
+    control: Annotated[Control, Plain] = Control()
+    guards: dict[Name, Condition] = Field(default={}, description="named once, used by name")
+    failsafes: Annotated[tuple[Failsafe, ...], Field(strict=False)] = ()
+    initial: StateName
+    states: Annotated[dict[Name, State], Field(min_length=1)]
+    success: Success | None = None
+    dwell: Seconds = Field(default=2.0, description="least time between two transitions")
+    settings: Settings = Settings()

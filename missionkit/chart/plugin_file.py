@@ -1,0 +1,72 @@
+"""Plug-ins in a Python file of the user's own, given with `--plugin path.py`."""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+
+from missionkit.errors import FileError, Place, Problem
+from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
+
+BASES = (Guard, WindowGuard, Behavior)
+
+
+def plugins_of(path: Path) -> tuple[type[Plugin], ...]:
+    """Return the guards and behaviours that a Python file defines, in the order of the file.
+
+    Raises:
+        FileError: it cannot be imported, lacks a method, or defines no guard or behaviour.
+    """
+    module = _imported(path)
+    found = tuple(
+        item
+        for item in vars(module).values()
+        if isinstance(item, type)
+        and issubclass(item, BASES)
+        and item.__module__ == module.__name__
+        and "kind" in vars(item)
+    )
+    problems = [_incomplete(plugin, path) for plugin in found if inspect.isabstract(plugin)]
+    if not found:
+        names = ", ".join(base.__name__ for base in BASES)
+        message = f"no plug-in here: define a class with a `kind`, derived from {names}"
+        problems.append(Problem(Place(str(path), 1, 1), message))
+    if problems:
+        raise FileError(problems)
+    return found
+
+
+def _imported(path: Path) -> ModuleType:
+    name = f"missionkit_plugin_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise FileError([Problem(Place(str(path), 1, 1), "cannot be read: not a Python file")])
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # pydantic resolves annotations through it
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:  # the user's code may raise anything
+        del sys.modules[name]
+        raise FileError([_import_problem(path, error)]) from error
+    return module
+
+
+def _import_problem(path: Path, error: BaseException) -> Problem:
+    message = f"cannot be imported: {type(error).__name__}: {error}"
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        place = Place(str(path), error.lineno or 1, error.offset or 1)
+        return Problem(place, f"cannot be imported: {error.msg}")
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    last = frames[-1] if frames else None
+    line, column = (last.lineno or 1, (last.colno or 0) + 1) if last else (1, 1)
+    return Problem(Place(str(path), line, column), message)
+
+
+def _incomplete(plugin: type[Plugin], path: Path) -> Problem:
+    missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
+    line = inspect.getsourcelines(plugin)[1]
+    return Problem(Place(str(path), line, 1), f"{plugin.__name__} lacks the method {missing}")

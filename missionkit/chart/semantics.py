@@ -1,0 +1,188 @@
+"""Which state is active: one pure step per tick.
+
+Order of precedence: the pilot, then failsafes in document order, then the state's invariant,
+then its transitions in document order. Failsafes ignore the dwell; a failsafe never leads back
+to something less safe than what is already happening (land before return before anything else).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from missionkit.chart.compiled import Chart, Output, Question, State, Transition
+from missionkit.chart.contain import Containment
+from missionkit.messages import Estimate, Fired, Verdict
+
+ABORT = "operator: land"
+EPSILON = 1e-9  # s; ticks are multiples of the period, up to rounding
+_SAFETY = {"land": 2, "return": 1}
+
+
+class ChartMemory(NamedTuple):
+    """Where the chart stands."""
+
+    state: str
+    entered_at: float
+    windows: tuple[Any, ...]
+    held: Mapping[int, float]  # transition -> since when its guard has held
+    violated_since: float | None = None
+    started: bool = False  # the initial state's entry was carried out
+    raised: tuple[str, ...] = ()  # events raised by outputs, seen at the next tick
+
+
+class Decision(NamedTuple):
+    """What one tick decided."""
+
+    answers: tuple[tuple[str, Verdict], ...]
+    fired: Fired | None
+    entered: bool  # a state was entered at this tick
+    problems: tuple[str, ...]
+
+
+def begin(chart: Chart, now: float) -> ChartMemory:
+    """Return the memory before the first tick."""
+    windows = tuple(slot.begin() for slot in chart.slots)
+    return ChartMemory(chart.initial, now, windows, {})
+
+
+def decide(
+    chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
+) -> tuple[ChartMemory, Decision]:
+    """Advance the guards' windows, choose at most one transition, and take it."""
+    question = Question(seen, memory.windows, contain)
+    windows = _advanced(chart, question)
+    state = chart.states[memory.state]
+    events = seen.events + memory.raised
+    held, chosen = _chosen(chart, state, memory, question, events)
+    violated, escape, problems = _invariant(state, memory, question)
+    fired = chosen
+    if escape is not None and (chosen is None or chosen not in chart.failsafes):
+        fired = escape
+    if ABORT in events and state.kind.name != "land":
+        fired = Transition(-1, chart.land, ABORT)
+    answers = tuple(question.answers.items())
+    if fired is None or (fired.to == state.name and fired.event is None):
+        following = memory._replace(
+            windows=windows, held=held, violated_since=violated, started=True, raised=()
+        )
+        return following, Decision(answers, None, not memory.started, problems)
+    outputs = (*state.exit, *fired.outputs, *chart.states[fired.to].entry)
+    following = ChartMemory(
+        fired.to,
+        seen.now,
+        windows,
+        {},
+        started=True,
+        raised=tuple(output.text for output in outputs if output.verb == "raise"),
+    )
+    return following, Decision(
+        answers, _explained(chart, state, fired, outputs, question), entered=True, problems=problems
+    )
+
+
+def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
+    """Advance every memory; one that asks another guard finds it in a slot before its own."""
+    question.windows = windows = list(question.windows)
+    for index, slot in enumerate(chart.slots):
+        windows[index] = slot.advance(windows[index], question)
+    return tuple(windows)
+
+
+def _chosen(
+    chart: Chart,
+    state: State,
+    memory: ChartMemory,
+    question: Question,
+    events: tuple[str, ...],
+) -> tuple[Mapping[int, float], Transition | None]:
+    """Ask every guard of the state, so that the record explains also what did not happen."""
+    held: dict[int, float] = {}
+    chosen: Transition | None = None
+    if _airborne(question.seen) and state.kind.flying:
+        for failsafe in chart.failsafes:
+            ready = _enabled(failsafe, memory, question, events, held)
+            if ready and chosen is None and _safer(chart, state, failsafe.to):
+                chosen = failsafe
+    rested = question.seen.now - memory.entered_at >= state.dwell - EPSILON
+    for transition in state.transitions:
+        ready = _enabled(transition, memory, question, events, held)
+        if ready and chosen is None and (rested or not transition.patient):
+            chosen = transition
+    return held, chosen
+
+
+def _enabled(
+    transition: Transition,
+    memory: ChartMemory,
+    question: Question,
+    events: tuple[str, ...],
+    held: dict[int, float],
+) -> bool:
+    now = question.seen.now
+    if transition.ask is not None:
+        holds = transition.ask(question).holds
+        if not (transition.unknown_takes if holds is None else holds):
+            return False
+        since = memory.held.get(transition.number, now)
+        held[transition.number] = since
+        if now - since < transition.hold - EPSILON:
+            return False
+    if transition.after is not None and now - memory.entered_at < transition.after - EPSILON:
+        return False
+    return transition.event is None or transition.event in events
+
+
+def _airborne(seen: Estimate) -> bool:
+    return seen.status is None or seen.status.in_air or seen.status.armed
+
+
+def _safer(chart: Chart, state: State, to: str) -> bool:
+    rank = _SAFETY.get(chart.states[to].kind.name, 0)
+    here = _SAFETY.get(state.kind.name, 0)
+    return rank > here or (rank == here == 0 and to != state.name)
+
+
+def _invariant(
+    state: State, memory: ChartMemory, question: Question
+) -> tuple[float | None, Transition | None, tuple[str, ...]]:
+    """Return since when I(s) is broken, the way out if that was too long, and the news."""
+    says, verdict = _broken(state, question)
+    if verdict is None:
+        return None, None, ()
+    now = question.seen.now
+    since = now if memory.violated_since is None else memory.violated_since
+    news = f"invariant of {state.name} broken: {says}; {verdict.why}".rstrip("; ")
+    problems = (news,) if memory.violated_since is None else ()
+    if state.violated_to is None or now - since < state.tolerated - EPSILON:
+        return since, None, problems
+    text = f"invariant broken for {state.tolerated:g} s"
+    return since, Transition(-1, state.violated_to, text), problems
+
+
+def _broken(state: State, question: Question) -> tuple[str, Verdict | None]:
+    """Return the first of the kind's invariant and the mission's own that does not hold."""
+    invariant = state.kind.invariant
+    if invariant is not None:
+        verdict = invariant.check(question.seen, state.target)
+        question.answers[f"I({state.name})"] = verdict
+        if verdict.holds is False:
+            return invariant.says, verdict
+    if state.promise is not None:
+        verdict = state.promise(question)
+        if verdict.holds is False:
+            return "the mission's own", verdict
+    return "", None
+
+
+def _explained(
+    chart: Chart,
+    state: State,
+    fired: Transition,
+    outputs: tuple[Output, ...],
+    question: Question,
+) -> Fired:
+    mode = chart.states[fired.to].kind.mode
+    said = tuple(f"{output.verb} {output.text}" for output in outputs)
+    asked = tuple(item for item in question.answers.items() if item[0] in fired.reads)
+    return Fired(state.name, fired.to, fired.text, asked, (f"mode {mode}", *said))
