@@ -34,6 +34,7 @@ KINDS: Mapping[str, Kind] = {
     "marker_hidden": Kind(None, "id", "the marker VALUE (default: every marker) is covered"),
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE"),
+    "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE"),
     "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
 }
 

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 
 from missionkit.geometry import Vec3, norm, to_matrix, vec, yaw_of
 from missionkit.messages import (
+    NO_CYCLE,
     Action,
     Baro,
     Battery,
     Command,
+    Cycle,
     Frame,
     Gnss,
     Imu,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
+BUDGET = 0.05  # s, of one tick
 
 
 @dataclass(slots=True)
@@ -89,6 +92,7 @@ class SimulatedVehicle:
         self._link = rngs["link"]
         self._fixes: deque[Gnss] = deque()
         self._orders: deque[tuple[int, Action, float | None]] = deque()
+        self._cycle = NO_CYCLE
         self._ids = frozenset(marker.id for marker in world.markers)
         self._inbox = Inbox()
         self._remember()
@@ -173,7 +177,16 @@ class SimulatedVehicle:
             battery=box.battery,
             status=box.status,
             events=tuple(box.events),
+            cycle=self._load(until),
         )
+
+    def _load(self, now: float) -> Cycle:
+        """Return the timing that guards see: nothing of the machine that simulates."""
+        slow = self._mishaps.since("cpu_slow", now)
+        took = 0.0 if slow is None else slow[0]
+        if took or self._cycle.overruns:
+            self._cycle = Cycle(sense=took, overruns=self._cycle.overruns + (took > BUDGET))
+        return self._cycle
 
     @property
     def _charge(self) -> float:

@@ -13,3 +13,4 @@ LOCK_LOST = Failsafe(
 )
 SEARCH_TIMEOUT = Failsafe("search-timeout", "elapsed", {"longer_than": SEARCH_LIMIT}, "gps")
 UNREACHABLE = Failsafe("unreachable", "goal_unreachable", {}, HOVER)
+HOME_UNREACHABLE = Failsafe("unreachable", "goal_unreachable", {}, "land")

@@ -1,7 +1,7 @@
 """Return: the way home."""
 
 from missionkit.messages import Mode
-from missionkit.states.common import UNREACHABLE
+from missionkit.states.common import HOME_UNREACHABLE
 from missionkit.states.contract import StateKind
 
 RETURN = StateKind(
@@ -10,5 +10,5 @@ RETURN = StateKind(
     mode=Mode.GPS,
     flying=True,
     must_reach=("land",),
-    failsafes=(UNREACHABLE,),
+    failsafes=(HOME_UNREACHABLE,),
 )

@@ -1,0 +1,1 @@
+"""Sense, decide, act: the pure tick, and the shell around it."""

@@ -1,0 +1,132 @@
+"""Last part of the tick: from the active state to a command for the vehicle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from missionkit.chart.compiled import State
+from missionkit.chart.contain import Containment
+from missionkit.control.controller import ControlMemory
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Hands
+from missionkit.geometry import Vec3
+from missionkit.messages import Command, Estimate, Goal, Guidance, Mode, Step
+from missionkit.planning.potential_field import FieldMemory
+
+STILL = Step(note="holding: a plug-in misbehaves")
+
+
+def act(
+    plan: Plan, hands: Hands, seen: Estimate, *, entered: bool, contain: Containment
+) -> tuple[Hands, Command, Step]:
+    """Let the active state's behaviour speak, and turn its answer into a command.
+
+    While any plug-in misbehaves the vehicle holds, unless the autopilot is flying by itself
+    (taking off, landing).
+    """
+    state = plan.chart.states[seen.state]
+    if entered or not hands.begun:
+        hands = _begun(hands, state, seen, contain)
+    step = _stepped(state, hands, seen, contain)
+    failing = contain.take()
+    if failing and state.kind.mode is not Mode.NONE:
+        step = STILL._replace(memory=hands.behavior, goal=hands.goal)
+    command, control, avoidance = _commanded(plan, state, hands, step, seen)
+    following = hands._replace(
+        control=control,
+        avoidance=avoidance,
+        behavior=step.memory,
+        done=step.done,
+        goal=step.goal,
+        failing=failing,
+    )
+    return following, command, step
+
+
+def _begun(hands: Hands, state: State, seen: Estimate, contain: Containment) -> Hands:
+    memory = contain.call(
+        state.behavior.kind, state.behavior.begin, seen, foreign=is_foreign(state.behavior)
+    )
+    return hands._replace(behavior=memory, begun=True, done=False, goal=None)
+
+
+def _stepped(state: State, hands: Hands, seen: Estimate, contain: Containment) -> Step:
+    behavior = state.behavior
+    step: object = contain.call(
+        behavior.kind, behavior.step, seen, hands.behavior, foreign=is_foreign(behavior)
+    )
+    if step is None:
+        return STILL
+    if not isinstance(step, Step):
+        contain.note(f"{behavior.kind} answered {type(step).__name__}, expected a Step")
+        return STILL
+    if not _usable(step):
+        contain.note(f"{behavior.kind} answered with a number that is not finite")
+        return STILL
+    return step
+
+
+def is_foreign(plugin: object) -> bool:
+    """Say whether a plug-in comes from outside the package."""
+    return not type(plugin).__module__.startswith("missionkit.")
+
+
+def _usable(step: Step) -> bool:
+    return _finite_guidance(step.guidance) and _finite_goal(step.goal) and _finite(step.height)
+
+
+def _finite_guidance(guidance: Guidance | None) -> bool:
+    return guidance is None or (
+        _finite_vector(guidance.position)
+        and math.isfinite(guidance.speed)
+        and (guidance.velocity is None or _finite_vector(guidance.velocity))
+        and _finite(guidance.yaw)
+    )
+
+
+def _finite_goal(goal: Goal | None) -> bool:
+    return goal is None or (_finite_vector(goal.position) and _finite(goal.yaw))
+
+
+def _finite(number: float | None) -> bool:
+    return number is None or math.isfinite(number)
+
+
+def _finite_vector(vector: Vec3) -> bool:
+    return math.isfinite(vector[0] + vector[1] + vector[2])
+
+
+def _commanded(
+    plan: Plan, state: State, hands: Hands, step: Step, seen: Estimate
+) -> tuple[Command, ControlMemory, FieldMemory | None]:
+    mode = Mode.NONE if step.action is not None else state.kind.mode
+    on_ground = seen.status is None or not seen.status.in_air
+    if mode is Mode.NONE or (on_ground and step.guidance is None):
+        command = Command(None, step.action, step.height, step.payload)
+        return command, plan.control.begin(), hands.avoidance
+    wanted, control = plan.control.aim(hands.control, mode, step.guidance, seen, plan.period)
+    push, avoidance = _push(plan, hands, step.guidance, wanted, seen)
+    setpoint, control = plan.control.fly(
+        control, wanted, step.guidance, seen, plan.period, push=push
+    )
+    return Command(setpoint, payload=step.payload), control, avoidance
+
+
+def _push(
+    plan: Plan,
+    hands: Hands,
+    guidance: Guidance | None,
+    wanted: tuple[float, float, float] | None,
+    seen: Estimate,
+) -> tuple[Vec3 | None, FieldMemory | None]:
+    if (
+        plan.field is None
+        or hands.avoidance is None
+        or guidance is None
+        or wanted is None
+        or not guidance.avoid
+    ):
+        return None, hands.avoidance
+    return plan.field.step(hands.avoidance, seen, guidance.position, np.array(wanted))

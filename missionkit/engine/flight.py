@@ -1,0 +1,75 @@
+"""A mission ready to fly: everything the tick needs that does not change in flight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.compile import compile_mission
+from missionkit.chart.compiled import Chart
+from missionkit.chart.model import Mission
+from missionkit.chart.semantics import begin as begin_chart
+from missionkit.control.controller import Control
+from missionkit.engine.memory import Hands, Memory, Senses
+from missionkit.estimation.navigator import Navigator
+from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.geometry import Quat
+from missionkit.messages import CameraModel
+from missionkit.perception.aruco import Aruco
+from missionkit.perception.eye import Eye
+from missionkit.perception.goal import facing
+from missionkit.planning.potential_field import PotentialField
+
+
+class Plan(NamedTuple):
+    """What flies."""
+
+    chart: Chart
+    navigator: Navigator
+    eye: Eye
+    camera: CameraModel
+    control: Control
+    field: PotentialField | None
+    facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
+    period: float = 0.05  # s
+
+
+def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
+    """Build what flies from a mission that was loaded without problems."""
+    camera = mission.camera.model()
+    surveyed = {
+        name: (np.array(target.position), target.position_sd)
+        for name, target in mission.targets.items()
+    }
+    turned = {
+        name: facing(math.radians(target.facing_deg))
+        for name, target in mission.targets.items()
+        if target.facing_deg is not None
+    }
+    navigation = cast(VisualInertialEkf, mission.navigation.plugin)
+    markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
+    return Plan(
+        chart=compile_mission(mission, catalogue),
+        navigator=navigation.build(surveyed, camera.mount),
+        eye=Eye(camera, markers),
+        camera=camera,
+        control=mission.control,
+        field=None if mission.avoid is None else cast(PotentialField, mission.avoid.plugin),
+        facing=turned,
+        period=1.0 / mission.settings.rate,
+    )
+
+
+def begin(plan: Plan, now: float = 0.0) -> Memory:
+    """Return the memory before the first tick."""
+    field = None if plan.field is None else plan.field.begin()
+    return Memory(
+        now,
+        Senses(plan.navigator.begin(), plan.eye.begin()),
+        begin_chart(plan.chart, now),
+        Hands(plan.control.begin(), field),
+    )

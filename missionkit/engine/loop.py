@@ -1,0 +1,139 @@
+"""The shell around the tick: observes, ticks, commands, reports, until the flight has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from enum import StrEnum
+from typing import NamedTuple
+
+from missionkit.chart.semantics import ABORT
+from missionkit.engine.clock import Pace, Unhurried, stopwatch
+from missionkit.engine.containment import TimedContainment
+from missionkit.engine.flight import Plan, begin
+from missionkit.engine.lifecycle import Lifecycle
+from missionkit.engine.memory import Memory
+from missionkit.engine.tick import Ticked, tick
+from missionkit.messages import Cycle, Observation, Record
+from missionkit.ports import Vehicle
+
+GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
+PATIENCE = 300.0  # s an abort may take
+
+Observer = Callable[[Record, Observation], None]
+
+
+class End(StrEnum):
+    """How a flight ended."""
+
+    LANDED = "landed"
+    GROUNDED = "on the ground although the chart was still flying"
+    NEVER_LEFT = "the vehicle never took off"
+    OUT_OF_TIME = "still in the air when time ran out"
+
+
+class Flown(NamedTuple):
+    """What the loop gives back."""
+
+    end: End
+    aborted: bool
+    duration: float  # s, mission time
+    ticks: int
+    memory: Memory
+
+
+class Operator:
+    """What the person at the keys wants."""
+
+    def __init__(self) -> None:
+        self.wants_down = False
+
+    def land(self) -> None:
+        """Ask for a landing, now."""
+        self.wants_down = True
+
+
+class _Watch:
+    """Notices when the flight is over."""
+
+    def __init__(self, time_limit: float) -> None:
+        self.flown = False
+        self.grounded_since: float | None = None
+        self.time_limit = time_limit
+
+    def over(self, plan: Plan, done: Ticked) -> End | None:
+        now, status = done.memory.now, done.record.estimate.status
+        state = plan.chart.states[done.record.state]
+        if state.kind.name == "land" and done.memory.hands.done:
+            return End.LANDED if self.flown else End.NEVER_LEFT
+        if status is not None:
+            self.flown = self.flown or status.in_air
+        down = self.flown and status is not None and not status.armed and not status.in_air
+        self.grounded_since = (self.grounded_since or now) if down else None
+        if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:
+            return End.GROUNDED
+        return End.OUT_OF_TIME if now >= self.time_limit + PATIENCE else None
+
+
+async def fly(
+    plan: Plan,
+    vehicle: Vehicle,
+    observers: Sequence[Observer] = (),
+    *,
+    operator: Operator | None = None,
+    pace: Pace | None = None,
+    time_limit: float = 1800.0,
+    believe_stopwatch: bool = False,
+) -> Flown:
+    """Fly the mission.
+
+    Args:
+        plan: the mission, ready to fly.
+        vehicle: what carries it out.
+        observers: called after every tick with its record and observation.
+        operator: asks for a landing; also done here at `time_limit` (s).
+        pace: lets mission time pass; as fast as possible by default.
+        time_limit: mission time (s) after which the flight is aborted.
+        believe_stopwatch: show the measured timing to the guards. A simulation shows them its
+            own instead, so that a busy machine does not change how a mission is rehearsed.
+
+    Raises:
+        VehicleError: the vehicle could not be reached.
+    """
+    operator = operator or Operator()
+    pace = pace or Unhurried()
+    life, watch = Lifecycle(), _Watch(time_limit)
+    contain = TimedContainment(stopwatch)
+    memory, cycle, count = begin(plan), Cycle(), 0
+    await vehicle.connect()
+    life.start()
+    end: End | None = None
+    with contain.interrupting():
+        while end is None:
+            count += 1
+            now = count * plan.period
+            await pace.until(now)
+            observation = await vehicle.observe(now)
+            if believe_stopwatch:
+                observation = replace(observation, cycle=cycle)
+            if operator.wants_down or now >= time_limit:
+                life.abort()
+                observation = replace(observation, events=(*observation.events, ABORT))
+            done = tick(plan, memory, observation, contain, stopwatch)
+            memory = done.memory
+            await vehicle.send(done.command)
+            cycle = _cycle(done, cycle, plan.period)
+            record = done.record._replace(cycle=cycle)
+            for observer in observers:
+                observer(record, observation)
+            end = watch.over(plan, done)
+    aborted = life.state == "aborting"
+    life.finish()
+    await vehicle.close()
+    return Flown(end, aborted, memory.now, count, memory)
+
+
+def _cycle(done: Ticked, before: Cycle, budget: float) -> Cycle:
+    sense, process, control = done.took
+    late = sense + process + control > budget
+    return Cycle(sense, process, control, before.overruns + late)

@@ -1,0 +1,45 @@
+"""All that a flight remembers from one tick to the next: immutable, and fit to be saved."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from missionkit.chart.semantics import ChartMemory
+from missionkit.control.controller import ControlMemory
+from missionkit.estimation.memory import NavMemory
+from missionkit.geometry import Vec3
+from missionkit.messages import Battery, Goal, Scan, VehicleStatus
+from missionkit.perception.eye import EyeMemory
+from missionkit.planning.potential_field import FieldMemory
+
+
+class Senses(NamedTuple):
+    """What was sensed last, and the filters' memories."""
+
+    navigation: NavMemory
+    eye: EyeMemory
+    battery: Battery | None = None
+    status: VehicleStatus | None = None
+    scan: Scan | None = None
+    home: Vec3 | None = None
+
+
+class Hands(NamedTuple):
+    """Where behaviour and control stand."""
+
+    control: ControlMemory
+    avoidance: FieldMemory | None = None
+    behavior: Any = None
+    begun: bool = False  # the behaviour's own memory exists
+    done: bool = False
+    goal: Goal | None = None
+    failing: tuple[str, ...] = ()
+
+
+class Memory(NamedTuple):
+    """The whole of it."""
+
+    now: float
+    senses: Senses
+    chart: ChartMemory
+    hands: Hands

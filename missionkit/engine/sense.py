@@ -1,0 +1,109 @@
+"""First part of the tick: from what sensors said to what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Memory, Senses
+from missionkit.estimation.memory import NavMemory, NavState
+from missionkit.geometry import to_matrix
+from missionkit.messages import Estimate, Look, Observation, Points, Scan, Sighting, Target
+from missionkit.perception.eye import EyeMemory, Priors
+
+STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
+
+
+def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estimate]:
+    """Fuse one observation.
+
+    Returns:
+        The filters' next memories, and the estimate that guards and behaviours see.
+    """
+    before = memory.senses
+    navigation = plan.navigator.propagate(before.navigation, seen)
+    eye, looks, sightings = _look(plan, memory, navigation, seen)
+    if sightings:
+        navigation = plan.navigator.fuse(navigation, sightings)
+    state = plan.navigator.read(navigation)
+    status = seen.status or before.status
+    home = before.home
+    if home is None and status is not None and status.armed:
+        home = state.position
+    senses = Senses(
+        navigation,
+        eye,
+        seen.battery or before.battery,
+        status,
+        seen.scan or before.scan,
+        home,
+    )
+    return senses, _estimate(plan, memory, senses, state, seen, looks, sightings)
+
+
+def _look(
+    plan: Plan, memory: Memory, navigation: NavMemory, seen: Observation
+) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
+    targets: Mapping[str, Target] = {}
+    if seen.frame is not None:
+        targets = _known(plan, plan.navigator.read(navigation))
+    goal = memory.hands.goal
+    priors = Priors(
+        body=lambda at: plan.navigator.pose_at(navigation, at),
+        targets=targets,
+        goal=None if goal is None else goal.position,
+    )
+    return plan.eye.look(memory.senses.eye, seen, priors)
+
+
+def _estimate(
+    plan: Plan,
+    memory: Memory,
+    senses: Senses,
+    state: NavState,
+    seen: Observation,
+    looks: tuple[Look, ...],
+    sightings: tuple[Sighting, ...],
+) -> Estimate:
+    chart, hands = memory.chart, memory.hands
+    return Estimate(
+        now=seen.now,
+        position=state.position,
+        velocity=state.velocity,
+        attitude=state.attitude,
+        rates=state.rates,
+        health=state.health,
+        battery=senses.battery,
+        status=senses.status,
+        home=senses.home,
+        targets=_known(plan, state),
+        looks=looks,
+        sightings=sightings,
+        obstacles=_around(senses.scan, state, seen.now),
+        events=seen.events,
+        cycle=seen.cycle,
+        failing=hands.failing,
+        state=chart.state,
+        entered_at=chart.entered_at,
+        done=hands.done,
+        goal=hands.goal,
+    )
+
+
+def _known(plan: Plan, state: NavState) -> dict[str, Target]:
+    """Return the targets, turned as surveyed until the camera has measured how they are turned."""
+    return {
+        name: target
+        if target.attitude is not None or name not in plan.facing
+        else target._replace(attitude=plan.facing[name])
+        for name, target in state.targets.items()
+    }
+
+
+def _around(scan: Scan | None, state: NavState, now: float) -> Points | None:
+    """Return the obstacle points (N, 3), m, NED, of a fresh scan."""
+    if scan is None or now - scan.at > STALE_SCAN:
+        return None
+    if not len(scan.points):
+        return scan.points
+    return scan.points @ to_matrix(state.attitude).T + state.position

@@ -1,0 +1,72 @@
+"""The tick: one pure function from memory and observation to memory, command and record.
+
+    Observation -> Estimate -> Verdicts -> Configuration -> Command
+
+No I/O, no clock, no randomness: the same memory and observations give the same flight. The shell
+may pass a stopwatch to time the three parts (P1, section 9.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from missionkit.chart.contain import Containment
+from missionkit.chart.semantics import decide
+from missionkit.engine.act import act
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Memory
+from missionkit.engine.sense import sense
+from missionkit.messages import Command, Observation, Record
+
+Stopwatch = Callable[[], float]
+
+
+class Ticked(NamedTuple):
+    """What one tick gives."""
+
+    memory: Memory
+    command: Command
+    record: Record
+    took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
+
+
+def _no_stopwatch() -> float:
+    return 0.0
+
+
+def tick(
+    plan: Plan,
+    memory: Memory,
+    observation: Observation,
+    contain: Containment,
+    stopwatch: Stopwatch = _no_stopwatch,
+) -> Ticked:
+    """Advance the mission by one observation."""
+    t0 = stopwatch()
+    senses, seen = sense(plan, memory, observation)
+    t1 = stopwatch()
+    chart, decision = decide(plan.chart, memory.chart, seen, contain)
+    t2 = stopwatch()
+    if decision.entered:
+        seen = replace(seen, state=chart.state, entered_at=chart.entered_at, done=False, goal=None)
+    hands, command, step = act(plan, memory.hands, seen, entered=decision.entered, contain=contain)
+    t3 = stopwatch()
+    record = Record(
+        now=seen.now,
+        state=chart.state,
+        mode=plan.chart.states[chart.state].kind.mode,
+        verdicts=decision.answers,
+        fired=decision.fired,
+        command=command,
+        step_note=step.note,
+        problems=decision.problems + _news(hands.failing, memory.hands.failing),
+        estimate=seen,
+    )
+    following = Memory(observation.now, senses, chart, hands)
+    return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2))
+
+
+def _news(now: tuple[str, ...], before: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(failure for failure in now if failure not in before)
