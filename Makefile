@@ -41,3 +41,7 @@ schema: .venv/ready
 
 clean:
 	rm -rf .venv runs build *.egg-info
+
+.PHONY: clean-kernels
+clean-kernels:
+	find missionkit -name '*.nb[ci]' -delete

@@ -1,0 +1,171 @@
+"""The commands and their options. What they do is imported when they are called."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, ParamSpec, TypeVar
+
+import typer
+
+from missionkit.errors import ExitCode, MissionkitError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+app = typer.Typer(
+    name="missionkit",
+    help="Drone missions as YAML state charts: checked, rehearsed, flown.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+MissionFile = Annotated[Path, typer.Argument(help="mission file", metavar="MISSION.yaml")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="value of a parameter")
+]
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option("--plugin", metavar="FILE.py", help="file that defines guards or behaviours"),
+]
+Json = Annotated[bool, typer.Option("--json", help="answer as JSON")]
+
+
+def told(command: Callable[P, R]) -> Callable[P, R]:
+    """Turn missionkit's errors into a sentence on stderr and their exit code."""
+
+    @wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return command(*args, **kwargs)
+        except MissionkitError as error:
+            print(error, file=sys.stderr)  # noqa: T201
+            raise typer.Exit(error.exit_code) from error
+
+    return run
+
+
+@app.command()
+@told
+def run(
+    mission: MissionFile,
+    seed: Annotated[int, typer.Option(help="seed of everything random in the simulator")] = 0,
+    settings: Settings = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="something that goes wrong"),
+    ] = None,
+    plugin: Plugins = None,
+    speed: Annotated[
+        float | None, typer.Option(min=0.01, help="times real time; as fast as possible if absent")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
+    *,
+    headless: Annotated[bool, typer.Option("--headless", help="no live view")] = False,
+    as_json: Json = False,
+) -> None:
+    """Fly a mission in the simulator; Ctrl-C lands."""
+    from missionkit.cli import run as command  # noqa: PLC0415
+
+    order = command.Order(
+        mission,
+        tuple(settings or ()),
+        tuple(plugin or ()),
+        seed,
+        tuple(fault or ()),
+        speed,
+        out,
+        headless=headless,
+        as_json=as_json,
+    )
+    raise typer.Exit(command.run(order))
+
+
+@app.command()
+@told
+def validate(
+    mission: MissionFile,
+    settings: Settings = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """Check a mission file without flying it."""
+    from missionkit.cli import inspect  # noqa: PLC0415
+
+    raise typer.Exit(inspect.validate(mission, settings or (), plugin or (), as_json=as_json))
+
+
+@app.command()
+@told
+def plugins(
+    name: Annotated[str | None, typer.Argument(help="show the manual page of this one")] = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """List guards, behaviours and other plug-ins, with parameters, units and defaults."""
+    from missionkit.cli import manual  # noqa: PLC0415
+
+    manual.plugins(name, plugin or (), as_json=as_json)
+
+
+@app.command()
+@told
+def schema(
+    kind: Annotated[str, typer.Argument(help="mission or world")] = "mission",
+    plugin: Plugins = None,
+    write: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="write both schemas there")
+    ] = None,
+) -> None:
+    """Print the JSON Schema of mission or world files, for editors."""
+    from missionkit.cli import inspect  # noqa: PLC0415
+
+    inspect.schema(kind, plugin or (), write)
+
+
+@app.command()
+@told
+def graph(
+    mission: MissionFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help=".mmd, .svg or .png; Mermaid on stdout if absent"),
+    ] = None,
+    settings: Settings = None,
+    plugin: Plugins = None,
+) -> None:
+    """Draw the chart of a mission."""
+    from missionkit.cli import inspect  # noqa: PLC0415
+
+    inspect.graph(mission, out, settings or (), plugin or ())
+
+
+@app.command()
+@told
+def new(
+    kind: Annotated[str, typer.Argument(help="guard, behavior or mission")],
+    name: Annotated[str, typer.Argument(help="what it will be called")],
+    to: Annotated[Path, typer.Option(help="folder to write into")] = Path(),
+) -> None:
+    """Write a working example to start from."""
+    from missionkit.cli import inspect  # noqa: PLC0415
+
+    inspect.new(kind, name, to)
+
+
+@app.callback(invoke_without_command=True)
+def missionkit(
+    *, version: Annotated[bool, typer.Option("--version", help="print the version")] = False
+) -> None:
+    """Drone missions as YAML state charts: checked, rehearsed, flown."""
+    if version:
+        from missionkit import __version__  # noqa: PLC0415
+
+        print(__version__)  # noqa: T201
+        raise typer.Exit(ExitCode.SUCCESS)

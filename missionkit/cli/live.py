@@ -1,0 +1,146 @@
+"""What a flight looks like while it happens: a live page on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import TracebackType
+from typing import TYPE_CHECKING, Self, TextIO
+
+from missionkit.geometry import norm
+from missionkit.messages import Fired, Record
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.live import Live
+
+REFRESH = 0.1  # s of wall time between two pages
+STATUS = 5.0  # s of mission time between two plain status lines
+
+
+def transition_line(at: float, fired: Fired) -> str:
+    """Return one line about a transition: time, states, reason, and the guards that decided.
+
+    >>> transition_line(22.05, Fired("gps", "visual", "when marker-sure", (), ()))
+    '   22.1 s  gps -> visual: when marker-sure'
+    """
+    values = [
+        f"{name} {said.value:.3g} against {said.threshold:.3g}"
+        for name, said in fired.verdicts
+        if said.value is not None and said.threshold is not None
+    ]
+    detail = f" ({', '.join(values)})" if values else ""
+    return f"{at:7.1f} s  {fired.source} -> {fired.to}: {fired.reason}{detail}"
+
+
+def status_line(record: Record) -> str:
+    """Return one line about where the vehicle is and how it fares."""
+    seen = record.estimate
+    north, east, down = seen.position.tolist()
+    battery = f", battery {100.0 * seen.battery.charge:.0f} %" if seen.battery else ""
+    return (
+        f"{record.now:7.1f} s  {record.state}: {north:.1f} m north, {east:.1f} m east, "
+        f"{0.0 - down:.1f} m high, {norm(seen.velocity):.1f} m/s{battery}"
+    )
+
+
+class LineView:
+    """Writes a line per transition and problem, and a status line every 5 s of mission time."""
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self._next_status = 0.0
+        self._problems: tuple[str, ...] = ()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._out.flush()
+
+    def update(self, record: Record) -> None:
+        """Show one tick."""
+        if record.fired is not None:
+            self._say(transition_line(record.now, record.fired))
+        for problem in record.problems:
+            if problem not in self._problems:
+                self._say(f"{record.now:7.1f} s  problem: {problem}")
+        self._problems = record.problems
+        if record.now >= self._next_status - 1e-6:
+            self._next_status += STATUS
+            self._say(status_line(record))
+
+    def _say(self, line: str) -> None:
+        self._out.write(line + "\n")
+        self._out.flush()
+
+
+class PageView:
+    """Redraws one page in place, at most ten times a second of wall time.
+
+    Args:
+        console: a terminal.
+        wall: a clock (s) that only paces the drawing.
+        title: what is flown.
+    """
+
+    def __init__(self, console: Console, wall: Callable[[], float], title: str = "") -> None:
+        self._console = console
+        self._wall = wall
+        self._title = title
+        self._history: list[tuple[float, Fired]] = []
+        self._last: Record | None = None
+        self._drawn = float("-inf")
+        self._live: Live | None = None
+
+    def __enter__(self) -> Self:
+        from rich.live import Live  # noqa: PLC0415
+
+        self._live = Live(console=self._console, auto_refresh=False, transient=False)
+        self._live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._draw()
+        if self._live is not None:
+            self._live.stop()
+
+    def update(self, record: Record) -> None:
+        """Show one tick, unless the page was drawn a moment ago."""
+        self._last = record
+        if record.fired is not None:
+            self._history.append((record.now, record.fired))
+        if self._wall() - self._drawn >= REFRESH:
+            self._draw()
+
+    def _draw(self) -> None:
+        from missionkit.cli.live_page import page  # noqa: PLC0415
+
+        if self._last is None or self._live is None:
+            return
+        self._drawn = self._wall()
+        self._live.update(page(self._last, self._history, self._title), refresh=True)
+
+
+LiveView = LineView | PageView
+
+
+def live_view(out: TextIO, wall: Callable[[], float], title: str = "") -> LiveView:
+    """Return the view that suits `out`: a page on a terminal, lines elsewhere.
+
+    `NO_COLOR` is respected, as rich does.
+    """
+    if not out.isatty():
+        return LineView(out)
+    from rich.console import Console  # noqa: PLC0415
+
+    return PageView(Console(file=out), wall, title)

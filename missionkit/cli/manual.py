@@ -1,0 +1,104 @@
+"""`missionkit plugins`: what there is, with parameters, units, defaults and manual page."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from missionkit.chart.catalogue import GROUPS, Catalogue, source
+from missionkit.cli.catalogue import assemble
+from missionkit.errors import UsageError, nearest
+from missionkit.plugin import Plugin
+
+
+def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
+    """List every plug-in, or show one.
+
+    Raises:
+        UsageError: there is no plug-in called `name`.
+    """
+    catalogue = assemble(files)
+    found = {kind: plugin for group in GROUPS for kind, plugin in catalogue.group(group).items()}
+    if name is not None and name not in found:
+        raise UsageError(f"unknown plug-in {name!r}; {nearest(name, found)}")
+    if as_json:
+        chosen = found if name is None else {name: found[name]}
+        _say(json.dumps({kind: _described(it) for kind, it in chosen.items()}, indent=2))
+    elif name is not None:
+        _say(page(found[name]))
+    else:
+        _say(overview(catalogue))
+
+
+def overview(catalogue: Catalogue) -> str:
+    """Return one line a plug-in, by group, and the kinds of state."""
+    lines = []
+    for group in GROUPS:
+        lines.append(group)
+        lines += [
+            f"  {kind:20} {_summary(plugin)}"
+            for kind, plugin in sorted(catalogue.group(group).items())
+        ]
+        lines.append("")
+    lines.append("kinds of state")
+    lines += [f"  {kind.name:20} {kind.summary}" for kind in catalogue.kinds.values()]
+    return "\n".join(lines)
+
+
+def page(plugin: type[Plugin]) -> str:
+    """Return the manual page of one plug-in."""
+    lines = [f"{plugin.kind}  ({source(plugin)})", "", inspect.getdoc(plugin) or "", ""]
+    rows = parameters(plugin)
+    lines += [
+        f"  {row['name']:16} {row['type']:10} {row['unit']:6} {row['default']:>10}  {row['about']}"
+        for row in rows
+    ]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def parameters(plugin: type[Plugin]) -> list[dict[str, str]]:
+    """Return name, type, unit, default and description of each parameter."""
+    schema = plugin.model_json_schema()
+    required = schema.get("required", [])
+    return [
+        {
+            "name": name,
+            "type": _type(spec),
+            "unit": _found(spec, "unit"),
+            "default": "required" if name in required else json.dumps(spec.get("default")),
+            "about": str(spec.get("description", "")),
+        }
+        for name, spec in schema.get("properties", {}).items()
+    ]
+
+
+def _described(plugin: type[Plugin]) -> dict[str, Any]:
+    return {"about": inspect.getdoc(plugin), "parameters": parameters(plugin)}
+
+
+def _summary(plugin: type[Plugin]) -> str:
+    return (inspect.getdoc(plugin) or "").partition("\n")[0]
+
+
+def _type(spec: dict[str, Any]) -> str:
+    if "enum" in spec or "const" in spec:
+        return "choice"
+    for option in (spec, *spec.get("anyOf", ())):
+        if option.get("type") not in {None, "null"}:
+            return str(option["type"])
+    return "value"
+
+
+def _found(spec: dict[str, Any], key: str) -> str:
+    """Return a mark of the schema, also from inside an alternative or an item."""
+    if key in spec:
+        return str(spec[key])
+    inner = [*spec.get("anyOf", ()), *spec.get("prefixItems", ())]
+    return next((found for it in inner if (found := _found(it, key))), "")
+
+
+def _say(text: str) -> None:
+    print(text)  # noqa: T201

@@ -1,0 +1,198 @@
+"""`missionkit run`: fly, watch, record, grade, sum up."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.contracts import unmet
+from missionkit.chart.load import load
+from missionkit.chart.model import Mission
+from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.live import LineView, PageView, live_view
+from missionkit.engine.clock import RealTime, stopwatch
+from missionkit.engine.loop import End, Operator
+from missionkit.errors import ExitCode, FileError, UsageError, nearest
+from missionkit.messages import Observation, Record
+from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.folder import keep_mission, run_folder
+from missionkit.recorder.plot import draw
+from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.summary import Summary, summarise, write_summary
+from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.sim.faults import Fault, parse_fault
+
+
+class Order(NamedTuple):
+    """What the command line asked for."""
+
+    mission: Path
+    settings: tuple[str, ...]
+    plugins: tuple[Path, ...]
+    seed: int
+    faults: tuple[str, ...]
+    speed: float | None
+    out: Path
+    headless: bool
+    as_json: bool
+
+
+def run(order: Order) -> ExitCode:
+    """Fly the mission; leave a folder with its record, summary and picture.
+
+    Raises:
+        FileError: mission, world or plug-in file cannot be used.
+        UsageError: an option does not fit.
+    """
+    catalogue = assemble(order.plugins)
+    mission = load(order.mission, catalogue, overrides(order.settings))
+    if problems := unmet(mission, catalogue):
+        raise FileError(problems)
+    ready = _staged(order, mission, catalogue)
+    folder = run_folder(order.out, mission.name, f"seed{order.seed}")
+    keep_mission(folder, order.mission)
+    try:
+        summary = _flown(order, ready, folder)
+    except Exception:  # noqa: BLE001 - the flight record stays, the person gets a sentence
+        (folder / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        print(f"missionkit crashed; see {folder / 'crash.txt'}", file=sys.stderr)  # noqa: T201
+        return ExitCode.CRASH
+    _report(order, summary, folder)
+    return _exit_code(summary)
+
+
+def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
+    faults = [_fault(text, mission) for text in order.faults]
+    world = world_of(mission, order.mission.parent)
+    return stage(mission, catalogue, world, order.seed, faults)
+
+
+def _fault(text: str, mission: Mission) -> Fault:
+    fault = parse_fault(text)
+    if fault.state is not None and fault.state not in mission.states:
+        hint = nearest(fault.state, mission.states)
+        raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
+    return fault
+
+
+def _flown(order: Order, ready: Stage, folder: Path) -> Summary:
+    scenery, title = scenery_of(ready.world), ready.mission.name
+    view = None
+    if not (order.headless or order.as_json):
+        view = live_view(sys.stdout, stopwatch, title)
+    recorder = FlightRecorder(folder, camera=ready.plan.camera, scenery=scenery)
+    with recorder, view or nullcontext():
+        operator = Operator()
+        with _landing_on_interrupt(operator):
+            pace = None if order.speed is None else RealTime(order.speed)
+            watch = _Watch(ready, recorder, view)
+            result = rehearse(ready, (watch,), operator=operator, pace=pace)
+    summary = summarise(
+        recorder.track,
+        mission=title,
+        outcome="success" if result.succeeded else _failure(result),
+        reason=_reason(ready.mission, result),
+        seed=order.seed,
+        faults=order.faults,
+        parameters=_parameters(ready.mission, order.settings),
+        grade=result.grade.as_dict(),
+        record_hash=recorder.close(),
+    )
+    write_summary(folder, summary)
+    draw(
+        folder / "track.png",
+        recorder.track,
+        scenery,
+        f"{title}: {summary.outcome}",
+        _numbers(summary),
+    )
+    return summary
+
+
+class _Watch:
+    """Passes every tick on to the recorder and the view."""
+
+    def __init__(
+        self, ready: Stage, recorder: FlightRecorder, view: LineView | PageView | None
+    ) -> None:
+        self._vehicle = ready.vehicle
+        self._recorder = recorder
+        self._view = view
+
+    def __call__(self, record: Record, observation: Observation) -> None:
+        self._recorder.write(record, observation.frame, self._vehicle.truth)
+        if self._view is not None:
+            self._view.update(record)
+
+
+@contextmanager
+def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
+    """Let the first Ctrl-C land the vehicle and the second one stop the program."""
+
+    def land(*_: object) -> None:
+        operator.land()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    before = signal.signal(signal.SIGINT, land)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _failure(result: Rehearsal) -> Any:
+    return "ended_safely" if result.grade.landed else "crash"
+
+
+def _reason(mission: Mission, result: Rehearsal) -> str:
+    grade, success = result.grade, mission.success
+    if result.succeeded:
+        return "flown as planned"
+    if grade.crashed:
+        return "hit an obstacle or the ground"
+    if result.flown.end is not End.LANDED:
+        return str(result.flown.end)
+    if result.flown.aborted:
+        return "landed because the operator asked for it or time ran out"
+    if success is not None and grade.visit is None:
+        return f"landed without reaching {success.visit}"
+    return "landed, but the goal was missed by more than allowed"
+
+
+def _parameters(mission: Mission, settings: Sequence[str]) -> dict[str, Any]:
+    return {**mission.params, **overrides(settings)}
+
+
+def _numbers(summary: Summary) -> str:
+    grade, timing = summary.grade, summary.timing
+    parts = [summary.reason, f"{summary.duration:.0f} s", f"{grade['distance']:.0f} m flown"]
+    if grade["visit"] is not None:
+        error = 100.0 * grade["visit"]["position_error"]
+        parts.append(f"{error:.1f} cm from the goal on arrival")
+    if grade["clearance"] is not None:
+        parts.append(f"clearance {grade['clearance']:.2f} m")
+    if timing is not None:
+        parts.append(f"cycle p99 {timing.total.p99:.1f} ms")
+    return ", ".join(parts)
+
+
+def _report(order: Order, summary: Summary, folder: Path) -> None:
+    if order.as_json:
+        print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
+        return
+    print(f"{summary.outcome}: {_numbers(summary)}\n{folder}")  # noqa: T201
+
+
+def _exit_code(summary: Summary) -> ExitCode:
+    return {
+        "success": ExitCode.SUCCESS,
+        "ended_safely": ExitCode.ENDED_SAFELY,
+        "crash": ExitCode.VEHICLE_LOST,
+    }[summary.outcome]
