@@ -26,6 +26,7 @@ def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estima
     if sightings:
         navigation = plan.navigator.fuse(navigation, sightings)
     state = plan.navigator.read(navigation)
+    looks = tuple(_believed(look, state) for look in looks)
     status = seen.status or before.status
     home = before.home
     if home is None and status is not None and status.armed:
@@ -88,6 +89,14 @@ def _estimate(
         done=hands.done,
         goal=hands.goal,
     )
+
+
+def _believed(look: Look, state: NavState) -> Look:
+    """Keep only what the filter accepted: a decoy does not raise the confidence."""
+    if not look.seen:
+        return look
+    accepted = (name for name in look.seen if state.targets[name].seen_at == look.at)
+    return look._replace(seen=frozenset(accepted))
 
 
 def _known(plan: Plan, state: NavState) -> dict[str, Target]:
