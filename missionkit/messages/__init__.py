@@ -1,0 +1,60 @@
+"""What flows through the house: observation -> estimate -> verdicts -> command -> record.
+
+Frames: world NED (m) with its origin at the take-off point, body FRD, camera as in OpenCV.
+Quaternions (w, x, y, z), body to world. SI units, radians, seconds on the mission's clock.
+A thing that is not known is `None`, never NaN.
+"""
+
+from missionkit.messages.command import Action, Command, Guidance, Mode, Setpoint, Step
+from missionkit.messages.estimate import Estimate, Goal, Health, Target
+from missionkit.messages.observation import (
+    NO_CYCLE,
+    Baro,
+    Battery,
+    Cycle,
+    Frame,
+    Gnss,
+    Image,
+    Imu,
+    Magnetometer,
+    Observation,
+    Points,
+    Scan,
+    VehicleStatus,
+)
+from missionkit.messages.record import Fired, Record
+from missionkit.messages.verdict import Verdict
+from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
+
+__all__ = [
+    "NO_CYCLE",
+    "Action",
+    "Baro",
+    "Battery",
+    "CameraModel",
+    "Command",
+    "Cycle",
+    "Detection",
+    "Estimate",
+    "Fired",
+    "Frame",
+    "Gnss",
+    "Goal",
+    "Guidance",
+    "Health",
+    "Image",
+    "Imu",
+    "Look",
+    "Magnetometer",
+    "Mode",
+    "Observation",
+    "Points",
+    "Record",
+    "Scan",
+    "Setpoint",
+    "Sighting",
+    "Step",
+    "Target",
+    "VehicleStatus",
+    "Verdict",
+]

@@ -1,0 +1,67 @@
+"""What behaviours want, and what goes to the vehicle."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from missionkit.geometry import Vec3
+from missionkit.messages.estimate import Goal
+
+
+class Action(StrEnum):
+    """A discrete request to the autopilot."""
+
+    ARM = "arm"
+    TAKE_OFF = "take_off"
+    HOLD = "hold"
+    LAND = "land"
+    DISARM = "disarm"
+
+
+class Setpoint(NamedTuple):
+    """A velocity to fly until the next command."""
+
+    velocity: Vec3  # (3,), m/s, NED
+    yaw_rate: float  # rad/s, clockwise seen from above
+
+
+class Command(NamedTuple):
+    """What goes to the vehicle at one tick. Neither part: let the autopilot hold."""
+
+    setpoint: Setpoint | None = None
+    action: Action | None = None
+    height: float | None = None  # m, with TAKE_OFF
+    payload: str | None = None  # name of the actuator to be on during this tick
+
+
+class Mode(StrEnum):
+    """P1's control modes: each has its gains."""
+
+    NONE = "none"  # the autopilot flies by itself: on the ground, taking off, landing
+    GPS = "gps"
+    VISUAL = "visual"
+    TRAJECTORY = "trajectory"
+
+
+class Guidance(NamedTuple):
+    """What a behaviour wants; control turns it into a setpoint."""
+
+    position: Vec3  # (3,), m, NED, desired
+    speed: float  # m/s, not to be exceeded
+    velocity: Vec3 | None = None  # (3,), m/s, NED, reference velocity to feed forward
+    yaw: float | None = None  # rad; None: P1's hybrid yaw law chooses
+    avoid: bool = True  # let the potential field push away from obstacles
+
+
+class Step(NamedTuple):
+    """What a behaviour answers at one tick."""
+
+    guidance: Guidance | None = None  # None and no action: hold still
+    action: Action | None = None
+    height: float | None = None  # m, with TAKE_OFF
+    payload: str | None = None
+    done: bool = False
+    goal: Goal | None = None
+    note: str = ""  # shown in the live view and the record
+    memory: Any = None  # given back to the behaviour at the next tick

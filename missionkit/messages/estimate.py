@@ -1,0 +1,74 @@
+"""What guards and behaviours see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from missionkit.geometry import Quat, Vec3, yaw_of
+from missionkit.messages.observation import NO_CYCLE, Battery, Cycle, Points, VehicleStatus
+from missionkit.messages.vision import Look, Sighting
+
+
+class Target(NamedTuple):
+    """Where a target is believed to be."""
+
+    name: str
+    position: Vec3  # (3,), m, NED, of the marker's centre
+    position_sd: float  # m, one axis, relative to the vehicle
+    attitude: Quat | None  # marker axes (x right, y up, z towards the viewer) to world
+    angle_sd: float | None  # rad
+    seen_at: float | None  # s, None when only the mission file says where it is
+
+
+class Health(NamedTuple):
+    """How far the estimate can be trusted."""
+
+    aligned: bool  # initial attitude, position and biases found
+    diverged: bool  # measurements keep being rejected or the covariance exploded
+    gnss_at: float | None  # s, last accepted fix
+    vision_at: float | None  # s, last accepted visual pose
+    position_sd: float  # m, horizontal, 1 sigma
+    rejected: int  # measurements in a row that failed the gate
+
+
+class Goal(NamedTuple):
+    """Where the active behaviour is going."""
+
+    position: Vec3  # (3,), m, NED
+    yaw: float | None  # rad, None when it does not matter
+    at: float  # s, when it was last computed
+    target: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What is known at one tick. Guards and behaviours see this and nothing else."""
+
+    now: float
+    position: Vec3  # (3,), m, NED
+    velocity: Vec3  # (3,), m/s, NED
+    attitude: Quat  # (4,), body to world
+    rates: Vec3  # (3,), rad/s, FRD
+    health: Health
+    battery: Battery | None = None
+    status: VehicleStatus | None = None
+    home: Vec3 | None = None  # (3,), m, NED, set when the vehicle armed
+    targets: Mapping[str, Target] = field(default_factory=dict)
+    looks: tuple[Look, ...] = ()  # frames due since the last tick
+    sightings: tuple[Sighting, ...] = ()
+    obstacles: Points | None = None  # (N, 3), m, NED; None: no fresh scan
+    events: tuple[str, ...] = ()
+    cycle: Cycle = NO_CYCLE
+    failing: tuple[str, ...] = ()  # plug-ins that misbehaved at the last tick, and how
+    # where the chart stands, as of the last tick:
+    state: str = ""
+    entered_at: float = 0.0  # s
+    done: bool = False  # the state's behaviour says it has finished
+    goal: Goal | None = None
+
+    @property
+    def yaw(self) -> float:
+        """Heading (rad)."""
+        return yaw_of(self.attitude)

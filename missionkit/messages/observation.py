@@ -1,0 +1,117 @@
+"""What sensors said, each with its time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from missionkit.geometry import Vec3
+
+Image = npt.NDArray[np.uint8]  # (height, width) grey or (height, width, 3) BGR
+Points = npt.NDArray[np.float64]  # (N, 3), m
+
+
+class Imu(NamedTuple):
+    """One inertial sample."""
+
+    at: float  # s
+    accel: Vec3  # (3,), m/s², FRD, specific force: (0, 0, -g) at rest
+    gyro: Vec3  # (3,), rad/s, FRD
+
+
+class Gnss(NamedTuple):
+    """One position fix; `at` is when it was valid, which is before it arrived."""
+
+    at: float  # s
+    position: Vec3  # (3,), m, NED
+    velocity: Vec3  # (3,), m/s, NED
+    position_sd: Vec3  # (3,), m
+    velocity_sd: float  # m/s
+
+
+class Baro(NamedTuple):
+    """One barometric height."""
+
+    at: float  # s
+    height: float  # m above the origin, up
+
+
+class Magnetometer(NamedTuple):
+    """One magnetic field sample."""
+
+    at: float  # s
+    field: Vec3  # (3,), unit length, FRD
+
+
+class Frame(NamedTuple):
+    """One camera frame; `at` is the middle of the exposure, which is before it arrived.
+
+    A simulated camera that does not render gives `corners` instead of an image: for each marker
+    in view its dictionary, id and its four image points (4, 2), px.
+    """
+
+    at: float  # s
+    image: Image | None
+    corners: tuple[tuple[str, int, npt.NDArray[np.float64]], ...] | None = None
+
+
+class Scan(NamedTuple):
+    """Nearest surfaces around the vehicle, as MAVLink's OBSTACLE_DISTANCE gives them."""
+
+    at: float  # s
+    points: Points  # (N, 3), m, FRD, only the directions that hit something
+
+
+class Battery(NamedTuple):
+    """State of the battery."""
+
+    at: float  # s
+    charge: float  # 0 to 1
+    voltage: float  # V
+
+
+class VehicleStatus(NamedTuple):
+    """What the autopilot says about itself."""
+
+    at: float  # s, time of the last heartbeat
+    armed: bool
+    in_air: bool
+    ready: bool  # passes its own arming checks
+    mode: str  # autopilot's mode, lower case: hold, offboard, land, ...
+
+
+class Cycle(NamedTuple):
+    """How long one tick took, and how many so far exceeded their budget."""
+
+    sense: float = 0.0  # s, image and estimation
+    process: float = 0.0  # s, guards and chart
+    control: float = 0.0  # s, behaviour and control
+    overruns: int = 0
+
+    @property
+    def total(self) -> float:
+        """Whole cycle (s)."""
+        return self.sense + self.process + self.control
+
+
+NO_CYCLE = Cycle()
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """Everything that arrived since the last tick; `None` or empty where nothing did."""
+
+    now: float
+    imu: tuple[Imu, ...] = ()
+    gnss: Gnss | None = None
+    baro: Baro | None = None
+    mag: Magnetometer | None = None
+    frame: Frame | None = None
+    scan: Scan | None = None
+    battery: Battery | None = None
+    status: VehicleStatus | None = None
+    events: tuple[str, ...] = ()  # from the operator or the vehicle
+    cycle: Cycle = NO_CYCLE  # of the tick before

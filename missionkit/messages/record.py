@@ -1,0 +1,35 @@
+"""What one tick decided."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from missionkit.messages.command import Command, Mode
+from missionkit.messages.estimate import Estimate
+from missionkit.messages.observation import NO_CYCLE, Cycle
+from missionkit.messages.verdict import Verdict
+
+
+class Fired(NamedTuple):
+    """A transition that was taken, and why."""
+
+    source: str
+    to: str
+    reason: str  # "failsafe battery", "when converged for 1.0 s", "after 120 s", "operator: land"
+    verdicts: tuple[tuple[str, Verdict], ...]  # the guards that decided, by name
+    outputs: tuple[str, ...]  # Mealy, control mode first: "mode visual", "log ..."
+
+
+class Record(NamedTuple):
+    """Everything one tick decided."""
+
+    now: float
+    state: str
+    mode: Mode
+    verdicts: tuple[tuple[str, Verdict], ...]  # every guard that was asked this tick
+    fired: Fired | None
+    command: Command
+    step_note: str
+    problems: tuple[str, ...]  # invariant violations, contained plug-in errors
+    estimate: Estimate
+    cycle: Cycle = NO_CYCLE  # wall time of this tick, as the shell measured it

@@ -1,0 +1,40 @@
+"""What a guard answers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Verdict(NamedTuple):
+    """What a guard says: it holds, does not, or cannot tell (`holds is None`), and why."""
+
+    holds: bool | None
+    why: str = ""
+    value: float | None = None
+    threshold: float | None = None
+    margin: float | None = None  # how far inside (positive) or outside (negative) the guard is
+
+    @classmethod
+    def unknown(cls, why: str) -> Verdict:
+        """Return a verdict that nothing can be said."""
+        return cls(None, why)
+
+    @classmethod
+    def below(cls, value: float, threshold: float, why: str = "") -> Verdict:
+        """Holds when `value` < `threshold`."""
+        return cls(value < threshold, why, value, threshold, threshold - value)
+
+    @classmethod
+    def above(cls, value: float, threshold: float, why: str = "") -> Verdict:
+        """Holds when `value` > `threshold`."""
+        return cls(value > threshold, why, value, threshold, value - threshold)
+
+    @classmethod
+    def at_least(cls, value: float, threshold: float, why: str = "") -> Verdict:
+        """Holds when `value` >= `threshold`."""
+        return cls(value >= threshold, why, value, threshold, value - threshold)
+
+    @classmethod
+    def at_most(cls, value: float, threshold: float, why: str = "") -> Verdict:
+        """Holds when `value` <= `threshold`."""
+        return cls(value <= threshold, why, value, threshold, threshold - value)
