@@ -104,11 +104,14 @@ class _Visits:
 
 
 def _graded(ready: Stage, visits: _Visits) -> Grade:
-    success, marker = ready.mission.success, None
-    if success is not None and success.target is not None:
-        marker = _true_marker(ready, success.target)
-    span = None if success is None else visits.spans.get(success.visit)
-    return grade(ready.vehicle.track.rows, success, marker, span)
+    success, rows = ready.mission.success, ready.vehicle.track.rows
+    if success is None:
+        return grade(rows)
+    span = visits.spans.get(success.visit)
+    if success.target is None:
+        whole = grade(rows)
+        return whole._replace(succeeded=whole.succeeded and span is not None)
+    return grade(rows, success, _true_marker(ready, success.target), span)
 
 
 def _true_marker(ready: Stage, target: str) -> Marker | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
@@ -22,7 +21,7 @@ class GoTo(Behavior):
 
     `target` is a target of the mission or `home`, the place of arming. `standoff` stays off a
     marker by [out of the marker, right, up] (m), as the viewer sees it. `height` above the
-    take-off point overrides the goal's own.
+    take-off point overrides the goal's own; the way home keeps the height it began with.
     """
 
     kind: ClassVar[str] = "go_to"
@@ -33,26 +32,33 @@ class GoTo(Behavior):
     within: Metres = Field(default=1.0, gt=0)
 
     @override
+    def begin(self, seen: Estimate) -> float:
+        return float(seen.position[2])
+
+    @override
     def step(self, seen: Estimate, memory: Any) -> Step:
-        goal = self._goal(seen)
+        goal = self._goal(seen, memory)
         if goal is None:
-            return Step(note=f"where {self.target} is, is not known")
+            return Step(note=f"where {self.target} is, is not known", memory=memory)
         near = norm(goal.position - seen.position) <= self.within
         done = near and norm(seen.velocity) < 0.5
         yaw = goal.yaw if near else None
-        return Step(Guidance(goal.position, self.speed, yaw=yaw), done=done, goal=goal)
+        guidance = Guidance(goal.position, self.speed, yaw=yaw)
+        return Step(guidance, done=done, goal=goal, memory=memory)
 
     @override
     def targets(self) -> tuple[str, ...]:
         return () if self.target == HOME else (self.target,)
 
-    def _goal(self, seen: Estimate) -> Goal | None:
+    def _goal(self, seen: Estimate, down: float) -> Goal | None:
         if self.target == HOME:
-            return None if seen.home is None else self._at_height(seen.home, None, seen)
+            if seen.home is None:
+                return None
+            return self._at_height(vec(seen.home[0], seen.home[1], down), None, seen)
         target = seen.targets.get(self.target)
         if target is None:
             return None
-        pose = goal_of(target, self.standoff, seen.now) if np.any(self.standoff) else None
+        pose = goal_of(target, self.standoff, seen.now) if any(self.standoff) else None
         if pose is None:
             return self._at_height(target.position, None, seen)
         return self._at_height(pose.position, pose.yaw, seen)

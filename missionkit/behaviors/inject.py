@@ -14,6 +14,8 @@ from missionkit.perception.goal import goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 
+LONGEST_STEP = 0.2  # s; after a longer gap the goal must not leap
+
 
 class Phase(StrEnum):
     """Where the injection stands."""
@@ -90,7 +92,7 @@ class Inject(Behavior):
         return rotate(target.attitude, vec(0.0, 0.0, -self.speed if inwards else self.speed))
 
     def _slide(self, progress: Progress, now: float) -> Progress:
-        travelled = self.speed * (now - progress.last)
+        travelled = self.speed * min(LONGEST_STEP, now - progress.last)
         depth = progress.depth
         if progress.phase is Phase.IN:
             depth = min(self.depth, depth + travelled)

@@ -11,7 +11,6 @@ from missionkit.messages import Action, Estimate, Step
 from missionkit.plugin import Behavior
 from missionkit.units import Metres
 
-
 CLIMBING = "take_off"  # the autopilot's mode
 
 

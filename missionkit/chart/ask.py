@@ -26,7 +26,8 @@ class Asker:
     def ask(self, expression: ex.Expression) -> Ask:
         """Return the closure that answers `expression`."""
         match expression:
-            case ex.Named(name=name):
+            case ex.Named():
+                name = self.name(expression)
                 return self._remembered(name, lambda: self._guard(name))
             case ex.Use():
                 name = self.name(expression)
@@ -43,7 +44,7 @@ class Asker:
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
-        said, count = ex.text(expression), 1
+        said, count = str(ex.text(expression)), 1
         meaning: object
         match expression:
             case ex.Use():
@@ -183,22 +184,31 @@ def _plain(answer: Verdict) -> Verdict | None:
     A comparison of numpy numbers gives a truth value that is neither `True` nor `False`.
     """
     holds: object = answer.holds
-    numbers = answer[2:]
-    if not all(number is None or isinstance(number, Real) for number in numbers):
-        return None
     if holds is not None and type(holds).__name__ != "bool":
         return None
-    value, threshold, margin = (None if n is None else float(n) for n in numbers)
+    try:
+        value, threshold, margin = map(_number, (answer.value, answer.threshold, answer.margin))
+    except TypeError:
+        return None
     return Verdict(
         None if holds is None else bool(holds), str(answer.why), value, threshold, margin
     )
 
 
+def _number(number: object) -> float | None:
+    if number is None or type(number) is float:
+        return number
+    if isinstance(number, Real):
+        return float(number)
+    raise TypeError
+
+
 def _finite(verdict: Verdict) -> bool:
-    _, _, value, *limits = verdict
-    if value is not None and not math.isfinite(value):
-        return False
-    return not any(limit is not None and math.isnan(limit) for limit in limits)
+    return (
+        math.isfinite(verdict.value or 0.0)
+        and not math.isnan(verdict.threshold or 0.0)
+        and not math.isnan(verdict.margin or 0.0)
+    )
 
 
 def _all(parts: tuple[Ask, ...]) -> Ask:

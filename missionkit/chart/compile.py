@@ -131,7 +131,9 @@ def _kind_or_none(mission: Mission, kind: str | None) -> str | None:
 
 def _outputs(actions: tuple[Action, ...]) -> tuple[Output, ...]:
     return tuple(
-        Output("log", action.text) if isinstance(action, Log) else Output("raise", action.event)
+        Output("log", str(action.text))
+        if isinstance(action, Log)
+        else Output("raise", str(action.event))
         for action in actions
     )
 

@@ -29,7 +29,7 @@ class Containment:
             answer = function(*arguments)
             in_time = self.leave(name)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a plug-in may do anything
-            self.leave(name)
+            self.abandon()
             self.note(f"{name} raised {type(error).__name__}: {error}")
             return None
         return (answer,) if in_time else None
@@ -46,6 +46,9 @@ class Containment:
 
     def enter(self) -> None:
         """Start timing a call into a foreign plug-in."""
+
+    def abandon(self) -> None:
+        """Stop timing a call that failed."""
 
     def leave(self, name: str) -> bool:  # noqa: ARG002
         """Stop timing; return whether the answer came in time."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from typing_extensions import override
+
 from missionkit.errors import Place
 
 NOWHERE = Place("", 1, 1)
@@ -21,6 +23,11 @@ class Text(str):
         text = super().__new__(cls, value)
         text.place = place
         return text
+
+    @override
+    def __reduce__(self) -> tuple[type[Text], tuple[str, Place]]:
+        """Return how to make it again, so that a mission can be saved."""
+        return Text, (str(self), self.place)
 
 
 class Table(dict[str, Any]):

@@ -44,7 +44,8 @@ def _imported(path: Path) -> ModuleType:
     name = f"missionkit_plugin_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None or not path.is_file():
-        raise FileError([Problem(Place(str(path), 1, 1), "cannot be read: not a Python file")])
+        reason = "not a Python file" if path.exists() else "no such file"
+        raise FileError([Problem(Place(str(path), 1, 1), f"cannot be read: {reason}")])
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # pydantic resolves annotations through it
     try:
@@ -57,10 +58,11 @@ def _imported(path: Path) -> ModuleType:
 
 def _import_problem(path: Path, error: BaseException) -> Problem:
     message = f"cannot be imported: {type(error).__name__}: {error}"
-    if isinstance(error, SyntaxError) and error.filename == str(path):
+    imported = str(path.absolute())  # as the import system calls it
+    if isinstance(error, SyntaxError) and error.filename == imported:
         place = Place(str(path), error.lineno or 1, error.offset or 1)
         return Problem(place, f"cannot be imported: {error.msg}")
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == imported]
     last = frames[-1] if frames else None
     line, column = (last.lineno or 1, (last.colno or 0) + 1) if last else (1, 1)
     return Problem(Place(str(path), line, column), message)

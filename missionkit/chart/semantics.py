@@ -56,29 +56,38 @@ def decide(
     events = seen.events + memory.raised
     held, chosen = _chosen(chart, state, memory, question, events)
     violated, escape, problems = _invariant(state, memory, question)
-    fired = chosen
-    if escape is not None and (chosen is None or chosen not in chart.failsafes):
-        fired = escape
-    if ABORT in events and state.kind.name != "land":
-        fired = Transition(-1, chart.land, ABORT)
-    answers = tuple(question.answers.items())
+    fired = _first(chart, state, chosen, escape, events)
+    opening = () if memory.started else state.entry
     if fired is None or (fired.to == state.name and fired.event is None):
-        following = memory._replace(
-            windows=windows, held=held, violated_since=violated, started=True, raised=()
-        )
-        return following, Decision(answers, None, not memory.started, problems)
-    outputs = (*state.exit, *fired.outputs, *chart.states[fired.to].entry)
-    following = ChartMemory(
-        fired.to,
-        seen.now,
-        windows,
-        {},
-        started=True,
-        raised=tuple(output.text for output in outputs if output.verb == "raise"),
-    )
-    return following, Decision(
-        answers, _explained(chart, state, fired, outputs, question), entered=True, problems=problems
-    )
+        fired = Transition(-1, state.name, "start") if opening else None
+        outputs, entered = opening, not memory.started
+        following = memory._replace(windows=windows, held=held, violated_since=violated)
+    else:
+        outputs = (*opening, *state.exit, *fired.outputs, *chart.states[fired.to].entry)
+        lasting = {f.number: held[f.number] for f in chart.failsafes if f.number in held}
+        following, entered = ChartMemory(fired.to, seen.now, windows, lasting), True
+    following = following._replace(started=True, raised=_raised(outputs))
+    news = None if fired is None else _explained(chart, state, fired, outputs, question)
+    return following, Decision(tuple(question.answers.items()), news, entered, problems)
+
+
+def _first(
+    chart: Chart,
+    state: State,
+    chosen: Transition | None,
+    escape: Transition | None,
+    events: tuple[str, ...],
+) -> Transition | None:
+    """Return who goes first: the pilot, a failsafe, the way out of I(s), a transition."""
+    if ABORT in events and state.kind.name != "land":
+        return Transition(-1, chart.land, ABORT)
+    if escape is None or (chosen is not None and chosen in chart.failsafes):
+        return chosen
+    return escape
+
+
+def _raised(outputs: tuple[Output, ...]) -> tuple[str, ...]:
+    return tuple(output.text for output in outputs if output.verb == "raise")
 
 
 def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
@@ -99,10 +108,12 @@ def _chosen(
     """Ask every guard of the state, so that the record explains also what did not happen."""
     held: dict[int, float] = {}
     chosen: Transition | None = None
-    if _airborne(question.seen) and state.kind.flying:
+    if _flying(question.seen, state):
+        obeyed = False
         for failsafe in chart.failsafes:
             ready = _enabled(failsafe, memory, question, events, held)
-            if ready and chosen is None and _safer(chart, state, failsafe.to):
+            obeyed = obeyed or (ready and failsafe.to == state.name)
+            if ready and chosen is None and _safer(chart, state, failsafe.to, obeyed=obeyed):
                 chosen = failsafe
     rested = question.seen.now - memory.entered_at >= state.dwell - EPSILON
     for transition in state.transitions:
@@ -133,14 +144,19 @@ def _enabled(
     return transition.event is None or transition.event in events
 
 
-def _airborne(seen: Estimate) -> bool:
-    return seen.status is None or seen.status.in_air or seen.status.armed
+def _flying(seen: Estimate, state: State) -> bool:
+    """Say whether failsafes act: in the air, and with rotors turning in a state that flies."""
+    status = seen.status
+    if status is None or (status.armed and not status.in_air):
+        return state.kind.flying
+    return status.in_air
 
 
-def _safer(chart: Chart, state: State, to: str) -> bool:
+def _safer(chart: Chart, state: State, to: str, *, obeyed: bool) -> bool:
+    """Say whether a failsafe may lead away, `obeyed` if an earlier one wants to be here."""
     rank = _SAFETY.get(chart.states[to].kind.name, 0)
     here = _SAFETY.get(state.kind.name, 0)
-    return rank > here or (rank == here == 0 and to != state.name)
+    return rank > here or (rank == here == 0 and not obeyed)
 
 
 def _invariant(
@@ -157,7 +173,8 @@ def _invariant(
     if state.violated_to is None or now - since < state.tolerated - EPSILON:
         return since, None, problems
     text = f"invariant broken for {state.tolerated:g} s"
-    return since, Transition(-1, state.violated_to, text), problems
+    reads = frozenset((f"I({state.name})",))
+    return since, Transition(-1, state.violated_to, text, reads=reads), problems
 
 
 def _broken(state: State, question: Question) -> tuple[str, Verdict | None]:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from missionkit.chart.compiled import State
 from missionkit.chart.contain import Containment
 from missionkit.control.controller import ControlMemory
+from missionkit.engine.answer import fault_of
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Hands
 from missionkit.geometry import Vec3
-from missionkit.messages import Command, Estimate, Goal, Guidance, Mode, Step
+from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Step
 from missionkit.planning.potential_field import FieldMemory
 
 STILL = Step(note="holding: a plug-in misbehaves")
+LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
 
 def act(
@@ -46,56 +46,29 @@ def act(
 
 
 def _begun(hands: Hands, state: State, seen: Estimate, contain: Containment) -> Hands:
-    memory = contain.call(
+    boxed = contain.call(
         state.behavior.kind, state.behavior.begin, seen, foreign=is_foreign(state.behavior)
     )
+    memory = None if boxed is None else boxed[0]
     return hands._replace(behavior=memory, begun=True, done=False, goal=None)
 
 
 def _stepped(state: State, hands: Hands, seen: Estimate, contain: Containment) -> Step:
     behavior = state.behavior
-    step: object = contain.call(
+    boxed = contain.call(
         behavior.kind, behavior.step, seen, hands.behavior, foreign=is_foreign(behavior)
     )
-    if step is None:
-        return STILL
-    if not isinstance(step, Step):
-        contain.note(f"{behavior.kind} answered {type(step).__name__}, expected a Step")
-        return STILL
-    if not _usable(step):
-        contain.note(f"{behavior.kind} answered with a number that is not finite")
-        return STILL
-    return step
+    wrong = "" if boxed is None else fault_of(boxed[0])
+    if wrong:
+        contain.note(f"{behavior.kind} answered {wrong}")
+    if boxed is not None and not wrong:
+        return boxed[0]
+    return LANDING if state.kind.name == "land" else STILL
 
 
 def is_foreign(plugin: object) -> bool:
     """Say whether a plug-in comes from outside the package."""
     return not type(plugin).__module__.startswith("missionkit.")
-
-
-def _usable(step: Step) -> bool:
-    return _finite_guidance(step.guidance) and _finite_goal(step.goal) and _finite(step.height)
-
-
-def _finite_guidance(guidance: Guidance | None) -> bool:
-    return guidance is None or (
-        _finite_vector(guidance.position)
-        and math.isfinite(guidance.speed)
-        and (guidance.velocity is None or _finite_vector(guidance.velocity))
-        and _finite(guidance.yaw)
-    )
-
-
-def _finite_goal(goal: Goal | None) -> bool:
-    return goal is None or (_finite_vector(goal.position) and _finite(goal.yaw))
-
-
-def _finite(number: float | None) -> bool:
-    return number is None or math.isfinite(number)
-
-
-def _finite_vector(vector: Vec3) -> bool:
-    return math.isfinite(vector[0] + vector[1] + vector[2])
 
 
 def _commanded(

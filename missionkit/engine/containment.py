@@ -35,6 +35,11 @@ class TimedContainment(Containment):
         self._started = self.stopwatch()
 
     @override
+    def abandon(self) -> None:
+        """Stop timing a call that failed."""
+        self._started = None
+
+    @override
     def leave(self, name: str) -> bool:
         """Stop timing; note the plug-in `name` and return False if it took too long."""
         started, self._started = self._started, None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack
 from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
@@ -19,6 +20,7 @@ from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
 PATIENCE = 300.0  # s an abort may take
+SILENCE = 120.0  # s without a heartbeat while landing: nothing more can be learnt or done
 
 Observer = Callable[[Record, Observation], None]
 
@@ -30,6 +32,7 @@ class End(StrEnum):
     GROUNDED = "on the ground although the chart was still flying"
     NEVER_LEFT = "the vehicle never took off"
     OUT_OF_TIME = "still in the air when time ran out"
+    SILENT = "told to land, but the vehicle no longer answers"
 
 
 class Flown(NamedTuple):
@@ -66,6 +69,8 @@ class _Watch:
         state = plan.chart.states[done.record.state]
         if state.kind.name == "land" and done.memory.hands.done:
             return End.LANDED if self.flown else End.NEVER_LEFT
+        if state.kind.name == "land" and now - (0.0 if status is None else status.at) > SILENCE:
+            return End.SILENT
         if status is not None:
             self.flown = self.flown or status.in_air
         down = self.flown and status is not None and not status.armed and not status.in_air
@@ -108,7 +113,9 @@ async def fly(
     await vehicle.connect()
     life.start()
     end: End | None = None
-    with contain.interrupting():
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(vehicle.close)
+        stack.enter_context(contain.interrupting())
         while end is None:
             count += 1
             now = count * plan.period
@@ -129,7 +136,6 @@ async def fly(
             end = watch.over(plan, done)
     aborted = life.state == "aborting"
     life.finish()
-    await vehicle.close()
     return Flown(end, aborted, memory.now, count, memory)
 
 

@@ -1,0 +1,63 @@
+"""Checking what a behaviour answered, once, before anything is made of it."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+
+import numpy as np
+
+from missionkit.messages import Action, Goal, Guidance, Step
+
+
+def fault_of(answer: object) -> str:
+    """Say what makes an answer unusable: a wrong type, shape or number; empty if nothing does."""
+    if not isinstance(answer, Step):
+        return f"{type(answer).__name__}, expected a Step"
+    action: object = answer.action
+    parts = {
+        "action": action is None or isinstance(action, Action),
+        "guidance": _guides(answer.guidance),
+        "goal": _leads(answer.goal),
+        "height": _number(answer.height),
+        "payload": _text_or_none(answer.payload),
+        "note": isinstance(answer.note, str),
+    }
+    wrong = [name for name, sound in parts.items() if not sound]
+    return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""
+
+
+def _guides(guidance: object) -> bool:
+    if not isinstance(guidance, Guidance):
+        return guidance is None
+    speed: object = guidance.speed
+    return (
+        _vector(guidance.position)
+        and speed is not None
+        and _number(speed)
+        and (guidance.velocity is None or _vector(guidance.velocity))
+        and _number(guidance.yaw)
+    )
+
+
+def _leads(goal: object) -> bool:
+    if not isinstance(goal, Goal):
+        return goal is None
+    return _vector(goal.position) and _number(goal.yaw)
+
+
+def _text_or_none(text: object) -> bool:
+    return text is None or isinstance(text, str)
+
+
+def _number(number: object) -> bool:
+    return number is None or (isinstance(number, Real) and math.isfinite(number))
+
+
+def _vector(vector: object) -> bool:
+    return (
+        isinstance(vector, np.ndarray)
+        and vector.shape == (3,)
+        and vector.dtype.kind in "fiu"
+        and math.isfinite(vector[0] + vector[1] + vector[2])
+    )

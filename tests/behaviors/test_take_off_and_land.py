@@ -1,0 +1,95 @@
+"""Leaving the ground, holding, and coming back to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from playing import at, play, status
+from pydantic import ValidationError
+from samples import calm
+
+from missionkit.behaviors import Hold, Land, TakeOff
+from missionkit.geometry import vec
+from missionkit.messages import Action
+
+GROUND = {"armed": False, "in_air": False, "mode": "hold"}
+UNALIGNED = calm().health._replace(aligned=False)
+
+
+def ground(height: float = 0.0, **changes):
+    return at(10.0, 0.0, 0.0, -height, **changes)
+
+
+def test_take_off_waits_arms_climbs_and_is_done():
+    story = [
+        ground(status=status(**GROUND), health=UNALIGNED),
+        ground(status=None),
+        ground(status=status(**GROUND, ready=False)),
+        ground(status=status(**GROUND)),
+        ground(status=status(**GROUND)),
+        ground(status=status(in_air=False, mode="hold")),
+        ground(0.4, status=status(mode="take_off")),
+        ground(4.4, status=status(mode="take_off")),
+        ground(4.5, status=status(mode="take_off")),
+    ]
+    steps = play(TakeOff(height=5.0), story)
+    assert [(step.action, step.done, step.note) for step in steps] == [
+        (None, False, "waiting for the estimate to align"),
+        (None, False, "waiting for the vehicle's own checks"),
+        (None, False, "waiting for the vehicle's own checks"),
+        (Action.ARM, False, "arming"),
+        (Action.ARM, False, "arming"),
+        (Action.TAKE_OFF, False, "climbing, 0.0 m"),
+        (None, False, "climbing, 0.4 m"),
+        (None, False, "climbing, 4.4 m"),
+        (None, True, ""),
+    ]
+    assert steps[5].height == 5.0
+    assert all(step.guidance is None for step in steps)
+
+
+def test_take_off_is_done_when_the_autopilot_thinks_it_is_high_enough():
+    """Its own idea of the height may differ by more than the tolerance."""
+    climbing, above = status(mode="take_off"), status(mode="hold")
+    heights = [(0.5, climbing), (4.2, climbing), (4.2, above)]
+    steps = play(TakeOff(height=5.0), [ground(high, status=said) for high, said in heights])
+    assert [step.done for step in steps] == [False, False, True]
+
+
+def test_a_take_off_that_was_not_heard_is_asked_for_again():
+    steps = play(TakeOff(height=5.0), [ground(0.2, status=status(mode="hold"))] * 3)
+    assert [(step.action, step.done) for step in steps] == [(Action.TAKE_OFF, False)] * 3
+
+
+@pytest.mark.parametrize("height", [0.0, -1.0, float("nan")])
+def test_a_take_off_to_nowhere_is_refused(height):
+    with pytest.raises(ValidationError):
+        TakeOff(height=height)
+
+
+def test_land_asks_until_the_vehicle_stands_disarmed():
+    story = [
+        ground(3.0, status=status()),
+        ground(0.0, status=status(in_air=False, mode="land")),
+        ground(0.0, status=None),
+        ground(0.0, status=status(**GROUND)),
+    ]
+    steps = play(Land(), story)
+    assert [(step.action, step.done) for step in steps] == [
+        *[(Action.LAND, False)] * 3,
+        (None, True),
+    ]
+
+
+def test_hold_stays_where_it_began():
+    story = [at(10.0 + n, 1.0 + n, 2.0, -5.0) for n in range(3)]
+    for step in play(Hold(), story):
+        np.testing.assert_array_equal(step.guidance.position, vec(1.0, 2.0, -5.0))
+        assert not step.done
+
+
+def test_hold_does_nothing_on_the_ground_and_keeps_its_place():
+    story = [ground(status=said) for said in (status(in_air=False), None, status())]
+    steps = play(Hold(), story)
+    assert [step.guidance is None for step in steps] == [True, True, False]
+    assert {step.action for step in steps} == {None}

@@ -1,0 +1,99 @@
+"""I(s): checked at every tick; a violation is told once and takes the declared exit."""
+
+from __future__ import annotations
+
+import pytest
+from stepping import Walk
+
+from missionkit.geometry import vec
+from missionkit.messages import Goal, Target
+
+GPS = """\
+initial: out
+targets: {t: {position: [50, 0, -5]}}
+states:
+  out: {kind: gps, behavior: {use: go_to, target: t}}
+  return: {kind: return, behavior: {use: go_to, target: home}}
+  land: {kind: land}
+"""
+KNOWN = {"t": Target("t", vec(50, 0, -5), 1.0, None, None, None)}
+
+
+def test_a_violation_is_told_once_and_leads_away_when_it_lasts():
+    walk = Walk(GPS, targets=KNOWN)
+    walk.run(0.5)
+    walk.run(2.0, targets={})
+    assert walk.problems == [
+        (0.55, "invariant of out broken: gps_target ≠ ∅; where t is, is not known")
+    ]
+    assert walk.trace == [(1.55, "out", "hover", "invariant broken for 1 s")]
+
+
+def test_the_way_out_is_explained_by_the_verdict():
+    walk = Walk(GPS, targets={})
+    decisions = [walk.tick() for _ in range(21)]
+    assert walk.state == "hover"
+    ((name, verdict),) = decisions[-1].fired.verdicts
+    assert (name, verdict.holds, verdict.why) == ("I(out)", False, "where t is, is not known")
+
+
+def test_a_violation_that_passes_in_time_is_tolerated_and_told_anew_the_next_time():
+    walk = Walk(GPS, targets=KNOWN)
+    walk.run(0.9, targets={})
+    walk.tick()
+    walk.run(1.8, targets={})
+    assert walk.trace == []
+    assert [at for at, _ in walk.problems] == [0.05, 1.0]
+
+
+def test_the_way_out_does_not_wait_for_the_dwell_and_goes_before_transitions():
+    text = GPS.replace("target: t}}", "target: t}, transitions: [{to: land, when: a}]}")
+    walk = Walk(text + "dwell: 0\n", targets={})
+    walk.run(1.0)
+    walk.tick("a")
+    assert walk.went() == [(1.05, "hover")]
+
+
+OWN = """\
+initial: x
+states:
+  x: {kind: custom, invariant: {holds: a%s}}
+  y: {kind: custom}
+  land: {kind: land}
+"""
+
+
+@pytest.mark.parametrize(("way_out", "went"), [("", []), (", exit: y", [(0.3, "y")])])
+def test_what_the_mission_demands_is_told_and_left_at_once_if_it_says_where_to(way_out, went):
+    walk = Walk(OWN % way_out)
+    walk.run(0.25, "a")
+    walk.run(0.5, "b")
+    assert walk.problems == [(0.3, "invariant of x broken: the mission's own")]
+    assert walk.went() == went
+
+
+def test_an_invariant_that_cannot_be_told_is_not_broken():
+    walk = Walk(OWN % ", exit: y")
+    walk.run(1.0, "a?")
+    assert (walk.problems, walk.trace) == ([], [])
+
+
+def test_every_tick_says_how_the_invariant_stands():
+    walk = Walk(GPS, targets=KNOWN)
+    assert dict(walk.tick().answers)["I(out)"].holds is True
+    assert dict(walk.tick(targets={}).answers)["I(out)"].holds is False
+
+
+def test_a_task_without_a_goal_yet_is_not_off_its_goal():
+    walk = Walk(
+        "initial: x\ntargets: {t: {position: [1, 2, 3]}}\nstates:\n"
+        "  x: {kind: task, behavior: {use: inject, target: t}}\n"
+        "  v: {kind: visual, behavior: {use: servo, target: t}}\n"
+        "  land: {kind: land}\n"
+    )
+    assert dict(walk.tick(goal=None).answers)["I(x)"].holds is None
+    walk.run(3.0, goal=None)
+    assert (walk.problems, walk.trace) == ([], [])
+    goal = Goal(vec(0.0, 0.5, -5.0), 0.0, 3.0)
+    walk.run(6.0, goal=goal)
+    assert walk.trace == [(5.05, "x", "v", "invariant broken for 2 s")]

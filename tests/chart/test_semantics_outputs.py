@@ -1,0 +1,84 @@
+"""Mealy outputs: what is said and raised, in which order, and when it is heard."""
+
+from __future__ import annotations
+
+from stepping import Walk
+
+CHART = """\
+initial: x
+dwell: 0
+states:
+  x:
+    kind: visual
+    behavior: {use: servo, target: t}
+    exit: [{log: leaving x}, {raise: left}]
+    transitions:
+      - {to: y, when: a, do: [{log: on the way}, {raise: underway}]}
+  y:
+    kind: gps
+    behavior: {use: go_to, target: t}
+    entry: [{log: in y}, {raise: arrived}]
+    transitions:
+      - {to: z, event: arrived}
+      - {to: x, event: underway}
+  z: {kind: custom, entry: [{raise: arrived}], transitions: [{to: land, event: left}]}
+  land: {kind: land}
+targets: {t: {position: [1, 2, 3]}}
+"""
+
+
+def test_outputs_come_in_the_order_exit_transition_entry_after_the_mode():
+    walk = Walk(CHART)
+    fired = walk.tick("a").fired
+    assert fired.outputs == (
+        *("mode gps", "log leaving x", "raise left", "log on the way", "raise underway"),
+        *("log in y", "raise arrived"),
+    )
+    assert walk.memory.raised == ("left", "underway", "arrived")
+
+
+def test_a_raised_event_is_heard_in_the_next_tick_and_never_again():
+    walk = Walk(CHART)
+    walk.tick("a")
+    walk.tick()
+    walk.run(1.0)
+    assert walk.trace == [(0.05, "x", "y", "when a"), (0.1, "y", "z", "on arrived")]
+
+
+def test_every_transition_says_its_mode_first():
+    walk = Walk(CHART)
+    modes = [walk.tick(*events).fired.outputs[0] for events in (("a",), (), ("left",))]
+    assert modes == ["mode gps", "mode trajectory", "mode none"]
+
+
+OPENING = """\
+initial: x
+dwell: 0
+states:
+  x: {kind: idle, entry: [{log: hello}, {raise: go}], transitions: [{to: y, event: go}]}
+  y: {kind: custom}
+  land: {kind: land}
+"""
+
+
+def test_the_initial_state_is_entered_at_the_first_tick():
+    walk = Walk(OPENING)
+    first = walk.tick()
+    assert first.entered
+    assert (first.fired.to, first.fired.reason) == ("x", "start")
+    assert first.fired.outputs == ("mode none", "log hello", "raise go")
+    second = walk.tick()
+    assert walk.trace[1:] == [(0.1, "x", "y", "on go")]
+    assert second.fired.outputs == ("mode trajectory",)
+
+
+def test_an_initial_state_that_is_left_at_once_was_entered_all_the_same():
+    walk = Walk(OPENING)
+    assert walk.tick("go").fired.outputs == ("mode trajectory", "log hello", "raise go")
+
+
+def test_an_initial_state_without_outputs_is_entered_quietly():
+    walk = Walk("initial: x\nstates: {x: {kind: idle}, land: {kind: land}}\n")
+    decisions = [walk.tick() for _ in range(3)]
+    assert [decision.entered for decision in decisions] == [True, False, False]
+    assert walk.trace == []

@@ -1,0 +1,158 @@
+"""From the active state to a command."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from misbehaving import with_odd_ones
+from rehearsed import short
+from samples import calm
+
+from missionkit.chart.contain import Containment
+from missionkit.engine.act import act
+from missionkit.engine.flight import Plan, begin, prepare
+from missionkit.engine.memory import Hands
+from missionkit.geometry import norm, vec
+from missionkit.messages import Action, Command, Estimate, Step, VehicleStatus
+
+CATALOGUE = with_odd_ones()
+DOWN = VehicleStatus(10.0, armed=False, in_air=False, ready=True, mode="hold")
+GO_HOME = "{kind: return, behavior: {use: go_to, target: home, height: 5, speed: 2}}"
+
+
+class Pilot:
+    """Lets one state act, tick by tick."""
+
+    def __init__(self, state: str, *, name: str = "x", avoid: bool = False) -> None:
+        field = "" if avoid else "avoid: none\n"
+        land = "" if name == "land" else "  land: {kind: land}\n"
+        text = f"{field}initial: {name}\nstates:\n  {name}: {state}\n{land}"
+        self.name = name
+        self.plan: Plan = prepare(short(text, CATALOGUE), CATALOGUE)
+        self.hands: Hands = begin(self.plan).hands
+        self.contain = Containment()
+
+    def act(self, *, entered: bool = False, **changes: Any) -> tuple[Command, Step]:
+        seen: Estimate = calm(state=self.name, **changes)
+        self.hands, command, step = act(
+            self.plan, self.hands, seen, entered=entered, contain=self.contain
+        )
+        return command, step
+
+
+def speeds(pilot: Pilot, ticks: int, **changes: Any) -> list[float]:
+    return [norm(pilot.act(**changes)[0].setpoint.velocity) for _ in range(ticks)]
+
+
+def test_guidance_becomes_a_setpoint_towards_the_goal_within_its_speed():
+    pilot = Pilot(GO_HOME)
+    away = {"position": vec(30.0, 40.0, -5.0)}
+    going = speeds(pilot, 60, **away)
+    assert max(going) == pytest.approx(2.0, abs=0.01)
+    command, _ = pilot.act(**away)
+    np.testing.assert_allclose(command.setpoint.velocity, (-1.2, -1.6, 0.0), atol=0.01)
+    assert command.action is None
+
+
+@pytest.mark.parametrize("says", ["raise", "nothing", "nan", "two axes", "nan goal", "odd note"])
+def test_a_behaviour_that_fails_makes_the_vehicle_hold(says):
+    pilot = Pilot(f"{{kind: custom, behavior: {{use: odd, says: {says}}}}}")
+    command, step = pilot.act(entered=True)
+    assert norm(command.setpoint.velocity) == 0.0
+    assert command.action is None
+    assert step.note == "holding: a plug-in misbehaves"
+    assert len(pilot.hands.failing) == 1
+    assert pilot.hands.failing[0].startswith("odd ")
+
+
+def test_a_failure_in_flight_brings_the_vehicle_to_rest_within_the_limits():
+    pilot = Pilot(GO_HOME)
+    away = {"position": vec(30.0, 40.0, -5.0)}
+    speeds(pilot, 60, **away)
+    slowing = []
+    for _ in range(60):
+        pilot.contain.note("gust raised ValueError: no")
+        slowing += speeds(pilot, 1, **away)
+    assert slowing[-1] == pytest.approx(0.0, abs=0.01)
+    assert all(after < before for before, after in pairwise(slowing))
+    limit = pilot.plan.control.limits.acceleration
+    assert max(-np.diff(slowing)) <= limit * pilot.plan.period + 1e-9
+
+
+def test_a_guard_that_fails_holds_the_vehicle_and_the_behaviours_memory():
+    pilot = Pilot("{kind: custom, behavior: {use: odd, says: well}}")
+    pilot.act(entered=True)
+    assert (pilot.hands.behavior, pilot.hands.failing) == ("kept", ())
+    goal = pilot.hands.goal
+    pilot.contain.note("gust raised ValueError: no")
+    _, step = pilot.act()
+    assert step.guidance is None
+    assert (pilot.hands.behavior, pilot.hands.goal) == ("kept", goal)
+    assert pilot.hands.failing == ("gust raised ValueError: no",)
+    pilot.act()
+    assert pilot.hands.failing == ()
+
+
+def test_a_behaviour_that_cannot_begin_holds_for_that_tick():
+    pilot = Pilot("{kind: custom, behavior: stillborn}")
+    pilot.act(entered=True)
+    assert pilot.hands.failing == ("stillborn raised RuntimeError: not today",)
+    _, step = pilot.act()
+    assert (step.note, pilot.hands.failing) == ("began with None", ())
+
+
+def test_a_landing_goes_on_whatever_fails():
+    pilot = Pilot("{kind: land}", name="land")
+    pilot.contain.note("gust raised ValueError: no")
+    assert pilot.act(entered=True)[0] == Command(action=Action.LAND)
+    assert pilot.hands.failing == ("gust raised ValueError: no",)
+
+
+@pytest.mark.parametrize("says", ["raise", "odd action", "nothing"])
+def test_where_the_landing_itself_fails_the_autopilot_lands(says):
+    pilot = Pilot(f"{{kind: land, behavior: {{use: odd, says: {says}}}}}", name="land")
+    command, step = pilot.act(entered=True)
+    assert command == Command(action=Action.LAND)
+    assert (step.note, step.done) == ("landing: a plug-in misbehaves", False)
+
+
+def test_while_the_autopilot_takes_off_no_setpoint_disturbs_it():
+    pilot = Pilot("{kind: idle, behavior: {use: take_off, height: 4}}")
+    rising = DOWN._replace(armed=True)
+    assert pilot.act(entered=True, status=DOWN)[0] == Command(action=Action.ARM)
+    assert pilot.act(status=rising)[0] == Command(action=Action.TAKE_OFF, height=4.0)
+    climbing = rising._replace(in_air=True, mode="take_off")
+    assert pilot.act(status=climbing, position=vec(0, 0, -1))[0] == Command(height=4.0)
+
+
+def test_on_the_ground_nothing_is_commanded_without_guidance():
+    pilot = Pilot("{kind: custom}")
+    assert pilot.act(entered=True, status=DOWN)[0] == Command()
+    assert pilot.act(status=None)[0] == Command()
+    assert pilot.act()[0].setpoint is not None
+
+
+def test_entering_a_state_forgets_what_the_behaviour_before_it_knew():
+    pilot = Pilot("{kind: custom}")
+    pilot.hands = pilot.hands._replace(behavior="old", begun=True, done=True, goal="old goal")
+    pilot.act(entered=True, position=vec(1.0, 2.0, -3.0))
+    np.testing.assert_array_equal(pilot.hands.behavior, (1.0, 2.0, -3.0))
+    assert (pilot.hands.done, pilot.hands.goal) == (False, None)
+    pilot.act(position=vec(9.0, 9.0, -9.0))
+    np.testing.assert_array_equal(pilot.hands.behavior, (1.0, 2.0, -3.0))
+
+
+def test_obstacles_push_unless_the_guidance_forbids_it():
+    """A wall of points 2 m ahead on the way home."""
+    away, wall = vec(30.0, 0.0, -5.0), np.array([[28.0, y, -5.0] for y in np.linspace(-3, 3, 25)])
+    free, warned = (Pilot(GO_HOME, avoid=avoid) for avoid in (False, True))
+    for pilot in (free, warned):
+        speeds(pilot, 40, position=away, obstacles=wall)
+    unhindered, pushed = (
+        pilot.act(position=away, obstacles=wall)[0].setpoint.velocity[0] for pilot in (free, warned)
+    )
+    assert unhindered == pytest.approx(-2.0, abs=0.05)
+    assert pushed > -0.5

@@ -1,0 +1,167 @@
+"""Plug-ins that raise, answer nonsense or sleep: told, held, led home and down."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import pytest
+from rehearsed import Flight, flown, short_stage
+
+from missionkit.cli.catalogue import assemble
+from missionkit.engine import loop
+from missionkit.engine.containment import TimedContainment
+from missionkit.engine.loop import End
+from missionkit.geometry import norm
+
+PLUGINS = '''\
+"""Everything that a plug-in should not do."""
+
+import math
+import time
+from typing import Any, ClassVar
+
+import numpy as np
+
+from missionkit.messages import Estimate, Guidance, Step, Verdict
+from missionkit.plugin import Behavior, Guard, WindowGuard
+
+
+def trouble(how: str) -> object:
+    if how == "raise":
+        raise ValueError("no idea")
+    if how == "sleep":
+        time.sleep(10.0)
+    return None
+
+
+class Gust(Guard):
+    """Misbehaves above a metre."""
+
+    kind: ClassVar[str] = "gust"
+    how: str
+
+    def check(self, seen: Estimate) -> Verdict:
+        if seen.position[2] > -1.0:
+            return Verdict(False)
+        return Verdict.below(math.nan, 1.0) if self.how == "nan" else trouble(self.how)
+
+
+class Memory(WindowGuard):
+    """Cannot remember above a metre."""
+
+    kind: ClassVar[str] = "memory"
+    how: str
+
+    def begin(self) -> int:
+        return 0
+
+    def advance(self, memory: Any, seen: Estimate) -> int:
+        return memory if seen.position[2] > -1.0 else trouble(self.how)
+
+    def check(self, memory: Any, seen: Estimate) -> Verdict:
+        return Verdict(False)
+
+
+class Drift(Behavior):
+    """Flies nowhere."""
+
+    kind: ClassVar[str] = "drift"
+    how: str
+
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        if self.how == "nan":
+            return Step(Guidance(np.array([math.nan, 0.0, -3.0]), 5.0))
+        return trouble(self.how)
+'''
+
+MISSION = """\
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {{use: take_off, height: 3}}
+    transitions: [{{to: up, when: done}}]
+  up: {{kind: custom, behavior: {behavior}, transitions: [{{to: land, when: {guard}}}]}}
+  return:
+    kind: return
+    behavior: {{use: go_to, target: home, height: 3}}
+    transitions: [{{to: land, when: done}}]
+  land: {{kind: land}}
+"""
+
+
+@pytest.fixture(scope="module")
+def plugins(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("plugins") / "odd_ones.py"
+    path.write_text(PLUGINS)
+    return path
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    """Wait 10 ms instead of 250 ms for a plug-in."""
+    monkeypatch.setattr(loop, "TimedContainment", partial(TimedContainment, limit=0.01))
+
+
+def flight_with(plugins: Path, behavior: str = "hold", guard: str = "done") -> Flight:
+    text = MISSION.format(behavior=behavior, guard=guard)
+    return flown(short_stage(text, catalogue=assemble([plugins])))
+
+
+def check(flight: Flight, told: str, states: list[str]) -> None:
+    """Told once, held for three seconds, then home and down."""
+    assert [to for to, _ in flight.went()] == states
+    assert flight.went()[1] == ("return", "failsafe plug-in failed")
+    assert told in flight.problems()
+    held = [record for record in flight.records if record.state == "up"]
+    assert len(held) == pytest.approx(60, abs=3)
+    assert {record.step_note for record in held[2:]} == {"holding: a plug-in misbehaves"}
+    assert max(norm(record.command.setpoint.velocity) for record in held[2:]) < 0.05
+    assert flight.result.flown.end is End.LANDED
+    assert flight.result.grade.landed
+    assert not flight.result.grade.crashed
+
+
+HOME = ["up", "return", "land"]
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("raise", "gust (how raise) raised ValueError: no idea"),
+        ("nan", "gust (how nan) answered with a number that is not finite"),
+        ("nothing", "gust (how nothing) answered NoneType, expected a Verdict"),
+        ("sleep", "gust (how sleep) raised TooSlowError: did not return within 0.01 s"),
+    ],
+)
+def test_a_guard_that_misbehaves_is_told_and_survived(plugins, how, told):
+    flight = flight_with(plugins, guard=f"{{use: gust, how: {how}}}")
+    check(flight, told, HOME)
+    assert flight.went()[2] == ("land", "when done")
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("raise", "drift raised ValueError: no idea"),
+        ("nan", "drift answered with guidance of a wrong type or not finite"),
+        ("nothing", "drift answered NoneType, expected a Step"),
+    ],
+)
+def test_a_behaviour_that_misbehaves_is_told_and_survived(plugins, how, told):
+    flight = flight_with(plugins, behavior=f"{{use: drift, how: {how}}}")
+    check(flight, told, HOME)
+    assert flight.went()[2] == ("land", "when done")
+
+
+def test_a_memory_that_fails_in_every_state_leads_down_after_six_seconds(plugins):
+    flight = flight_with(plugins, guard="{use: memory, how: raise}")
+    check(flight, "memory (how raise) raised ValueError: no idea", HOME)
+    assert flight.went()[2] == ("land", "failsafe plug-in failed")
+    assert flight.entered("land") - flight.entered("up") == pytest.approx(6.0, abs=0.1)
+
+
+def test_what_failed_is_told_once(plugins):
+    flight = flight_with(plugins, guard="{use: gust, how: raise}")
+    assert flight.problems() == ["gust (how raise) raised ValueError: no idea"]
