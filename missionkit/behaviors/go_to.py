@@ -20,7 +20,8 @@ class GoTo(Behavior):
     """Fly to `target` at up to `speed`, obstacles permitting; done `within` of it, nearly at rest.
 
     `target` is a target of the mission or `home`, the place of arming. `standoff` stays off a
-    marker by [out of the marker, right, up] (m), as the viewer sees it. `height` above the
+    marker by [out of the marker, right, up] (m), as the viewer sees it; from this far only its
+    heading is used, since a small error of its tilt would be metres of height. `height` above the
     take-off point overrides the goal's own; the way home keeps the height it began with.
     """
 
@@ -61,7 +62,8 @@ class GoTo(Behavior):
         pose = goal_of(target, self.standoff, seen.now) if any(self.standoff) else None
         if pose is None:
             return self._at_height(target.position, None, seen)
-        return self._at_height(pose.position, pose.yaw, seen)
+        level = vec(pose.position[0], pose.position[1], target.position[2] - self.standoff[2])
+        return self._at_height(level, pose.yaw, seen)
 
     def _at_height(self, position: Vec3, yaw: float | None, seen: Estimate) -> Goal:
         down = position[2] if self.height is None else -self.height

@@ -14,6 +14,7 @@ from missionkit.perception.goal import goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 
+CALM = 0.6  # share of `within`: with a larger error the goal waits for the vehicle
 LONGEST_STEP = 0.2  # s; after a longer gap the goal must not leap
 
 
@@ -38,8 +39,8 @@ class Inject(Behavior):
     """Move `depth` towards the marker from `standoff`, run the actuator for `hold`, move back.
 
     The goal slides along the marker's normal at `speed`, so that the error against it stays as
-    small as when hovering (P1, section 7.3 keeps the tolerance during the task). Without a
-    sighting for `patience` the goal stands still.
+    small as when hovering (P1, section 7.3 keeps the tolerance during the task). It stands still
+    while the vehicle is behind, and without a sighting for `patience`.
     """
 
     kind: ClassVar[str] = "inject"
@@ -62,7 +63,7 @@ class Inject(Behavior):
         target = seen.targets.get(self.target)
         if target is None or target.seen_at is None:
             return Step(note=f"{self.target} was never seen", memory=before)
-        waiting = seen.now - target.seen_at > self.patience
+        waiting = seen.now - target.seen_at > self.patience or self._behind(seen)
         at_rest = before._replace(last=seen.now)
         here = at_rest if waiting else self._slide(before, seen.now)
         out, right, up = self.standoff
@@ -83,6 +84,10 @@ class Inject(Behavior):
     @override
     def targets(self) -> tuple[str, ...]:
         return (self.target,)
+
+    def _behind(self, seen: Estimate) -> bool:
+        goal = seen.goal
+        return goal is not None and norm(seen.position - goal.position) > CALM * self.within
 
     def _velocity(self, target: Target, progress: Progress) -> Vec3 | None:
         """Return the velocity of the goal (3,), m/s, NED, None while it stands still."""

@@ -1,7 +1,8 @@
 """Carrying out the contracts of the state kinds on a mission.
 
 A default failsafe becomes an ordinary transition, at the end of its state's list, unless the
-state has one to a state of the same kind already or the mission has no such state.
+state has a transition there already that waits for more than `done`, or the mission has no such
+state.
 """
 
 from __future__ import annotations
@@ -34,7 +35,11 @@ def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
 
 
 def _defaults(mission: Mission, state: State, catalogue: Catalogue) -> tuple[Transition, ...]:
-    have = {mission.states[transition.to].kind for transition in state.transitions}
+    have = {
+        mission.states[transition.to].kind
+        for transition in state.transitions
+        if not _plan_only(transition)
+    }
     targets = state.behavior.plugin.targets()
     return tuple(
         _transition(failsafe, _first(mission, failsafe.to_kind), targets, catalogue)
@@ -43,6 +48,13 @@ def _defaults(mission: Mission, state: State, catalogue: Catalogue) -> tuple[Tra
         and _first(mission, failsafe.to_kind)
         and (targets or not failsafe.of_target)
     )
+
+
+def _plan_only(transition: Transition) -> bool:
+    """Say whether a transition waits for nothing but the behaviour's end: no failsafe."""
+    when = transition.when
+    waits = isinstance(when, ex.Use) and when.kind == "done"
+    return waits and transition.after is None and transition.event is None
 
 
 def _transition(

@@ -117,7 +117,7 @@ class Success(Part):
 class Settings(Part):
     """How the mission is run."""
 
-    rate: Hertz = Field(default=20.0, le=100, description="ticks per second")
+    rate: Hertz = Field(default=20.0, ge=5, le=100, description="ticks per second")
     time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
 
 

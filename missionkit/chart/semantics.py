@@ -168,13 +168,19 @@ def _invariant(
         return None, None, ()
     now = question.seen.now
     since = now if memory.violated_since is None else memory.violated_since
-    news = f"invariant of {state.name} broken: {says}; {verdict.why}".rstrip("; ")
+    news = f"invariant of {state.name} broken: {says}; {_reason(verdict)}".rstrip("; ")
     problems = (news,) if memory.violated_since is None else ()
     if state.violated_to is None or now - since < state.tolerated - EPSILON:
         return since, None, problems
     text = f"invariant broken for {state.tolerated:g} s"
     reads = frozenset((f"I({state.name})",))
     return since, Transition(-1, state.violated_to, text, reads=reads), problems
+
+
+def _reason(verdict: Verdict) -> str:
+    if verdict.value is None or verdict.threshold is None:
+        return verdict.why
+    return f"{verdict.why} {verdict.value:.2f} against {verdict.threshold:g}".strip()
 
 
 def _broken(state: State, question: Question) -> tuple[str, Verdict | None]:

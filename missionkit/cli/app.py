@@ -18,6 +18,10 @@ R = TypeVar("R")
 app = typer.Typer(
     name="missionkit",
     help="Drone missions as YAML state charts: checked, rehearsed, flown.",
+    epilog=(
+        "Exit codes: 0 flown and succeeded, 1 ended safely without success, 2 a file or an option "
+        "is wrong, 3 the vehicle could not be reached or was lost, 4 a crash of missionkit."
+    ),
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -36,7 +40,7 @@ Json = Annotated[bool, typer.Option("--json", help="answer as JSON")]
 
 
 def told(command: Callable[P, R]) -> Callable[P, R]:
-    """Turn missionkit's errors into a sentence on stderr and their exit code."""
+    """Turn expected errors into a sentence on stderr and their exit code."""
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -45,6 +49,11 @@ def told(command: Callable[P, R]) -> Callable[P, R]:
         except MissionkitError as error:
             print(error, file=sys.stderr)  # noqa: T201
             raise typer.Exit(error.exit_code) from error
+        except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
+            raise
+        except OSError as error:
+            print(f"{error.filename or error}: {error.strerror}", file=sys.stderr)  # noqa: T201
+            raise typer.Exit(ExitCode.BAD_FILE) from error
 
     return run
 
@@ -53,11 +62,16 @@ def told(command: Callable[P, R]) -> Callable[P, R]:
 @told
 def run(
     mission: MissionFile,
-    seed: Annotated[int, typer.Option(help="seed of everything random in the simulator")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, help="seed of everything random in the simulator")
+    ] = 0,
     settings: Settings = None,
     fault: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="something that goes wrong"),
+        typer.Option(
+            metavar="NAME[=VALUE][@WHEN][+DURATION]",
+            help="something that goes wrong, such as gnss_lost@20+5 or marker_hidden@visual+6",
+        ),
     ] = None,
     plugin: Plugins = None,
     speed: Annotated[
@@ -135,7 +149,7 @@ def graph(
     mission: MissionFile,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help=".mmd, .svg or .png; Mermaid on stdout if absent"),
+        typer.Option(metavar="FILE", help=".mmd or .svg; Mermaid on stdout if absent"),
     ] = None,
     settings: Settings = None,
     plugin: Plugins = None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
@@ -37,8 +38,9 @@ def status_line(record: Record) -> str:
     seen = record.estimate
     north, east, down = seen.position.tolist()
     battery = f", battery {100.0 * seen.battery.charge:.0f} %" if seen.battery else ""
+    note = f" ({record.step_note})" if record.step_note else ""
     return (
-        f"{record.now:7.1f} s  {record.state}: {north:.1f} m north, {east:.1f} m east, "
+        f"{record.now:7.1f} s  {record.state}{note}: {north:.1f} m north, {east:.1f} m east, "
         f"{0.0 - down:.1f} m high, {norm(seen.velocity):.1f} m/s{battery}"
     )
 
@@ -60,7 +62,7 @@ class LineView:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._out.flush()
+        """Leave the lines as they are."""
 
     def update(self, record: Record) -> None:
         """Show one tick."""
@@ -75,8 +77,10 @@ class LineView:
             self._say(status_line(record))
 
     def _say(self, line: str) -> None:
-        self._out.write(line + "\n")
-        self._out.flush()
+        """Write a line; a reader that has gone, as `head` does, must not end the flight."""
+        with suppress(BrokenPipeError):
+            self._out.write(line + "\n")
+            self._out.flush()
 
 
 class PageView:
@@ -92,7 +96,7 @@ class PageView:
         self._console = console
         self._wall = wall
         self._title = title
-        self._history: list[tuple[float, Fired]] = []
+        self._events: list[tuple[float, Fired | str]] = []
         self._last: Record | None = None
         self._drawn = float("-inf")
         self._live: Live | None = None
@@ -118,7 +122,10 @@ class PageView:
         """Show one tick, unless the page was drawn a moment ago."""
         self._last = record
         if record.fired is not None:
-            self._history.append((record.now, record.fired))
+            self._events.append((record.now, record.fired))
+        for problem in record.problems:
+            if problem not in [event for _, event in self._events[-2:]]:
+                self._events.append((record.now, problem))
         if self._wall() - self._drawn >= REFRESH:
             self._draw()
 
@@ -128,7 +135,9 @@ class PageView:
         if self._last is None or self._live is None:
             return
         self._drawn = self._wall()
-        self._live.update(page(self._last, self._history, self._title), refresh=True)
+        width, height = self._console.size
+        shown = page(self._last, self._events, self._title, width=width, height=height)
+        self._live.update(shown, refresh=True)
 
 
 LiveView = LineView | PageView

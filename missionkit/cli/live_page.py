@@ -14,32 +14,54 @@ from missionkit.messages import Cycle, Estimate, Fired, Record, Verdict
 
 BUDGET = 0.050  # s, P1 section 9.1
 BAR = 12  # letters
-LAST = 5  # transitions shown
+LAST = 5  # events shown
+ROOMY = 100  # letters a line needs for the margins to be shown too
+FRAME = 10  # lines besides guards and events: border 2, state to cycle 4, gaps 2, heading, cursor
+ECHO = 2  # letters kept free: a terminal writes ^C there, and would begin a new line
 
 HOLDS = {True: ("●", "green"), False: ("○", "bright_black"), None: ("?", "yellow")}
 
+Event = tuple[float, Fired | str]
+"""When (s), and the transition that was taken or the problem that came up."""
 
-def page(record: Record, history: Sequence[tuple[float, Fired]], title: str = "") -> Panel:
+
+def page(
+    record: Record,
+    events: Sequence[Event],
+    title: str = "",
+    *,
+    width: int = 120,
+    height: int = 40,
+) -> Panel:
     """Return the page of one tick.
 
     Args:
         record: the tick.
-        history: transitions so far with their times (s), oldest first.
+        events: transitions and problems so far, oldest first.
         title: what is flown.
+        width: of the terminal (letters).
+        height: of the terminal (lines); what does not fit is left out, old events first.
     """
+    room = max(height - FRAME, 4)
+    guards = record.verdicts[: room - 1]
+    latest = events[-min(room - len(guards), LAST) :]
     parts: list[RenderableType] = [
-        _state(record, history),
+        _state(record),
         _motion(record.estimate),
         _targets(record.estimate),
         _cycle(record.cycle),
     ]
-    if record.verdicts:
-        parts += [Text(), _guards(record.verdicts)]
-    if record.problems:
-        parts += [Text(), *[Text(f"! {it}", style="bold red") for it in record.problems]]
-    if history:
-        parts += [Text(), _history(history)]
-    return Panel(Group(*parts), title=title or None, title_align="left", border_style="blue")
+    if guards:
+        parts += [Text(), _guards(guards, margins=width >= ROOMY)]
+    if latest:
+        parts += [Text(), _events(latest)]
+    return Panel(
+        Group(*parts),
+        title=title or None,
+        title_align="left",
+        border_style="blue",
+        width=width - ECHO,
+    )
 
 
 def bar(said: Verdict) -> Text:
@@ -65,43 +87,42 @@ def _three(holds: bool | None) -> bool | None:  # noqa: FBT001
     return None if holds is None else bool(holds)
 
 
-def _state(record: Record, history: Sequence[tuple[float, Fired]]) -> Text:
-    since = history[-1][0] if history else 0.0
-    text = Text.assemble(
+def _line(*parts: str | tuple[str, str]) -> Text:
+    """Return one line, cut where it does not fit."""
+    return Text.assemble(*parts, no_wrap=True, overflow="ellipsis")
+
+
+def _state(record: Record) -> Text:
+    note = f" ({record.step_note})" if record.step_note else ""
+    return _line(
         (record.state, "bold cyan"),
-        f" for {record.now - since:.1f} s",
+        (note, "italic"),
+        f" for {record.now - record.estimate.entered_at:.1f} s",
         ("  mode ", "dim"),
         record.mode.value,
-        ("  mission time ", "dim"),
+        ("  time ", "dim"),
         f"{record.now:.1f} s",
     )
-    if history:
-        text.append(f"  before: {history[-1][1].source}", style="dim")
-    if record.step_note:
-        text.append(f"  {record.step_note}", style="italic")
-    return text
 
 
 def _motion(seen: Estimate) -> Text:
     north, east, down = seen.position.tolist()
-    text = Text.assemble(
-        ("position ", "dim"),
-        f"{north:8.2f} N {east:8.2f} E",
+    charge = "" if seen.battery is None else f"{100.0 * seen.battery.charge:.0f} %"
+    return _line(
+        f"{north:6.2f} N {east:7.2f} E",
         ("  height ", "dim"),
-        f"{0.0 - down:6.2f} m",
+        f"{0.0 - down:5.2f} m",
         ("  speed ", "dim"),
-        f"{norm(seen.velocity):5.2f} m/s",
+        f"{norm(seen.velocity):4.1f} m/s",
         ("  ± ", "dim"),
         f"{seen.health.position_sd:.2f} m",
+        ("  battery " if charge else "", "dim"),
+        charge,
     )
-    if seen.battery is not None:
-        text.append("  battery ", style="dim")
-        text.append(f"{100.0 * seen.battery.charge:.0f} %")
-    return text
 
 
 def _targets(seen: Estimate) -> Text:
-    text = Text()
+    text = _line()
     for target in seen.targets.values():
         ago = "not seen yet" if target.seen_at is None else f"{seen.now - target.seen_at:.1f} s ago"
         gap = norm(target.position - seen.position)
@@ -113,7 +134,7 @@ def _targets(seen: Estimate) -> Text:
 def _cycle(cycle: Cycle) -> Text:
     share = cycle.total / BUDGET
     style = "red" if share > 1.0 else "yellow" if share > 0.5 else "green"
-    return Text.assemble(
+    return _line(
         ("cycle ", "dim"),
         (f"{1e3 * cycle.total:.1f}", style),
         f" of {1e3 * BUDGET:.0f} ms ",
@@ -122,31 +143,35 @@ def _cycle(cycle: Cycle) -> Text:
     )
 
 
-def _guards(verdicts: Sequence[tuple[str, Verdict]]) -> Table:
-    table = Table(box=None, padding=(0, 1), header_style="dim")
-    table.add_column("")
-    table.add_column("guard", no_wrap=True)
-    for heading in ("value", "threshold", "margin"):
-        table.add_column(heading, justify="right")
-    table.add_column("")
-    table.add_column("why", overflow="ellipsis", no_wrap=True)
+def _guards(verdicts: Sequence[tuple[str, Verdict]], *, margins: bool) -> Table:
+    table = Table(box=None, padding=(0, 1, 0, 0), header_style="dim", expand=True)
+    table.add_column("", width=1)
+    table.add_column("guard", no_wrap=True, overflow="ellipsis", ratio=5)
+    numbers = ("value", "threshold", "margin") if margins else ("value", "threshold")
+    for heading in numbers:
+        table.add_column(heading, justify="right", width=9)
+    table.add_column("", width=BAR + 1)
+    table.add_column("why", no_wrap=True, overflow="ellipsis", ratio=3)
     for name, said in verdicts:
         mark, style = HOLDS[_three(said.holds)]
-        numbers = [_number(it) for it in (said.value, said.threshold, said.margin)]
-        table.add_row(Text(mark, style=style), name, *numbers, bar(said), said.why)
+        shown = [_number(getattr(said, heading)) for heading in numbers]
+        table.add_row(Text(mark, style=style), Text(name), *shown, bar(said), Text(said.why))
     return table
 
 
 def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}"
+    return "" if value is None else f"{round(value, 4):.3g}"
 
 
-def _history(history: Sequence[tuple[float, Fired]]) -> Table:
-    table = Table(box=None, padding=(0, 1), show_header=False)
-    for at, fired in history[-LAST:]:
-        table.add_row(
-            Text(f"{at:.1f} s", style="dim"),
-            f"{fired.source} → {fired.to}",
-            Text(fired.reason, style="dim"),
-        )
+def _events(events: Sequence[Event]) -> Table:
+    table = Table(box=None, padding=(0, 1, 0, 0), show_header=False)
+    table.add_column(style="dim", justify="right", no_wrap=True, min_width=7)
+    table.add_column(no_wrap=True)
+    for at, event in events:
+        line = _line((f"! {event}", "red")) if isinstance(event, str) else _transition(event)
+        table.add_row(f"{at:.1f} s", line)
     return table
+
+
+def _transition(fired: Fired) -> Text:
+    return _line(f"{fired.source} → {fired.to}", (f"  {fired.reason}", "dim"))

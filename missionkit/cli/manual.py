@@ -12,29 +12,35 @@ from missionkit.chart.catalogue import GROUPS, Catalogue, source
 from missionkit.cli.catalogue import assemble
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin
+from missionkit.sim.faults import KINDS as FAULTS
+from missionkit.sim.faults import Kind as Fault
+from missionkit.states.contract import StateKind
 
 
 def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
-    """List every plug-in, or show one.
+    """List every plug-in, kind of state and fault, or show one plug-in or kind.
 
     Raises:
-        UsageError: there is no plug-in called `name`.
+        UsageError: there is nothing called `name`.
     """
     catalogue = assemble(files)
     found = {kind: plugin for group in GROUPS for kind, plugin in catalogue.group(group).items()}
-    if name is not None and name not in found:
-        raise UsageError(f"unknown plug-in {name!r}; {nearest(name, found)}")
+    known = {*found} if as_json else {*found, *catalogue.kinds}
+    if name is not None and name not in known:
+        raise UsageError(f"unknown plug-in {name!r}; {nearest(name, known)}")
     if as_json:
-        chosen = found if name is None else {name: found[name]}
+        chosen = {kind: it for kind, it in found.items() if name in {None, kind}}
         _say(json.dumps({kind: _described(it) for kind, it in chosen.items()}, indent=2))
-    elif name is not None:
-        _say(page(found[name]))
-    else:
+    elif name is None:
         _say(overview(catalogue))
+    else:
+        pages = [page(found[name])] if name in found else []
+        pages += [contract(catalogue.kinds[name])] if name in catalogue.kinds else []
+        _say("\n\n".join(pages))
 
 
 def overview(catalogue: Catalogue) -> str:
-    """Return one line a plug-in, by group, and the kinds of state."""
+    """Return one line a plug-in, by group, a kind of state, and a fault."""
     lines = []
     for group in GROUPS:
         lines.append(group)
@@ -45,6 +51,8 @@ def overview(catalogue: Catalogue) -> str:
         lines.append("")
     lines.append("kinds of state")
     lines += [f"  {kind.name:20} {kind.summary}" for kind in catalogue.kinds.values()]
+    lines += ["", "faults of the simulator (missionkit run --fault)"]
+    lines += [f"  {name:20} {_effect(fault)}" for name, fault in FAULTS.items()]
     return "\n".join(lines)
 
 
@@ -56,7 +64,25 @@ def page(plugin: type[Plugin]) -> str:
         f"  {row['name']:16} {row['type']:10} {row['unit']:6} {row['default']:>10}  {row['about']}"
         for row in rows
     ]
-    return "\n".join(line.rstrip() for line in lines)
+    return "\n".join(line.rstrip() for line in lines).rstrip()
+
+
+def contract(kind: StateKind) -> str:
+    """Return the page of one kind of state: what it promises and demands."""
+    rows = [
+        ("control mode", str(kind.mode)),
+        ("behaviour", kind.default_behavior or "to be given"),
+        ("failsafes", "apply" if kind.flying else "do not apply"),
+        ("must reach", ", ".join(kind.must_reach) or "nothing"),
+    ]
+    if (invariant := kind.invariant) is not None:
+        late = f"broken for {invariant.tolerated:g} s -> {invariant.to_kind}"
+        rows.append(("invariant", f"{invariant.says}; {late}"))
+    for failsafe in kind.failsafes:
+        given = "".join(f", {name} {value:g}" for name, value in failsafe.parameters.items())
+        rows.append(("by default", f"{failsafe.use}{given} -> {failsafe.to_kind}"))
+    lines = [f"{kind.name}  (kind of state)", "", kind.summary, ""]
+    return "\n".join([*lines, *(f"  {name:16} {what}" for name, what in rows)])
 
 
 def parameters(plugin: type[Plugin]) -> list[dict[str, str]]:
@@ -81,6 +107,13 @@ def _described(plugin: type[Plugin]) -> dict[str, Any]:
 
 def _summary(plugin: type[Plugin]) -> str:
     return (inspect.getdoc(plugin) or "").partition("\n")[0]
+
+
+def _effect(fault: Fault) -> str:
+    if fault.value is None:
+        return fault.effect
+    unit = "" if fault.unit == "1" else f" {fault.unit}"
+    return f"{fault.effect} (default {fault.value:g}{unit})"
 
 
 def _type(spec: dict[str, Any]) -> str:

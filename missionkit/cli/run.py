@@ -6,7 +6,7 @@ import json
 import signal
 import sys
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,20 +14,22 @@ from typing import Any, NamedTuple
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.contracts import unmet
 from missionkit.chart.load import load
-from missionkit.chart.model import Mission
+from missionkit.chart.model import Mission, Success
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.live import LineView, PageView, live_view
 from missionkit.engine.clock import RealTime, stopwatch
 from missionkit.engine.loop import End, Operator
-from missionkit.errors import ExitCode, FileError, UsageError, nearest
+from missionkit.errors import ExitCode, FileError, MissionkitError, UsageError, nearest
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.folder import keep_mission, run_folder
 from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.summary import Summary, summarise, write_summary
+from missionkit.recorder.track import Track
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import Fault, parse_fault
+from missionkit.sim.world import World
 
 
 class Order(NamedTuple):
@@ -50,6 +52,7 @@ def run(order: Order) -> ExitCode:
     Raises:
         FileError: mission, world or plug-in file cannot be used.
         UsageError: an option does not fit.
+        VehicleError: the vehicle could not be reached.
     """
     catalogue = assemble(order.plugins)
     mission = load(order.mission, catalogue, overrides(order.settings))
@@ -60,6 +63,11 @@ def run(order: Order) -> ExitCode:
     keep_mission(folder, order.mission)
     try:
         summary = _flown(order, ready, folder)
+    except MissionkitError:
+        raise
+    except KeyboardInterrupt:
+        print(f"stopped before it had landed; see {folder}", file=sys.stderr)  # noqa: T201
+        return ExitCode.VEHICLE_LOST
     except Exception:  # noqa: BLE001 - the flight record stays, the person gets a sentence
         (folder / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
         print(f"missionkit crashed; see {folder / 'crash.txt'}", file=sys.stderr)  # noqa: T201
@@ -69,13 +77,17 @@ def run(order: Order) -> ExitCode:
 
 
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
-    faults = [_fault(text, mission) for text in order.faults]
     world = world_of(mission, order.mission.parent)
+    faults = [_fault(text, mission, world) for text in order.faults]
     return stage(mission, catalogue, world, order.seed, faults)
 
 
-def _fault(text: str, mission: Mission) -> Fault:
+def _fault(text: str, mission: Mission, world: World) -> Fault:
     fault = parse_fault(text)
+    markers = {marker.id for marker in world.markers}
+    if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
+        hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
+        raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")
     if fault.state is not None and fault.state not in mission.states:
         hint = nearest(fault.state, mission.states)
         raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
@@ -83,37 +95,36 @@ def _fault(text: str, mission: Mission) -> Fault:
 
 
 def _flown(order: Order, ready: Stage, folder: Path) -> Summary:
-    scenery, title = scenery_of(ready.world), ready.mission.name
-    view = None
+    scenery, operator, view = scenery_of(ready.world), Operator(), None
     if not (order.headless or order.as_json):
-        view = live_view(sys.stdout, stopwatch, title)
+        view = live_view(sys.stdout, stopwatch, ready.mission.name)
     recorder = FlightRecorder(folder, camera=ready.plan.camera, scenery=scenery)
-    with recorder, view or nullcontext():
-        operator = Operator()
-        with _landing_on_interrupt(operator):
-            pace = None if order.speed is None else RealTime(order.speed)
-            watch = _Watch(ready, recorder, view)
-            result = rehearse(ready, (watch,), operator=operator, pace=pace)
-    summary = summarise(
+    with recorder, view or nullcontext(), _landing_on_interrupt(operator):
+        pace = None if order.speed is None else RealTime(order.speed)
+        watch = _Watch(ready, recorder, view)
+        result = rehearse(ready, (watch,), operator=operator, pace=pace)
+    asked = operator.wants_down
+    summary = _summed_up(order, ready.mission, recorder, result, asked=asked)
+    write_summary(folder, summary)
+    title = f"{summary.mission}: {summary.outcome}"
+    draw(folder / "track.png", recorder.track, scenery, title, _numbers(summary))
+    return summary
+
+
+def _summed_up(
+    order: Order, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
+) -> Summary:
+    return summarise(
         recorder.track,
-        mission=title,
+        mission=mission.name,
         outcome="success" if result.succeeded else _failure(result),
-        reason=_reason(ready.mission, result),
+        reason=_reason(mission, result, recorder.track, asked=asked),
         seed=order.seed,
         faults=order.faults,
-        parameters=_parameters(ready.mission, order.settings),
+        parameters=mission.params,  # with --set
         grade=result.grade.as_dict(),
         record_hash=recorder.close(),
     )
-    write_summary(folder, summary)
-    draw(
-        folder / "track.png",
-        recorder.track,
-        scenery,
-        f"{title}: {summary.outcome}",
-        _numbers(summary),
-    )
-    return summary
 
 
 class _Watch:
@@ -148,11 +159,12 @@ def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
 
 
 def _failure(result: Rehearsal) -> Any:
-    return "ended_safely" if result.grade.landed else "crash"
+    never_left = result.flown.end is End.NEVER_LEFT and not result.grade.crashed
+    return "ended_safely" if result.grade.landed or never_left else "crash"
 
 
-def _reason(mission: Mission, result: Rehearsal) -> str:
-    grade, success = result.grade, mission.success
+def _reason(mission: Mission, result: Rehearsal, track: Track, *, asked: bool) -> str:
+    grade = result.grade
     if result.succeeded:
         return "flown as planned"
     if grade.crashed:
@@ -160,14 +172,16 @@ def _reason(mission: Mission, result: Rehearsal) -> str:
     if result.flown.end is not End.LANDED:
         return str(result.flown.end)
     if result.flown.aborted:
-        return "landed because the operator asked for it or time ran out"
-    if success is not None and grade.visit is None:
-        return f"landed without reaching {success.visit}"
+        return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
+    if mission.success is not None and grade.visit is None:
+        return _unreached(mission.success, track)
     return "landed, but the goal was missed by more than allowed"
 
 
-def _parameters(mission: Mission, settings: Sequence[str]) -> dict[str, Any]:
-    return {**mission.params, **overrides(settings)}
+def _unreached(success: Success, track: Track) -> str:
+    if success.visit not in {visit.state for visit in track.visits}:
+        return f"landed without reaching {success.visit}"
+    return f"landed, but the world has no marker of {success.target} to measure the goal by"
 
 
 def _numbers(summary: Summary) -> str:

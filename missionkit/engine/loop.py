@@ -19,7 +19,7 @@ from missionkit.messages import Cycle, Observation, Record
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
-PATIENCE = 300.0  # s an abort may take
+PATIENCE = 300.0  # s an abort may take, or the wait for arming
 SILENCE = 120.0  # s without a heartbeat while landing: nothing more can be learnt or done
 
 Observer = Callable[[Record, Observation], None]
@@ -73,6 +73,8 @@ class _Watch:
             return End.SILENT
         if status is not None:
             self.flown = self.flown or status.in_air
+        if not self.flown and now >= PATIENCE and (status is None or not status.armed):
+            return End.NEVER_LEFT
         down = self.flown and status is not None and not status.armed and not status.in_air
         self.grounded_since = (self.grounded_since or now) if down else None
         if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:

@@ -16,7 +16,8 @@ FOCAL = 554.0  # px, about 60 deg across 640 px
 _FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 Row = tuple[Pixels, Pixels, Pixels]
-Focal = Annotated[Pixels, Field(gt=0)]
+Focal = Annotated[Pixels, Field(ge=1, le=100_000)]
+Side = Annotated[int, Field(ge=16, le=8192, json_schema_extra={"unit": "px"})]
 
 
 class _Section(BaseModel):
@@ -45,15 +46,15 @@ class Camera(_Section):
     """
 
     use: Literal["rendered", "corners", "none"] = "rendered"
-    width: Annotated[int, Field(ge=16, json_schema_extra={"unit": "px"})] = 640
-    height: Annotated[int, Field(ge=16, json_schema_extra={"unit": "px"})] = 480
+    width: Side = 640
+    height: Side = 480
     focal: Focal | None = None
     focal_x: Focal | None = None
     focal_y: Focal | None = None
     centre: tuple[Pixels, Pixels] | None = None
     matrix: tuple[Row, Row, Row] | None = None
     distortion: tuple[Number, Number, Number, Number, Number] = (0.0, 0.0, 0.0, 0.0, 0.0)
-    rate: Hertz = 20.0
+    rate: Annotated[Hertz, Field(le=200)] = 20.0
     latency: Seconds = 0.06
     exposure: Seconds = 0.004
     mount: Mount = Mount()

@@ -59,7 +59,8 @@ class PotentialField(Plugin):
     Repulsion: influence radius r `radius`, gains η `gain_xy` and `gain_z`. Vehicle and sensor:
     `body_radius`, and `clearance` that braking leaves; `ray_deg` between neighbouring rays; scans
     count for `max_age`. Braking: `deceleration`, which begins after `reaction`. Escape: along the
-    obstacle at `escape_speed`, `keep` away from it.
+    obstacle at `escape_speed`, `keep` away from it; after `longest` any free way to the goal ends
+    it, since an estimate that jumped may never come nearer than where it began.
     """
 
     kind: ClassVar[str] = "potential_field"
@@ -78,6 +79,7 @@ class PotentialField(Plugin):
     step_size: Metres = Field(default=0.3, gt=0)
     patience: Seconds = 0.3
     keep: Metres = Field(default=1.3, gt=0)
+    longest: Seconds = 40.0
     escape_speed: MetresPerSecond = Field(default=3.0, gt=0)
     max_age: Seconds = 0.5
 
@@ -197,7 +199,9 @@ class PotentialField(Plugin):
         if last.since == math.inf:
             last = last._replace(since=seen.now)
         if last.side:
-            away = distance > last.best - self.step_size or self._blocked(around, to_goal, distance)
+            farther = distance > last.best - self.step_size
+            patient = seen.now - last.since < self.longest
+            away = (farther and patient) or self._blocked(around, to_goal, distance)
             return last if away else Progress(distance, seen.now)
         if distance < last.best - self.step_size:
             return Progress(distance, seen.now)

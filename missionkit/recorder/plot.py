@@ -25,6 +25,7 @@ from missionkit.recorder.plot_map import draw_close_up, draw_map, seen_from_abov
 from missionkit.recorder.scenery import Scenery
 from missionkit.recorder.track import Track, Visit
 
+LETTER = 8.5  # px, width of a bold one
 STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
@@ -75,7 +76,7 @@ def draw(path: Path, track: Track, scenery: Scenery, title: str, subtitle: str =
         draw_map(page.map, track, scenery, shades)
         if goal is not None and page.close_up is not None:
             draw_close_up(page.close_up, track, scenery, shades, goal)
-        _draw_height(page.height, track, shades, 1.6 * page.letters)
+        _draw_height(page.height, track, shades)
         draw_guards(page.guards, track)
         draw_list(page.transitions, track, shades, page.letters)
         _share_time(track, (page.height, page.guards))
@@ -95,7 +96,7 @@ def _page(figure: Figure, track: Track, *, close: bool) -> Page:
             figure, columns[0].subgridspec(len(shares), 1, hspace=0.16, height_ratios=shares)
         )
         right = _stack(figure, columns[1].subgridspec(3, 1, hspace=0.24, height_ratios=[4, 5, 5]))
-        return Page(left[0], left[1] if close else None, right[0], right[1], right[2], 46)
+        return Page(left[0], left[1] if close else None, right[0], right[1], right[2], 50)
     rows = figure.add_gridspec(
         4,
         1,
@@ -109,7 +110,7 @@ def _page(figure: Figure, track: Track, *, close: bool) -> Page:
     shares = [7, 4] if close else [1]
     top = _stack(figure, rows[0].subgridspec(1, len(shares), wspace=0.2, width_ratios=shares))
     below = [figure.add_subplot(rows[row]) for row in (1, 2, 3)]
-    return Page(top[0], top[1] if close else None, below[0], below[1], below[2], 90)
+    return Page(top[0], top[1] if close else None, below[0], below[1], below[2], 112)
 
 
 def _stack(figure: Figure, grid: GridSpecFromSubplotSpec) -> list[Axes]:
@@ -123,14 +124,14 @@ def _last_target(track: Track) -> Goal | None:
     return aims[-1] if aims else None
 
 
-def _draw_height(axes: Axes, track: Track, shades: dict[str, str], letters: float) -> None:
+def _draw_height(axes: Axes, track: Track, shades: dict[str, str]) -> None:
     """Draw the height of truth and estimate over time, on a background of states."""
     axes.set_title("Height above the take-off point", pad=26)
     axes.set_ylabel("m")
     axes.grid(axis="y")
     for visit in track.visits:
         axes.axvspan(visit.start, visit.end, color=shades[visit.state], alpha=0.16, lw=0)
-    _name_states(axes, track.visits, shades, letters)
+    _name_states(axes, track.visits, shades)
     heights = [-down for _, _, down in track.estimated]
     axes.plot(track.times, heights, color=INK, lw=0.8, label="estimate", zorder=3)
     if track.true:
@@ -141,10 +142,9 @@ def _draw_height(axes: Axes, track: Track, shades: dict[str, str], letters: floa
     axes.legend(loc="lower center", framealpha=0.85, edgecolor=RULE, ncols=2, fontsize=10)
 
 
-def _name_states(
-    axes: Axes, visits: Sequence[Visit], shades: dict[str, str], letters: float
-) -> None:
-    """Write each state above its stretch of time if it fits; the panel takes so many `letters`."""
+def _name_states(axes: Axes, visits: Sequence[Visit], shades: dict[str, str]) -> None:
+    """Write each state above its stretch of time if it fits."""
+    letters = axes.get_window_extent().width / LETTER
     whole = max(visits[-1].end - visits[0].start, 1e-9) if visits else 1.0
     for visit in visits:
         if letters * (visit.end - visit.start) / whole < len(visit.state):

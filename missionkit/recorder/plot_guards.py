@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from missionkit.recorder.palette import HOLDS, NOT, UNKNOWN
+from missionkit.recorder.palette import HOLDS, INK, NOT, UNKNOWN
 from missionkit.recorder.track import Span, Track
 
 MOST = 14  # rows
+LETTERS = 24  # of a guard's name; the whole one is in the record
 TICK = 0.05  # s, so that an answer given once is seen
 
 
@@ -16,7 +20,7 @@ def draw_guards(axes: Axes, track: Track) -> None:
     """Draw one row per guard: what it said while it was asked, nothing while it was not."""
     names = _liveliest(track)
     axes.set_title("Guards", pad=10)
-    axes.set_yticks(range(len(names)), names, color="#1F2933")
+    axes.set_yticks(range(len(names)), labels(names), color=INK, fontsize=10)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
@@ -39,6 +43,21 @@ def draw_guards(axes: Axes, track: Track) -> None:
         handleheight=1.0,
         borderaxespad=0.2,
     )
+
+
+def labels(names: Sequence[str]) -> list[str]:
+    """Return names short enough for the margin, different for different guards.
+
+    >>> labels(["marker-sure", "target lost (target trunk, longer_than 2)"])
+    ['marker-sure', 'target lost …']
+    """
+    seen: Counter[str] = Counter()
+    found = []
+    for name in names:
+        label = name if len(name) <= LETTERS else f"{name.partition(' (')[0][: LETTERS - 2]} …"
+        seen[label] += 1
+        found.append(label if seen[label] == 1 else f"{label} {seen[label]}")
+    return found
 
 
 def _bar(it: Span) -> tuple[float, float]:

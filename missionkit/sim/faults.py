@@ -22,19 +22,23 @@ class Kind(NamedTuple):
     value: float | None
     unit: str
     effect: str
+    least: float = -math.inf
+    most: float = math.inf
 
 
 KINDS: Mapping[str, Kind] = {
     "camera_frozen": Kind(None, "", "the camera repeats its last frame, with its old time"),
     "camera_off": Kind(None, "", "no frames"),
-    "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE"),
+    "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0),
     "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
     "gnss_jump": Kind(10.0, "m", "fixes are off to the north by VALUE"),
     "gnss_drift": Kind(0.5, "m/s", "fixes wander off to the north at VALUE"),
-    "marker_hidden": Kind(None, "id", "the marker VALUE (default: every marker) is covered"),
+    "marker_hidden": Kind(
+        None, "id", "the marker VALUE (default: every marker) is covered", least=0.0
+    ),
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
-    "battery_sag": Kind(0.3, "1", "the charge drops by VALUE"),
-    "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE"),
+    "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
+    "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0),
     "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
 }
 
@@ -101,6 +105,9 @@ def _value(name: str, text: str | None) -> float | None:
         value = math.nan
     if not math.isfinite(value):
         raise UsageError(f"fault {name} needs a number ({kind.unit}), got {text!r}")
+    if not kind.least <= value <= kind.most:
+        allowed = f"{kind.least:g} to {kind.most:g}" if kind.most < math.inf else "0 or more"
+        raise UsageError(f"fault {name} takes {allowed}, got {text}")
     return value
 
 

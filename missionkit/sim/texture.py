@@ -14,7 +14,6 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.errors import UsageError, nearest
 from missionkit.messages import Image
 
 Field = npt.NDArray[np.float32]  # (rows, columns)
@@ -169,16 +168,8 @@ def board(dictionary: str, number: int) -> tuple[tuple[Image, ...], float]:
     """Return the pyramid of a printed marker and the board's side over the marker's.
 
     The marker's black square is surrounded by a quiet zone of white, one cell wide.
-
-    Raises:
-        UsageError: there is no such dictionary, or it has no such marker.
     """
-    known = {n for n in dir(cv2.aruco) if n.startswith("DICT_")}
-    if dictionary not in known:
-        raise UsageError(f"no marker dictionary {dictionary!r}: {nearest(dictionary, known)}")
     markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
-    if number >= len(markers.bytesList):
-        raise UsageError(f"{dictionary} has no marker {number}: 0 to {len(markers.bytesList) - 1}")
     cells = markers.markerSize + 2
     ink = cv2.aruco.generateImageMarker(markers, number, cells)
     page = np.pad(np.where(ink > 0, WHITE, BLACK).astype(np.uint8), 1, constant_values=WHITE)

@@ -6,13 +6,14 @@ NED, m, with the origin at the take-off point; the ground is the plane down = 0.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
+from missionkit.perception.dictionaries import SIZES, DictionaryName
 from missionkit.sim.parameters import Autopilot, BatteryModel, Frozen, Quadrotor, Sensors
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
@@ -57,7 +58,7 @@ class Box(Frozen):
     bottom: Metres = Field(default=0.0, ge=0)
 
     @model_validator(mode="after")
-    def _ordered(self) -> Box:
+    def _ordered(self) -> Self:
         if not (self.min[0] < self.max[0] and self.min[1] < self.max[1]):
             raise ValueError("min must be south and west of max")
         if self.bottom >= self.height:
@@ -83,13 +84,20 @@ class Marker(Frozen):
     upper edge then points away from `facing_deg`); `roll_deg` turns it clockwise for the viewer.
     """
 
-    dictionary: str
+    dictionary: DictionaryName
     id: int = Field(ge=0)
     size: Metres = Field(gt=0, description="side of the black square")
     position: Point
     facing_deg: Degrees = 180.0
     tilt_deg: Degrees = 0.0
     roll_deg: Degrees = 0.0
+
+    @model_validator(mode="after")
+    def _printed(self) -> Self:
+        last = SIZES[self.dictionary] - 1
+        if self.id > last:
+            raise ValueError(f"{self.dictionary} has ids 0 to {last}, not {self.id}")
+        return self
 
     @property
     def attitude(self) -> Quat:
@@ -100,6 +108,19 @@ class Marker(Frozen):
     def pose(self) -> Transform:
         """Marker to world."""
         return Transform(self.attitude, vec(*self.position))
+
+
+def _gap(obstacle: Cylinder | Box | Sphere, spot: Spot) -> float:
+    """Return the distance (m) from a spot on the ground to an obstacle's surface."""
+    north, east = spot
+    match obstacle:
+        case Cylinder(at=(n, e), radius=radius):
+            return math.hypot(n - north, e - east) - radius
+        case Sphere(at=(n, e, down), radius=radius):
+            return math.hypot(n - north, e - east, down) - radius
+        case Box(min=low, max=high, bottom=bottom):
+            beside = (max(a - at, at - b, 0.0) for a, at, b in zip(low, spot, high, strict=True))
+            return math.hypot(*beside, bottom)
 
 
 def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 0.0) -> Quat:
@@ -136,6 +157,13 @@ class World(Frozen):
     autopilot: Autopilot = Autopilot()
     start: Spot = (0.0, 0.0)
     start_yaw_deg: Degrees = 0.0
+
+    @model_validator(mode="after")
+    def _room_to_start(self) -> Self:
+        for count, obstacle in enumerate(self.obstacles, 1):
+            if _gap(obstacle, self.start) <= self.quadrotor.radius:
+                raise ValueError(f"obstacle {count} ({obstacle.use}) stands on the take-off point")
+        return self
 
     def marker(self, id: int, dictionary: str | None = None) -> Marker | None:
         """Return the first marker with that id (and dictionary), if there is one."""

@@ -28,7 +28,16 @@ UNSURE = ("marker-sure", Verdict.unknown("no frame for 0.4 s"))
 LOCKED = Fired("gps", "visual", "when marker-sure", (SURE,), ("mode visual",))
 
 
-def tick(now=0.0, state="gps", fired=None, problems=(), verdicts=(), cycle=0.004, seen_at=None):
+def tick(
+    now=0.0,
+    state="gps",
+    fired=None,
+    problems=(),
+    verdicts=(),
+    cycle=0.004,
+    seen_at=None,
+    entered_at=0.0,
+):
     seen = Estimate(
         now=now,
         position=vec(12.34, -5.67, -6.0),
@@ -38,15 +47,16 @@ def tick(now=0.0, state="gps", fired=None, problems=(), verdicts=(), cycle=0.004
         health=Health(True, False, now, None, 0.4, 0),
         battery=Battery(now, 0.81, 15.0),
         targets={"trunk": Target("trunk", vec(12.34, -5.67, -2.0), 0.3, None, None, seen_at)},
+        entered_at=entered_at,
     )
     timing = Cycle(sense=cycle, overruns=2)
-    note = "on the way"
+    note = "nearing"
     return Record(now, state, Mode.GPS, verdicts, fired, Command(), note, problems, seen, timing)
 
 
-def shown(record, history=(), width=120):
+def shown(record, events=(), width=120, height=40):
     console = Console(record=True, width=width, file=io.StringIO())
-    console.print(page(record, history, "precision-task"))
+    console.print(page(record, events, "precision-task", width=width, height=height))
     return console.export_text()
 
 
@@ -64,12 +74,21 @@ def test_lines_are_exactly_these():
             fired = LOCKED if k == 150 else None
             view.update(tick(now, "visual" if k >= 150 else "gps", fired, trouble * (k > 200)))
     assert out.getvalue().splitlines() == [
-        "    0.0 s  gps: 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
-        "    5.0 s  gps: 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
+        "    0.0 s  gps (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
+        "    5.0 s  gps (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
         "    7.5 s  gps -> visual: when marker-sure (marker-sure 0.8 against 0.7)",
-        "   10.0 s  visual: 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
+        "   10.0 s  visual (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
         "   10.1 s  problem: gps: height is not kept",
     ]
+
+
+def test_a_reader_that_has_gone_does_not_end_the_flight():
+    class Gone(io.StringIO):
+        def write(self, _):
+            raise BrokenPipeError
+
+    with LineView(Gone()) as view:
+        view.update(tick(0.0, fired=LOCKED))
 
 
 def test_a_guard_without_numbers_is_left_out_of_the_line():
@@ -84,14 +103,14 @@ def test_a_vehicle_on_the_ground_is_not_minus_zero_high():
 
 
 def test_the_page_says_where_the_chart_and_the_vehicle_are():
-    text = shown(tick(9.5, "visual", verdicts=(SURE, UNSURE)), [(7.5, LOCKED)])
+    record = tick(9.5, "visual", verdicts=(SURE, UNSURE), entered_at=7.5)
+    text = shown(record, [(7.5, LOCKED)])
     for part in (
         "precision-task",
-        "visual for 2.0 s",
-        "before: gps",
-        "on the way",
-        "height   6.00 m",
-        "speed  5.00 m/s",
+        "visual (nearing) for 2.0 s",
+        " 12.34 N   -5.67 E",
+        "height  6.00 m",
+        "speed  5.0 m/s",
         "battery 81 %",
         "trunk 4.00 m ± 0.30 m, not seen yet",
         "cycle 4.0 of 50 ms",
@@ -108,12 +127,25 @@ def test_a_target_says_how_long_ago_it_was_seen():
     assert "trunk 4.00 m ± 0.30 m, 1.5 s ago" in shown(tick(9.5, seen_at=8.0))
 
 
-def test_problems_and_only_the_last_transitions_are_on_the_page():
-    history = [(float(k), LOCKED._replace(reason=f"reason {k}")) for k in range(9)]
-    text = shown(tick(9.0, problems=("gps: height is not kept",)), history)
-    assert "! gps: height is not kept" in text
+def test_problems_stand_among_the_last_transitions():
+    events = [(float(k), LOCKED._replace(reason=f"reason {k}")) for k in range(9)]
+    text = shown(tick(9.0), [*events, (9.0, "gps: height is not kept")])
+    assert "9.0 s ! gps: height is not kept" in text
     assert "reason 8" in text
-    assert "reason 3" not in text
+    assert "reason 4" not in text
+
+
+@pytest.mark.parametrize(("width", "height"), [(80, 24), (120, 40), (60, 16)])
+def test_the_page_fits_the_terminal_and_keeps_the_numbers(width, height):
+    many = tuple((f"guard {k} of many with long names (radius 9)", SURE[1]) for k in range(30))
+    events = [(float(k), LOCKED._replace(reason="because " * 30)) for k in range(9)]
+    lines = shown(tick(9.0, verdicts=many), events, width, height).splitlines()
+    assert len(lines) < height
+    assert max(map(len, lines)) == width - len("^C")
+    guards = [line for line in lines if "guard " in line and "value" not in line]
+    assert len(guards) >= 5
+    assert all(line.split("guard")[1].count("0.") >= 2 for line in guards)
+    assert any("gps → visual" in line for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -136,6 +168,16 @@ def test_a_bar_fills_past_the_middle_once_the_value_exceeds_the_threshold(value,
 
 def test_a_guard_without_numbers_has_no_bar():
     assert bar(Verdict.unknown("why")).plain == ""
+
+
+def test_a_problem_that_lasts_is_told_once(monkeypatch):
+    out, wall = Terminal(), [0.0]
+    console = Console(file=out, force_terminal=True, width=100)
+    with PageView(console, lambda: wall[0], "m") as view:
+        for k in range(10):
+            wall[0] += 0.01
+            view.update(tick(0.05 * k, problems=("drifting",) * (2 < k < 7)))
+    assert out.getvalue().rpartition("gps")[2].count("drifting") == 1
 
 
 def test_the_page_is_drawn_ten_times_a_second_and_once_at_the_end(monkeypatch):

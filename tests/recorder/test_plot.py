@@ -11,6 +11,7 @@ from missionkit.messages import Fired
 from missionkit.recorder import track as tracks
 from missionkit.recorder.palette import STATES, colours
 from missionkit.recorder.plot import draw
+from missionkit.recorder.plot_guards import labels
 from missionkit.recorder.plot_list import MOST, draw_list
 from missionkit.recorder.scenery import Scenery
 
@@ -84,7 +85,26 @@ def test_a_long_list_of_transitions_says_how_many_more():
     draw_list(axes, track, {}, letters=40)
     told = [it.get_text() for it in axes.texts]
     assert told[-1] == "and 3 more"
-    assert all(len(it) <= 40 for it in told)
+    assert all(len(line) <= 40 for it in told for line in it.splitlines())
+
+
+@pytest.mark.parametrize(("height", "lines"), [(5.0, 2), (2.5, 1)])
+def test_a_long_reason_takes_two_lines_where_rows_are_high(height, lines):
+    track = tracks.begin()
+    reason = "when marker-sure and trunk-in-range and near-goal"
+    track.transitions.extend((k, Fired("a", "b", reason, (), ())) for k in range(MOST))
+    axes = Figure(figsize=(8.0, height), dpi=100).add_subplot()
+    draw_list(axes, track, {}, letters=40)
+    told = next(it.get_text() for it in axes.texts if it.get_text().startswith("when"))
+    assert len(told.splitlines()) == lines
+    assert told.endswith("near-goal" if lines == 2 else " …")
+
+
+def test_names_of_guards_fit_beside_their_timeline_and_differ():
+    names = ["marker-sure", "target lost (target trunk, longer_than 2)", "x" * 40]
+    names += ["target lost (target trunk, longer_than 5)"]
+    told = labels(names)
+    assert told == ["marker-sure", "target lost …", "x" * 22 + " …", "target lost … 2"]
 
 
 def test_states_keep_their_colour_and_neighbours_differ():

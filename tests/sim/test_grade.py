@@ -105,7 +105,7 @@ def test_totals() -> None:
 
 
 def test_marker_on_the_ground_has_no_heading_to_face() -> None:
-    flat = Marker(dictionary="D", id=1, size=1.0, position=(0, 0, 0), tilt_deg=90.0)
+    flat = Marker(dictionary="DICT_4X4_50", id=1, size=1.0, position=(0, 0, 0), tilt_deg=90.0)
     result = grade(track((0, 0, -2.0), yaw=2.0), Wanted((2.0, 0.0, 0.0)), flat, (0.0, 0.0))
     assert result.visit is not None
     assert result.visit.yaw_error is None

@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 
-from missionkit.errors import UsageError
 from missionkit.geometry import Transform, from_matrix, normalised, vec
 from missionkit.geometry import from_euler as euler
 from missionkit.messages import CameraModel
@@ -148,15 +147,3 @@ def test_every_pose_gives_an_image():
         assert image.shape == (240, 320)
         assert image.dtype == np.uint8
         assert 20 < image.mean() < 245
-
-
-@pytest.mark.parametrize(
-    ("world", "says"),
-    [
-        ({"markers": [{**ORCHARD["markers"][0], "dictionary": "DICT_6X6_25"}]}, "DICT_6X6_250"),
-        ({"markers": [{**ORCHARD["markers"][0], "id": 250}]}, "no marker 250: 0 to 249"),
-    ],
-)
-def test_unknown_markers_are_told(world, says):
-    with pytest.raises(UsageError, match=says):
-        renderer(**world)

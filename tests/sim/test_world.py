@@ -76,8 +76,44 @@ def test_the_orchard_is_a_world_with_its_marker_in_front_of_the_trunk() -> None:
 
 def test_marker_is_found_by_id_and_dictionary() -> None:
     board = {"size": 0.2, "position": [1, 0, 0]}
-    markers = [{**board, "dictionary": "A", "id": 1}, {**board, "dictionary": "B", "id": 1}]
+    names = ("DICT_4X4_50", "DICT_6X6_250")
+    markers = [{**board, "dictionary": name, "id": 1} for name in names]
     world = World.model_validate({"world": "w", "markers": markers})
     assert world.marker(1) is world.markers[0]
-    assert world.marker(1, "B") is world.markers[1]
+    assert world.marker(1, "DICT_6X6_250") is world.markers[1]
     assert world.marker(2) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"dictionary": "DICT_6X6_25"}, "did you mean 'DICT_6X6_250'"),
+        ({"id": 250}, "DICT_6X6_250 has ids 0 to 249, not 250"),
+    ],
+)
+def test_a_marker_that_nobody_prints_is_refused(change, says) -> None:
+    board = {"dictionary": "DICT_6X6_250", "id": 1, "size": 0.2, "position": [1, 0, 0]}
+    with pytest.raises(ValidationError, match=says):
+        World.model_validate({"world": "w", "markers": [{**board, **change}]})
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "stands"),
+    [
+        ({"use": "cylinder", "at": [3.0, 0.0], "radius": 0.6, "height": 2.0}, True),
+        ({"use": "cylinder", "at": [3.0, 1.0], "radius": 0.6, "height": 2.0}, False),
+        ({"use": "box", "min": [2.5, -9.0], "max": [2.7, 9.0], "height": 2.0}, True),
+        ({"use": "box", "min": [1.0, -9.0], "max": [1.4, 9.0], "height": 2.0}, False),
+        ({"use": "box", "min": [2.0, -1], "max": [4.0, 1], "height": 2.0, "bottom": 1.0}, False),
+        ({"use": "sphere", "at": [2.0, 0.0, -0.5], "radius": 0.3}, True),
+        ({"use": "sphere", "at": [2.0, 0.0, -2.0], "radius": 0.3}, False),
+    ],
+)
+def test_the_take_off_point_is_free(obstacle, stands) -> None:
+    data = {"world": "w", "start": [2.0, 0.0], "obstacles": [obstacle]}
+    near = {**data, "quadrotor": {"radius": 0.5}}
+    if stands:
+        with pytest.raises(ValidationError, match=f"obstacle 1 .{obstacle['use']}. stands on"):
+            World.model_validate(near)
+    else:
+        assert World.model_validate(near).obstacles

@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from missionkit.cli import run as command
+from missionkit.errors import VehicleError
+from missionkit.recorder.reading import read
+
+FILES = {"flight.mcap", "mission.yaml", "summary.json", "track.png"}
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_a_run_says_how_it_went_and_leaves_one_folder(call, tmp_path):
+    result = call("run", "hop.yaml", "--seed", "3")
+    assert (result.exit_code, result.stderr) == (0, "")
+    *lines, verdict, folder = result.stdout.splitlines()
+    assert lines[0].split()[:3] == ["0.1", "s", "idle"]
+    assert any("idle -> land: when done" in line for line in lines)
+    assert verdict.startswith("success: flown as planned, ")
+    assert folder == "runs/hop-seed3"
+    made = {path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()}
+    assert made == {Path("hop.yaml")} | {Path(folder) / name for name in FILES}
+    assert summary(tmp_path / folder)["outcome"] == "success"
+
+
+def test_a_run_for_programs(call, tmp_path):
+    result = call("run", "hop.yaml", "--json", "--set", "height=3", "--out", "here")
+    told = json.loads(result.stdout)
+    assert told.pop("folder") == "here/hop-seed0"
+    assert told == summary(tmp_path / "here/hop-seed0")
+    assert (told["outcome"], told["parameters"], told["seed"]) == ("success", {"height": 3}, 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "code", "reason"),
+    [
+        ("settings: {time_limit: 3}\n", [], 1, "landed because time ran out"),
+        ("settings: {time_limit: 1}\n", [], 1, "the vehicle never took off"),
+        ("success: {visit: out}\n", [], 1, "landed without reaching out"),
+        ("success: {visit: land, target: pole}\n", [], 1, "the world has no marker of pole"),
+        ("", ["--fault", "battery_sag=1@4"], 3, "hit an obstacle or the ground"),
+    ],
+)
+def test_a_run_without_success_says_why(call, hop, change, arguments, code, reason):
+    out = "  out: {kind: hover, transitions: [{to: land, after: 5}]}\n"
+    targets = "targets:\n  pole: {position: [9, 0, -2]}\n"
+    hop.write_text(hop.read_text() + out + targets + change)
+    result = call("run", "hop.yaml", "--headless", *arguments)
+    assert result.exit_code == code
+    assert reason in result.stdout
+    assert len(result.stdout.splitlines()) == 2
+
+
+def test_a_crash_keeps_the_record_and_says_where(call, tmp_path, monkeypatch):
+    def crash(*_, **__):
+        raise ZeroDivisionError("ours")
+
+    monkeypatch.setattr(command, "rehearse", crash)
+    result = call("run", "hop.yaml")
+    assert result.exit_code == 4
+    assert result.stderr == "missionkit crashed; see runs/hop-seed0/crash.txt\n"
+    folder = tmp_path / "runs/hop-seed0"
+    assert "ZeroDivisionError: ours" in (folder / "crash.txt").read_text()
+    assert (folder / "flight.mcap").is_file()
+
+
+def test_a_vehicle_out_of_reach_is_no_crash(call, monkeypatch):
+    def silent(*_, **__):
+        raise VehicleError("no heartbeat from udp:14540 in 10 s")
+
+    monkeypatch.setattr(command, "rehearse", silent)
+    result = call("run", "hop.yaml")
+    assert (result.exit_code, result.stderr) == (3, "no heartbeat from udp:14540 in 10 s\n")
+
+
+@pytest.fixture
+def interrupted(hop):
+    """Fly in a process of its own, with a Ctrl-C whenever the next of some words is said."""
+
+    def fly(*words):
+        line = [sys.executable, "-m", "missionkit", "run", str(hop), "--speed", "10"]
+        line += ["--set", "height=30", "--out", str(hop.parent / "runs")]
+        with subprocess.Popen(line, stdout=-1, stderr=-1, text=True) as process:
+            for word in words:
+                while word not in (said := process.stdout.readline()) and said:
+                    pass
+                process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=60)
+        return process.returncode, out, err, hop.parent / "runs/hop-seed0"
+
+    return fly
+
+
+def states(folder):
+    return [entry.data["state"] for entry in read(folder / "flight.mcap", "/state")]
+
+
+def test_ctrl_c_lands(interrupted):
+    code, out, err, folder = interrupted("climbing")
+    assert (code, err) == (1, "")
+    assert "ended_safely: landed because the operator asked for it" in out
+    told = summary(folder)
+    assert told["transitions"][-1]["reason"] == "operator: land"
+    assert told["grade"]["landed"]
+    assert told["duration"] > 7.0
+    assert states(folder)[-1] == "land"
+    assert {path.name for path in folder.iterdir()} == FILES
+
+
+def test_a_second_ctrl_c_stops_and_keeps_the_record(interrupted):
+    code, out, err, folder = interrupted("climbing", "operator: land")
+    assert code == 3
+    assert "ended" not in out
+    assert err == f"stopped before it had landed; see {folder}\n"
+    assert states(folder)[-1] == "land"

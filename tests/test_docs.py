@@ -1,0 +1,160 @@
+"""What the documents say is what the program does."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+
+import pytest
+import typer
+import yaml
+from documents import DOCS, ROOT, as_mission, blocks, defaults, document, table
+from typer.testing import CliRunner
+
+from missionkit.chart import model
+from missionkit.chart.catalogue import GROUPS, builtin
+from missionkit.chart.contracts import unmet
+from missionkit.chart.fields import keys_of
+from missionkit.chart.load import load_model, parse
+from missionkit.cli.app import app
+from missionkit.control.controller import Control
+from missionkit.control.limits import Limits
+from missionkit.control.pid import Gains
+from missionkit.control.yaw import YawLaw
+from missionkit.perception.aruco import Aruco
+from missionkit.perception.camera import Camera, Mount
+from missionkit.recorder.schemas import TOPICS
+from missionkit.rehearsal import rehearse, stage
+from missionkit.sim import parameters, world
+from missionkit.sim.faults import KINDS as FAULTS
+from missionkit.sim.world import World
+
+MISSION = document("docs/reference/mission-file.md")
+PLUGINS = document("docs/reference/plugins.md")
+RECORD = document("docs/how-to/read-a-flight-record.md")
+SIMULATOR = document("docs/reference/simulator.md")
+
+
+@pytest.mark.parametrize("text", blocks("yaml"))
+def test_every_example_is_valid(text, tmp_path):
+    keys = yaml.safe_load(text)
+    if "world" in keys and "mission" not in keys:
+        path = tmp_path / "world.yaml"
+        path.write_text(text)
+        assert load_model(path, World).world
+        return
+    catalogue = builtin()
+    if "too_fast" in text:  # the guard that CONTRIBUTING.md lets one write
+        CliRunner().invoke(app, ["new", "guard", "too_fast", "--to", str(tmp_path)])
+        catalogue = catalogue.with_file(next(tmp_path.rglob("missionkit_too_fast.py")))
+    mission = parse(as_mission(text), "example", catalogue)
+    assert unmet(mission, catalogue) == []
+
+
+def test_the_smallest_mission_of_the_read_me_flies():
+    (example,) = [it.values[0] for it in blocks("yaml") if it.id.startswith("README.md")]
+    catalogue = builtin()
+    flight = stage(parse(example, "README.md", catalogue), catalogue, World(world="empty"), 0)
+    places = []
+    result = rehearse(flight, (lambda *_: places.append(flight.vehicle.truth.position),))
+    assert result.succeeded
+    assert max(north for north, _, _ in places) == pytest.approx(40.0, abs=2.0)
+    assert min(-down for north, _, down in places if north > 5.0) > 3.0
+
+
+@pytest.mark.parametrize("text", blocks("sh"))
+def test_every_command_is_understood(text):
+    commands = typer.main.get_command(app).commands
+    for line in text.splitlines():
+        program, *words = shlex.split(line, comments=True) or [""]
+        if program == "missionkit":
+            commands[words[0]].make_context(words[0], words[1:])
+        elif program == "make":
+            assert re.search(rf"^{words[0]}:", document("Makefile"), re.MULTILINE)
+
+
+@pytest.mark.parametrize("path", DOCS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_lead_somewhere(path):
+    links = re.findall(r"\]\((?!https?://|#)([^)#]+)", path.read_text())
+    assert [link for link in links if not (path.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "heading", "part"),
+    [
+        (MISSION, "The whole file", model.Mission),
+        (MISSION, "Camera", Camera),
+        (MISSION, "States", model.State),
+        (MISSION, "Transitions", model.Transition),
+        (MISSION, "Failsafes", model.Failsafe),
+        (MISSION, "Success", model.Success),
+        (SIMULATOR, "The world file", World),
+        (SIMULATOR, "Wind", world.Wind),
+        (SIMULATOR, "Markers", world.Marker),
+        (SIMULATOR, "Airframe", parameters.Quadrotor),
+        (SIMULATOR, "Autopilot", parameters.Autopilot),
+        (SIMULATOR, "Battery", parameters.BatteryModel),
+    ],
+)
+def test_a_table_has_every_key_and_its_default(text, heading, part):
+    told = [(row[0].strip("`"), row[1]) for row in table(text, heading)]
+    assert dict(told) == dict(defaults(part.model_fields))
+
+
+def test_the_table_of_sensors_is_complete():
+    told = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, "Sensors")]
+    assert told == [
+        (f"{sensor}.{key}", default)
+        for sensor, it in parameters.Sensors.model_fields.items()
+        for key, default in defaults(it.annotation.model_fields)
+    ]
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        *(model.TargetPlace, model.Invariant, model.Settings, Aruco, Mount),
+        *(Control, Gains, YawLaw, Limits),
+    ],
+)
+def test_keys_without_a_table_are_told_too(part):
+    assert [key for key in keys_of(part) if not re.search(rf"`{key}`|\b{key}:", MISSION)] == []
+
+
+@pytest.mark.parametrize("kind", builtin().kinds.values(), ids=lambda kind: kind.name)
+def test_the_table_of_kinds_tells_their_contracts(kind):
+    rows = {row[0].strip("`"): row[1:] for row in table(MISSION, "Kinds of state")}
+    mode, behavior, reach, holds, added = rows[kind.name]
+    assert (mode, behavior) == (str(kind.mode), kind.default_behavior or "required")
+    assert reach == (", ".join(kind.must_reach) or "—")
+    due = kind.invariant
+    assert holds.endswith(f"({due.tolerated:g} s → {due.to_kind})" if due else "—")
+    assert added == (", ".join(f"{it.use} → {it.to_kind}" for it in kind.failsafes) or "—")
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_every_plugin_has_its_row(group):
+    wanted = []
+    for kind, plugin in sorted(builtin().group(group).items()):
+        given = [f"`{key}` {default}" for key, default in defaults(plugin.model_fields)]
+        parameters = ", ".join(given).replace(" required", "") or "—"
+        if group in {"navigators", "planners"}:
+            parameters = "many"
+        summary = (inspect.getdoc(plugin) or "").partition("\n")[0]
+        wanted.append([f"`{kind}`", parameters, summary])
+    heading = "Behaviours" if group == "behaviors" else group.capitalize()
+    assert table(PLUGINS, heading) == wanted
+
+
+def test_every_fault_has_its_row():
+    units = {name: "" if it.unit == "1" else f" {it.unit}" for name, it in FAULTS.items()}
+    assert table(SIMULATOR, "Faults") == [
+        [f"`{name}`", "—" if it.value is None else f"{it.value:g}{units[name]}", it.effect]
+        for name, it in FAULTS.items()
+    ]
+
+
+def test_every_topic_of_the_record_has_its_row():
+    told = {row[0].strip("`") for row in table(RECORD, "Topics")}
+    assert told == {topic.name for topic in TOPICS}
