@@ -1,7 +1,8 @@
 """Rotations and rigid transforms.
 
 Quaternions are (w, x, y, z), Hamilton, and turn body vectors into world vectors. The functions
-are leaves in scalar arithmetic, so kernels may compile them (`compiled(geometry.rotate)`).
+are leaves in scalar arithmetic, so kernels may compile them (`compiled(geometry.rotate)`). Numbers
+are taken out of arrays first, since numpy's own are slow; numba makes arrays fastest from tuples.
 
 Source: J. Solà, "Quaternion kinematics for the error-state Kalman filter", 2017.
 """
@@ -39,53 +40,57 @@ def wrap(angle: float) -> float:
 
 def multiply(p: Quat, q: Quat) -> Quat:
     """Return the Hamilton product p ⊗ q (first q, then p)."""
+    w, x, y, z = float(p[0]), float(p[1]), float(p[2]), float(p[3])
+    a, b, c, d = float(q[0]), float(q[1]), float(q[2]), float(q[3])
     return np.array(
-        [
-            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-            p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-            p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
-        ]
+        (
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        )
     )
 
 
 def conjugate(q: Quat) -> Quat:
     """Return the inverse of a unit quaternion."""
-    return np.array([q[0], -q[1], -q[2], -q[3]])
+    return np.array((q[0], -q[1], -q[2], -q[3]))
 
 
 def normalised(q: Quat) -> Quat:
     """Return q at unit length."""
-    n = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    return np.array([q[0] / n, q[1] / n, q[2] / n, q[3] / n])
+    w, x, y, z = float(q[0]), float(q[1]), float(q[2]), float(q[3])
+    n = math.sqrt(w * w + x * x + y * y + z * z)
+    return np.array((w / n, x / n, y / n, z / n))
 
 
 def exp(phi: Vec3) -> Quat:
     """Turn a rotation vector (3,), rad, into a quaternion; exact also near zero."""
-    angle = math.sqrt(phi[0] * phi[0] + phi[1] * phi[1] + phi[2] * phi[2])
+    x, y, z = float(phi[0]), float(phi[1]), float(phi[2])
+    angle = math.sqrt(x * x + y * y + z * z)
     half = 0.5 * angle
     s = 0.5 - angle * angle / 48.0 if angle < 1e-6 else math.sin(half) / angle
-    return np.array([math.cos(half), s * phi[0], s * phi[1], s * phi[2]])
+    return np.array((math.cos(half), s * x, s * y, s * z))
 
 
 def log(q: Quat) -> Vec3:
     """Turn a unit quaternion into its rotation vector (3,), rad, the shorter way round."""
     sign = 1.0 if q[0] >= 0.0 else -1.0
-    w, x, y, z = sign * q[0], sign * q[1], sign * q[2], sign * q[3]
+    w, x, y, z = sign * float(q[0]), sign * float(q[1]), sign * float(q[2]), sign * float(q[3])
     s = math.sqrt(x * x + y * y + z * z)
     k = 2.0 if s < 1e-9 else 2.0 * math.atan2(s, w) / s
-    return np.array([k * x, k * y, k * z])
+    return np.array((k * x, k * y, k * z))
 
 
 def to_matrix(q: Quat) -> Mat:
     """Return the rotation matrix (3, 3) of a unit quaternion."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
+    w, x, y, z = float(q[0]), float(q[1]), float(q[2]), float(q[3])
     return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
+        (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+            (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+            (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+        )
     )
 
 
@@ -115,16 +120,17 @@ def from_matrix(R: Mat) -> Quat:
 
 def rotate(q: Quat, v: Vec3) -> Vec3:
     """Return R(q) v for (3,) v."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    tx = 2.0 * (y * v[2] - z * v[1])
-    ty = 2.0 * (z * v[0] - x * v[2])
-    tz = 2.0 * (x * v[1] - y * v[0])
+    w, x, y, z = float(q[0]), float(q[1]), float(q[2]), float(q[3])
+    a, b, c = float(v[0]), float(v[1]), float(v[2])
+    tx = 2.0 * (y * c - z * b)
+    ty = 2.0 * (z * a - x * c)
+    tz = 2.0 * (x * b - y * a)
     return np.array(
-        [
-            v[0] + w * tx + y * tz - z * ty,
-            v[1] + w * ty + z * tx - x * tz,
-            v[2] + w * tz + x * ty - y * tx,
-        ]
+        (
+            a + w * tx + y * tz - z * ty,
+            b + w * ty + z * tx - x * tz,
+            c + w * tz + x * ty - y * tx,
+        )
     )
 
 
@@ -154,6 +160,13 @@ def to_euler(q: Quat) -> tuple[float, float, float]:
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
     return roll, pitch, yaw_of(q)
+
+
+def cross(a: Vec3, b: Vec3) -> Vec3:
+    """Return a × b of two (3,)."""
+    return np.array(
+        (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    )
 
 
 def skew(v: Vec3) -> Mat:

@@ -18,6 +18,7 @@ from missionkit.perception.aruco import Aruco
 from missionkit.sim.faults import Fault
 from missionkit.sim.grade import Grade, grade
 from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
 
 
@@ -61,6 +62,7 @@ def stage(
     faults: Sequence[Fault] = (),
 ) -> Stage:
     """Set up one flight; everything random comes from `seed`."""
+    warm_up()
     plan = prepare(mission, catalogue)
     return Stage(mission, plan, world, SimulatedVehicle(world, mission.camera, seed, faults))
 

@@ -13,6 +13,8 @@ from missionkit.chart.compiled import Ask, Question, Slot
 from missionkit.messages import Verdict
 from missionkit.plugin import Guard, Plugin, WindowGuard
 
+_NUMBERS = frozenset((float, type(None)))
+
 
 class Asker:
     """Compiles the guards of one mission; guards that remember share their slots by name."""
@@ -168,7 +170,7 @@ def _trusted(name: str, boxed: tuple[object] | None, question: Question) -> Verd
     if not isinstance(answer, Verdict):
         question.contain.note(f"{name} answered {type(answer).__name__}, expected a Verdict")
         return Verdict.unknown("the guard's answer cannot be used")
-    verdict = _plain(answer)
+    verdict = answer if _native(answer) else _plain(answer)
     if verdict is None:
         question.contain.note(f"{name} answered a Verdict of {answer.holds!r}, {answer.value!r}")
         return Verdict.unknown("the guard's answer cannot be used")
@@ -178,29 +180,26 @@ def _trusted(name: str, boxed: tuple[object] | None, question: Question) -> Verd
     return Verdict.unknown("the guard's number is not finite")
 
 
+def _native(answer: Verdict) -> bool:
+    """Say whether a verdict is made of Python's own types already, as nearly all are."""
+    holds, why, *numbers = map(type, answer)
+    return holds is bool and why is str and _NUMBERS.issuperset(numbers)
+
+
 def _plain(answer: Verdict) -> Verdict | None:
     """Return a verdict in Python's own truth values and numbers, `None` if that cannot be done.
 
     A comparison of numpy numbers gives a truth value that is neither `True` nor `False`.
     """
     holds: object = answer.holds
+    numbers = answer[2:]
+    if not all(number is None or isinstance(number, Real) for number in numbers):
+        return None
     if holds is not None and type(holds).__name__ != "bool":
         return None
-    try:
-        value, threshold, margin = map(_number, (answer.value, answer.threshold, answer.margin))
-    except TypeError:
-        return None
-    return Verdict(
-        None if holds is None else bool(holds), str(answer.why), value, threshold, margin
-    )
-
-
-def _number(number: object) -> float | None:
-    if number is None or type(number) is float:
-        return number
-    if isinstance(number, Real):
-        return float(number)
-    raise TypeError
+    holds = None if holds is None else bool(holds)
+    value, threshold, margin = (None if n is None else float(n) for n in numbers)
+    return Verdict(holds, str(answer.why), value, threshold, margin)
 
 
 def _finite(verdict: Verdict) -> bool:

@@ -96,11 +96,10 @@ class Control(BaseModel):
         """
         if mode is Mode.NONE:
             return None, self.begin()
-        track = _tracking(guidance, seen, self.alpha_ff)
+        track = _tracking(guidance, seen, self.alpha_ff, blocked=memory.pushed)
         if track is None:
             return ZERO, memory._replace(pid=PidMemory())
         gains = self._gains(mode)
-        track = track._replace(blocked=memory.pushed)
         wanted, charge = pid.step(gains, self.limits, memory.pid, track, _sane(dt))
         return wanted, memory._replace(pid=charge)
 
@@ -157,7 +156,9 @@ class Control(BaseModel):
         return self.yaw.rate(desired, yaw), memory
 
 
-def _tracking(guidance: Guidance | None, seen: Estimate, alpha_ff: float) -> Tracking | None:
+def _tracking(
+    guidance: Guidance | None, seen: Estimate, alpha_ff: float, *, blocked: bool
+) -> Tracking | None:
     """Return errors and feed-forward, or None when there is no guidance or it is not finite."""
     if guidance is None:
         return None
@@ -170,7 +171,7 @@ def _tracking(guidance: Guidance | None, seen: Estimate, alpha_ff: float) -> Tra
     if not math.isfinite(sum(error) + sum(rate) + rx + ry + rz + guidance.speed):
         return None
     forward = (alpha_ff * rx, alpha_ff * ry, alpha_ff * rz)
-    return Tracking(error, rate, max(0.0, guidance.speed), forward)
+    return Tracking(error, rate, max(0.0, guidance.speed), forward, blocked)
 
 
 def _shove(guidance: Guidance | None, push: Vec3 | None) -> Triple:

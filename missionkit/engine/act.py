@@ -34,10 +34,11 @@ def act(
     if failing and state.kind.mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
     command, control, avoidance = _commanded(plan, state, hands, step, seen)
-    following = hands._replace(
-        control=control,
-        avoidance=avoidance,
+    following = Hands(
+        control,
+        avoidance,
         behavior=step.memory,
+        begun=True,
         done=step.done,
         goal=step.goal,
         failing=failing,

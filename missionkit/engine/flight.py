@@ -17,6 +17,7 @@ from missionkit.control.controller import Control
 from missionkit.engine.memory import Hands, Memory, Senses
 from missionkit.estimation.navigator import Navigator
 from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.warm_up import warm_up
 from missionkit.geometry import Quat
 from missionkit.messages import CameraModel
 from missionkit.perception.aruco import Aruco
@@ -39,7 +40,8 @@ class Plan(NamedTuple):
 
 
 def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
-    """Build what flies from a mission that was loaded without problems."""
+    """Build what flies from a mission that was loaded without problems, ready to tick in time."""
+    warm_up()
     camera = mission.camera.model()
     surveyed = {
         name: (np.array(target.position), target.position_sd)

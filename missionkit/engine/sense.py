@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Memory, Senses
 from missionkit.estimation.memory import NavMemory, NavState
@@ -22,10 +20,11 @@ def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estima
     """
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
-    eye, looks, sightings = _look(plan, memory, navigation, seen)
+    state = plan.navigator.read(navigation)
+    eye, looks, sightings = _look(plan, memory, navigation, state, seen)
     if sightings:
         navigation = plan.navigator.fuse(navigation, sightings)
-    state = plan.navigator.read(navigation)
+        state = plan.navigator.read(navigation)
     looks = tuple(_believed(look, state) for look in looks)
     status = seen.status or before.status
     home = before.home
@@ -43,15 +42,12 @@ def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estima
 
 
 def _look(
-    plan: Plan, memory: Memory, navigation: NavMemory, seen: Observation
+    plan: Plan, memory: Memory, navigation: NavMemory, state: NavState, seen: Observation
 ) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
-    targets: Mapping[str, Target] = {}
-    if seen.frame is not None:
-        targets = _known(plan, plan.navigator.read(navigation))
     goal = memory.hands.goal
     priors = Priors(
         body=lambda at: plan.navigator.pose_at(navigation, at),
-        targets=targets,
+        targets={} if seen.frame is None else _known(plan, state),
         goal=None if goal is None else goal.position,
     )
     return plan.eye.look(memory.senses.eye, seen, priors)

@@ -71,15 +71,15 @@ def times_transposed(A: Mat, B: Mat) -> Mat:
 @compiled
 def joseph(P: Mat, K: Mat, H: Mat, R: Mat) -> None:
     """P := (I - K H) P (I - K H)ᵀ + K R Kᵀ, which stays positive whatever K is."""
-    n = len(P)
+    n, G = len(P), K.T.copy()
     for _ in range(2):
         B = times_transposed(P, H)
         for c in range(n):
             for k in range(n):
-                P[c, k] -= B[c, 0] * K[k, 0] + B[c, 1] * K[k, 1] + B[c, 2] * K[k, 2]
+                P[c, k] -= B[c, 0] * G[0, k] + B[c, 1] * G[1, k] + B[c, 2] * G[2, k]
         transpose(P)
     L = times_transposed(K, R)
     for c in range(n):
         for k in range(n):
-            P[c, k] += L[c, 0] * K[k, 0] + L[c, 1] * K[k, 1] + L[c, 2] * K[k, 2]
+            P[c, k] += L[c, 0] * G[0, k] + L[c, 1] * G[1, k] + L[c, 2] * G[2, k]
     symmetrise(P)

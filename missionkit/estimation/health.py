@@ -79,8 +79,9 @@ def horizontal_sd(P: Mat, shared: float) -> float:
 
     `shared` (m) is the error that all fixes have in common, which the filter cannot see.
     """
-    mean, half = 0.5 * (P[0, 0] + P[1, 1]), 0.5 * (P[0, 0] - P[1, 1])
-    return math.sqrt(max(mean + math.hypot(half, P[0, 1]), 0.0) + shared**2)
+    (north, both), (_, east) = P[:2, :2].tolist()
+    mean, half = 0.5 * (north + east), 0.5 * (north - east)
+    return math.sqrt(max(mean + math.hypot(half, both), 0.0) + shared**2)
 
 
 def diverged(tally: Tally, sd: float, silence: float, now: float, s: VisualInertialEkf) -> bool:
@@ -93,10 +94,10 @@ def diverged(tally: Tally, sd: float, silence: float, now: float, s: VisualInert
         now: the time (s).
         s: the limits.
     """
-    return (
-        sd > s.max_position_sd
-        or silence > s.silent_after
-        or refused_for(tally, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after
+    if sd > s.max_position_sd or silence > s.silent_after:
+        return True
+    return any(tally.refused) and (
+        refused_for(tally, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after
         or refused_for(tally, (FIX, SIGHT), now) > s.stray_after
     )
 

@@ -58,11 +58,9 @@ def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3
     """Return the log rows of everything but inertial samples in `observation`."""
     rows = []
     if (fix := observation.gnss) is not None:
-        position_var = np.square(np.clip(fix.position_sd, LEAST_SD, MOST_SD))
-        velocity_var = np.square(np.clip(fix.velocity_sd, LEAST_SD, MOST_SD))
         rows = [
-            row(layout.FIX, fix.at, fix.position, position_var),
-            row(layout.FIX_VELOCITY, fix.at, fix.velocity, velocity_var),
+            row(layout.FIX, fix.at, fix.position, _variance(fix.position_sd)),
+            row(layout.FIX_VELOCITY, fix.at, fix.velocity, _variance(fix.velocity_sd)),
         ]
     if (baro := observation.baro) is not None:
         noise = np.square(settings.baro_sd)
@@ -72,6 +70,11 @@ def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3
         north = math.radians(settings.declination_deg)
         rows.append(row(layout.HEADING, mag.at, mag.field, noise, extra=north))
     return rows
+
+
+def _variance(sd: Vec3 | float) -> Mat:
+    """Return the square of what a sensor claims, as far as it is believed."""
+    return np.square(np.minimum(np.maximum(sd, LEAST_SD), MOST_SD))
 
 
 def sound(seen: Sighting) -> bool:

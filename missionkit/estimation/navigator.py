@@ -22,7 +22,7 @@ from missionkit.estimation import (
 )
 from missionkit.estimation.algebra import multiply
 from missionkit.estimation.history import History
-from missionkit.estimation.layout import ACCEPTED, OUTCOME, REJECTED, RESIDUAL
+from missionkit.estimation.layout import ACCEPTED, FIX, OUTCOME, REJECTED, RESIDUAL
 from missionkit.estimation.memory import Mark, NavMemory, NavState
 from missionkit.frames import STILL, FrameTree, Timed, held
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, norm
@@ -139,9 +139,11 @@ class Navigator:
     def _recover(self, known: NavMemory, observation: Observation, rows: list[Vec3]) -> NavMemory:
         """Believe a fix that was refused, if it is time to; the jump goes into world <- odom."""
         fix, past, fixes = observation.gnss, known.past, rows[:2]
-        logged = [] if past is None else [history.found(past, r) for r in fixes]
+        if fix is None or past is None or not known.tally.refused[FIX]:
+            return known
+        logged = [history.found(past, r) for r in fixes]
         decided = [r for r in logged if r is not None]
-        if fix is None or past is None or len(decided) < 2 or decided[0][OUTCOME] != REJECTED:
+        if len(decided) < 2 or decided[0][OUTCOME] != REJECTED:
             return known
         misses = [norm(r[RESIDUAL:]) for r in decided]
         forget = recovery.forget_vehicle(known.tally, fix, misses, known.now, self._settings)

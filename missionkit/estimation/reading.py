@@ -59,7 +59,8 @@ def unaligned(
 
 def angle_variance(P: Mat) -> float:
     """Return the variance (rad²) of the body's attitude, mean over the axes."""
-    return float(P[D_ANGLE : D_ANGLE + 3, D_ANGLE : D_ANGLE + 3].trace()) / 3.0
+    x, y, z = P.diagonal()[D_ANGLE : D_ANGLE + 3].tolist()
+    return float(x + y + z) / 3.0
 
 
 def relative_sd(P: Mat, index: int) -> float:

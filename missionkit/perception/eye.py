@@ -72,9 +72,10 @@ class Eye:
         return following, (*missed, Look(frame.at, seen)), sightings
 
     def _sightings(self, frame: Frame, priors: Priors) -> tuple[Sighting, ...]:
-        body = priors.body(frame.at)
+        detections = tuple(self._detections(frame))
+        body = priors.body(frame.at) if detections else None
         found: dict[str, list[Candidate]] = {}
-        for detection in self._detections(frame):
+        for detection in detections:
             for marker in self._markers[detection.dictionary].get(detection.id, ()):
                 prior = priors.targets.get(marker.target)
                 if not marker.min_area <= detection.area <= marker.max_area:
@@ -116,7 +117,7 @@ def _missed(
         missed = min(missed, round((memory.asked_at - heard) / period))
     missed = min(max(missed, 0), _MOST_MISSED)
     looks = tuple(Look(heard + i * period, frozenset(), silent=True) for i in range(1, missed + 1))
-    return memory._replace(heard_at=heard + missed * period, asked_at=now), looks
+    return EyeMemory(heard + missed * period, now, memory.digest), looks
 
 
 def _of(markers: Sequence[Aruco], dictionary: str) -> dict[int, tuple[Aruco, ...]]:

@@ -21,7 +21,7 @@ def goal_rotation(marker: Mat) -> Mat:
     Source: P1 section 2.3; a proper rotation (NOTES P1.2).
     """
     x, y, z = marker.T
-    return np.column_stack([-z, x, -y])
+    return np.array([-z, x, -y]).T
 
 
 def goal_of(target: Target, standoff: tuple[float, float, float], now: float) -> Goal | None:

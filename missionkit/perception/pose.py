@@ -62,7 +62,7 @@ def solve(
         return ()
     points = square(size) * (1.0, -1.0, 1.0)
     first = int(np.argmin(corners.sum(axis=1)))
-    turned = np.roll(corners, -first, axis=0)
+    turned = np.concatenate((corners[first:], corners[:first]))
     starts = _planar(points, turned, camera)
     refined = [_refined(points, turned, camera, start) for start in starts]
     own = multiply(exp(np.array([0.0, 0.0, -0.5 * math.pi * first])), _UPSIDE)
@@ -74,7 +74,7 @@ def _usable(corners: npt.NDArray[np.float64]) -> bool:
     """Say whether the corners are finite and no three of them lie on a line."""
     if corners.shape != (4, 2) or not np.isfinite(corners).all():
         return False
-    before, after = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
+    before, after = corners[[3, 0, 1, 2]] - corners, corners[[1, 2, 3, 0]] - corners
     triangles = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return bool((np.abs(triangles) > _LEAST_AREA).all())
 
@@ -103,7 +103,7 @@ def _refined(
     if not pose.translation[2] > norm(points[0]):
         return None
     residual = project(points, pose, camera) - corners
-    return Solution(pose, float(np.sqrt(np.mean(residual * residual))))
+    return Solution(pose, math.sqrt((residual * residual).sum() / residual.size))
 
 
 def _distinct(ordered: list[Solution]) -> tuple[Solution, ...]:

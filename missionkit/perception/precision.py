@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.geometry import Mat, Transform, Vec3, exp, multiply, norm, skew, to_matrix
+from missionkit.geometry import Mat, Transform, Vec3, cross, exp, multiply, norm, skew, to_matrix
 from missionkit.messages import CameraModel
 from missionkit.perception.pose import Solution, square
 
@@ -23,20 +23,19 @@ def covariance(pose: Transform, size: float, camera: CameraModel, sigma: float) 
     Source: Hartley and Zisserman, "Multiple View Geometry", 2nd edition, section 5.2.
     """
     arms = square(size) @ to_matrix(pose.rotation).T  # (4, 3), m, from the marker's centre
-    J = np.vstack([_rows(arm, arm + pose.translation, camera.matrix) for arm in arms])
+    J = np.concatenate([_rows(arm, arm + pose.translation, camera.matrix) for arm in arms])
     information = J.T @ J
-    if np.linalg.cond(information) > 1e12:
+    least, *_, most = np.linalg.eigvalsh(information).tolist()
+    if not most < 1e12 * least:
         return None
     return np.asarray(sigma * sigma * np.linalg.inv(information))
 
 
 def _rows(arm: Vec3, point: Vec3, K: Mat) -> Mat:
     """Return the two rows (2, 6) of J that belong to one corner."""
-    x, y, z = point
-    slope = np.array(
-        [[K[0, 0] / z, 0.0, -K[0, 0] * x / z**2], [0.0, K[1, 1] / z, -K[1, 1] * y / z**2]]
-    )
-    return np.hstack([-slope @ skew(arm), slope])
+    (x, y, z), fx, fy = point.tolist(), float(K[0, 0]), float(K[1, 1])
+    slope = np.array([[fx / z, 0.0, -fx * x / z**2], [0.0, fy / z, -fy * y / z**2]])
+    return np.concatenate((-slope @ skew(arm), slope), axis=1)
 
 
 def deviations(P: Mat, pose: Transform) -> tuple[float, float]:
@@ -72,7 +71,7 @@ def head_on(pose: Transform) -> tuple[Transform, float]:
     """Return `pose` turned the shortest way to face the camera, and by how much (rad)."""
     normal = to_matrix(pose.rotation)[:, 2]
     sight = -pose.translation / norm(pose.translation)
-    axis = np.cross(normal, sight)
+    axis = cross(normal, sight)
     length = norm(axis)
     angle = math.atan2(length, float(normal @ sight))
     turn = exp(axis * (angle / max(length, 1e-12)))

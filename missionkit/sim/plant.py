@@ -17,9 +17,6 @@ from missionkit.sim.noise import Normals
 from missionkit.sim.obstacles import table
 from missionkit.sim.world import World
 
-STILL = np.zeros(3)
-STILL.flags.writeable = False
-
 
 class Plant:
     """Body, inner autopilot, wind and inertial unit, advanced together by one kernel."""
@@ -71,7 +68,7 @@ class Plant:
         """Whether the rotors turn."""
         return bool(self.memory[at.ARMED])
 
-    def advance(self, stop: int, extra: Vec3 = STILL) -> Mat:
+    def advance(self, stop: int, extra: Vec3 | None = None) -> Mat:
         """Fly to physics step `stop`; return the inertial samples (n, 6), every second step.
 
         Args:
@@ -84,7 +81,7 @@ class Plant:
             self.state,
             self.memory,
             self.step,
-            extra,
+            np.zeros(3) if extra is None else extra,
             self.things,
             *self._constants,
             self._wind.take(count),

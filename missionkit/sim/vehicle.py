@@ -31,7 +31,7 @@ from missionkit.sim.faults import Fault, Mishaps
 from missionkit.sim.feed import Feed
 from missionkit.sim.noise import Normals, streams
 from missionkit.sim.obstacles import ring
-from missionkit.sim.plant import STILL, Plant
+from missionkit.sim.plant import Plant
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
 from missionkit.sim.truth import Track, Truth
 from missionkit.sim.world import World
@@ -218,10 +218,10 @@ class SimulatedVehicle:
         )
         self.track.add(self.now, self._plant.state[:13], rest)
 
-    def _extra_wind(self) -> Vec3:
+    def _extra_wind(self) -> Vec3 | None:
         gust = self._mishaps.since("wind_gust", self.now)
         if gust is None:
-            return STILL
+            return None
         mean = vec(*self.world.wind.mean)
         size = norm(mean)
         along = mean / size if size > 0.0 else vec(1.0, 0.0, 0.0)

@@ -48,6 +48,7 @@ def test_transitions_say_when_they_fire_and_which_guards_they_read(precise: Char
 def test_failsafes_come_in_order_and_those_for_stuck_plugins_last(precise: Chart):
     assert [(one.text, one.to, one.hold, one.unknown_takes) for one in precise.failsafes] == [
         ("failsafe battery", "return", 0.0, True),
+        ("failsafe empty", "land", 0.0, False),
         ("failsafe link", "land", 0.0, True),
         ("failsafe lost", "land", 1.0, True),
         ("failsafe fence", "return", 0.0, True),
