@@ -62,7 +62,7 @@ def stage(
     faults: Sequence[Fault] = (),
 ) -> Stage:
     """Set up one flight; everything random comes from `seed`."""
-    warm_up()
+    warm_up(corners=mission.camera.use == "corners")
     plan = prepare(mission, catalogue)
     return Stage(mission, plan, world, SimulatedVehicle(world, mission.camera, seed, faults))
 

@@ -7,6 +7,7 @@ from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 
-def warm_up() -> None:
-    """Stand in an empty world for a moment, with every sensor on."""
-    SimulatedVehicle(World(world="empty"), Camera(use="corners"), seed=0).advance(0.2)
+def warm_up(*, corners: bool) -> None:
+    """Stand in an empty world for a moment, with every sensor on; `corners`: the camera as well."""
+    camera = Camera(use="corners" if corners else "none")
+    SimulatedVehicle(World(world="empty"), camera, seed=0).advance(0.2)
