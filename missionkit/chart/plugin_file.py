@@ -48,11 +48,17 @@ def _imported(path: Path) -> ModuleType:
         raise FileError([Problem(Place(str(path), 1, 1), f"cannot be read: {reason}")])
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # pydantic resolves annotations through it
+    writes, sys.dont_write_bytecode = (
+        sys.dont_write_bytecode,
+        True,
+    )  # nothing beside the user's file
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the user's code may raise anything
         del sys.modules[name]
         raise FileError([_import_problem(path, error)]) from error
+    finally:
+        sys.dont_write_bytecode = writes
     return module
 
 
