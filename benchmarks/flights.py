@@ -41,6 +41,6 @@ def warm_up() -> None:
 def _by_gps_alone(mission: Mission) -> Mission:
     """Return idle -> gps -> return -> land: `gps` leaves as `return` does, when done."""
     gps, home = mission.states["gps"], mission.states["return"]
-    done = home.transitions[0].model_copy(update={"to": "return"})
+    done = home.transitions[0].model_copy(update={"to": ("return",)})
     states = {**mission.states, "gps": gps.model_copy(update={"transitions": (done,)})}
     return mission.model_copy(update={"states": states, "success": None})

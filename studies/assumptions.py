@@ -28,8 +28,8 @@ def assumptions(mission: Mission, world: World) -> Iterator[tuple[str, str]]:
             yield f"control: {name}", numbers(part)
     if mission.avoid is not None:
         yield "avoidance", numbers(mission.avoid.plugin)
-    for name, state in mission.states.items():
-        if text := numbers(state.behavior.plugin):
+    for name, state, _ in mission.walk():
+        if state.behavior is not None and (text := numbers(state.behavior.plugin)):
             yield f"state {name}", text
 
 

@@ -56,8 +56,8 @@ class Watch:
     def __call__(self, record: Record, _: Observation) -> None:
         """Take in one tick."""
         self._ticks += 1
-        fired, seen = record.fired, record.estimate
-        if fired is not None:
+        seen = record.estimate
+        for fired in record.fired:
             unseen = self._unseen(seen)
             self.changes.append(Change(record.now, fired.source, fired.to, fired.reason, unseen))
         self.problems += [f"{record.now:.2f} s: {problem}" for problem in record.problems]

@@ -32,11 +32,11 @@ class Flight(NamedTuple):
 
     def went(self) -> list[tuple[str, str]]:
         """Every transition: to, and why."""
-        return [(r.fired.to, r.fired.reason) for r in self.records if r.fired is not None]
+        return [(fired.to, fired.reason) for r in self.records for fired in r.fired]
 
     def entered(self, state: str, nth: int = 0) -> float:
         """When a state was entered for the nth time (s)."""
-        return [r.now for r in self.records if r.fired is not None and r.fired.to == state][nth]
+        return [r.now for r in self.records for fired in r.fired if fired.to == state][nth]
 
     def problems(self) -> list[str]:
         return [problem for record in self.records for problem in record.problems]

@@ -17,6 +17,7 @@ from missionkit.chart.catalogue import GROUPS, builtin
 from missionkit.chart.contracts import unmet
 from missionkit.chart.fields import keys_of
 from missionkit.chart.load import load_model, parse
+from missionkit.chart.model import GROUP_KIND
 from missionkit.cli.app import app
 from missionkit.control.controller import Control
 from missionkit.control.limits import Limits
@@ -126,7 +127,8 @@ def test_keys_without_a_table_are_told_too(part):
 def test_the_table_of_kinds_tells_their_contracts(kind):
     rows = {row[0].strip("`"): row[1:] for row in table(MISSION, "Kinds of state")}
     mode, behavior, reach, holds, added = rows[kind.name]
-    assert (mode, behavior) == (str(kind.mode), kind.default_behavior or "required")
+    needed = "—" if kind.name == GROUP_KIND else "required"
+    assert (mode, behavior) == (str(kind.mode), kind.default_behavior or needed)
     assert reach == (", ".join(kind.must_reach) or "—")
     due = kind.invariant
     assert holds.endswith(f"({due.tolerated:g} s → {due.to_kind})" if due else "—")

@@ -9,6 +9,7 @@ from typing import Any as Anything
 from typing import cast
 
 from missionkit.chart import expressions as ex
+from missionkit.chart.ask_chart import of_chart
 from missionkit.chart.compiled import Ask, Question, Slot
 from missionkit.messages import Verdict
 from missionkit.plugin import Guard, Plugin, WindowGuard
@@ -34,15 +35,17 @@ class Asker:
             case ex.Use():
                 name = self.name(expression)
                 return self._remembered(name, lambda: self._plugin(name, expression.plugin))
-            case ex.All(parts=parts):
-                return _all(tuple(self.ask(part) for part in parts))
-            case ex.Any(parts=parts):
-                return _any(tuple(self.ask(part) for part in parts))
+            case ex.All(parts=parts) | ex.Any(parts=parts):
+                joined = _all if isinstance(expression, ex.All) else _any
+                return joined(tuple(self.ask(part) for part in parts))
             case ex.Not(part=part):
                 return _not(self.ask(part))
             case ex.Hysteresis():
                 name = self.name(expression)
                 return self._remembered(name, lambda: self._latch(name, expression))
+            case ex.Variable() | ex.In() | ex.Finished():
+                name = self.name(expression)
+                return self._remembered(name, lambda: _answered(name, of_chart(expression)))
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
@@ -53,6 +56,10 @@ class Asker:
                 meaning = expression.plugin
             case ex.Hysteresis(part=part, enter=enter, exit=leave):
                 meaning = (self.name(part), enter, leave)
+            case ex.Variable(name=of, op=op, value=value):
+                meaning = (of, op, value)
+            case ex.In(state=state) | ex.Finished(state=state):
+                meaning = (type(expression), state)
             case _:
                 return said
         name = said
@@ -77,7 +84,8 @@ class Asker:
         if isinstance(plugin, WindowGuard):
             slot = self._slot(name, plugin.begin, _advancing(name, plugin, foreign=foreign))
             return _answered(name, _window(name, plugin, slot, foreign=foreign))
-        return _answered(name, _simple(name, cast(Guard, plugin), foreign=foreign))
+        simple = _simple if foreign else _trusting
+        return _answered(name, simple(name, cast(Guard, plugin)))
 
     def _latch(self, name: str, latch: ex.Hysteresis) -> Ask:
         inner = self.ask(latch.part)
@@ -116,12 +124,32 @@ def _answered(name: str, ask: Ask) -> Ask:
     return once
 
 
-def _simple(name: str, guard: Guard, *, foreign: bool) -> Ask:
+def _simple(name: str, guard: Guard) -> Ask:
     check = guard.check
 
     def ask(question: Question) -> Verdict:
-        boxed = question.contain.call(name, check, question.seen, foreign=foreign)
+        boxed = question.contain.call(name, check, question.seen)
         return _trusted(name, boxed, question)
+
+    return ask
+
+
+def _trusting(name: str, guard: Guard) -> Ask:
+    """Ask a guard of the package: not timed, and no question about types it is known to keep."""
+    check = guard.check
+
+    def ask(question: Question) -> Verdict:
+        try:
+            verdict = check(question.seen)
+        except Exception as error:  # noqa: BLE001 - even our own guards must not end a flight
+            question.contain.note(f"{name} raised {type(error).__name__}: {error}")
+            return Verdict.unknown("the guard failed")
+        holds, _, value, threshold, margin = verdict
+        known = holds is True or holds is False or holds is None
+        sound = value is None or (type(value) is float and value - value == 0.0)
+        if known and sound and threshold == threshold and margin == margin:  # noqa: PLR0124 NaN
+            return verdict
+        return _trusted(name, (verdict,), question)
 
     return ask
 

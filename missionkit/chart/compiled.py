@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from enum import Enum
 from typing import Any, NamedTuple
 
 from missionkit.chart.contain import Containment
-from missionkit.messages import Estimate, Verdict
+from missionkit.chart.variables import Value, Values, Variable
+from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.plugin import Behavior
 from missionkit.states.contract import StateKind
+
+ROOT = ""  # the name of the state around all others, which is never left
 
 
 class Question:
     """What the guards of one tick are asked with, and what they answered."""
 
-    __slots__ = ("answers", "contain", "seen", "windows")
+    __slots__ = ("active", "answers", "contain", "seen", "variables", "windows")
 
-    def __init__(self, seen: Estimate, windows: Sequence[Any], contain: Containment) -> None:
+    def __init__(
+        self,
+        seen: Estimate,
+        windows: Sequence[Any],
+        contain: Containment,
+        active: tuple[str, ...] = (),
+        variables: Values | None = None,
+    ) -> None:
         self.seen = seen
         self.windows = windows
         self.contain = contain
+        self.active = active
+        self.variables = variables or {}
         self.answers: dict[str, Verdict] = {}
 
 
@@ -37,23 +50,49 @@ class Slot(NamedTuple):
 class Output(NamedTuple):
     """One Mealy output of a transition, or an entry or exit action."""
 
-    verb: str  # log, raise
+    verb: str  # log, raise, assign, vehicle
     text: str
+    operation: str = ""  # assign: set, add, copy, toggle
+    operand: Value = ""
+
+
+class Shape(Enum):
+    """What a state is in the tree."""
+
+    ATOMIC = "atomic"
+    COMPOUND = "compound"
+    PARALLEL = "parallel"
+    FINAL = "final"
+    SHALLOW = "shallow history"
+    DEEP = "deep history"
+
+
+HISTORY = frozenset((Shape.SHALLOW, Shape.DEEP))
+LEAVES = frozenset((Shape.ATOMIC, Shape.FINAL))
+
+
+class Start(NamedTuple):
+    """Where a compound state or a history leads by default."""
+
+    to: tuple[str, ...] = ()
+    outputs: tuple[Output, ...] = ()
 
 
 class Transition(NamedTuple):
     """When to leave, and where to."""
 
     number: int  # unique in the chart
-    to: str
+    to: tuple[str, ...]  # none: targetless, only its outputs
     text: str  # what the record calls it: "when converged for 1.0 s"
+    source: str = ROOT
     ask: Ask | None = None
     hold: float = 0.0  # s the guard must have held
     after: float | None = None  # s since entry
-    event: str | None = None
+    events: tuple[str, ...] = ()  # one of them must have come
     outputs: tuple[Output, ...] = ()
     unknown_takes: bool = False  # failsafes: an unknown verdict counts as holding
-    patient: bool = True  # waits for the state's dwell
+    patient: bool = False  # waits for the dwell of its source
+    internal: bool = False
     reads: frozenset[str] = frozenset()  # names of the guards it asks
 
 
@@ -62,7 +101,7 @@ class State(NamedTuple):
 
     name: str
     kind: StateKind
-    behavior: Behavior
+    behavior: Behavior | None
     target: str | None  # what the behaviour works on
     dwell: float  # s, least time before a transition that is no failsafe
     transitions: tuple[Transition, ...] = ()
@@ -71,13 +110,36 @@ class State(NamedTuple):
     violated_to: str | None = None  # where a broken invariant leads
     tolerated: float = 0.0  # s a broken invariant is tolerated
     promise: Ask | None = None  # what the mission demands besides the kind's invariant
+    shape: Shape = Shape.ATOMIC
+    order: int = 0  # in the document
+    parent: str = ROOT
+    ancestors: tuple[str, ...] = ()  # from the parent up to and with the root
+    children: tuple[str, ...] = ()
+    initial: Start = Start()  # of a compound state, or a history's default
+    remembered: bool = False  # a history may lead back here
+
+
+class Stance(NamedTuple):
+    """What a configuration means: worked out once for each that is met."""
+
+    active: tuple[State, ...]  # in document order
+    asked: tuple[Transition, ...]  # every transition that could leave, inner states first
+    ways: tuple[tuple[Transition, ...], ...]  # for each atomic state, inner states first
+    promising: tuple[State, ...]  # those with an invariant
+    pilot: str  # whose behaviour commands; empty if nobody's
+    mode: Mode
+    flying: bool
+    safety: int  # 2 landing, 1 returning
 
 
 class Chart(NamedTuple):
-    """A compiled mission. Immutable; shared by any number of flights."""
+    """A compiled mission. Immutable but for its memos; shared by any number of flights."""
 
-    initial: str
-    states: Mapping[str, State]
+    initial: str  # the state that commands first
+    states: Mapping[str, State]  # the root too
     failsafes: tuple[Transition, ...]
     slots: tuple[Slot, ...]
     land: str  # the state an operator's abort leads to
+    variables: Mapping[str, Variable]
+    stances: dict[tuple[str, ...], Stance]  # memo of `tree.stance`
+    moves: dict[Any, Any]  # memo of `tree.move`

@@ -14,9 +14,10 @@ from missionkit.chart.part import Part, Scope
 from missionkit.chart.problems import relocated, said
 from missionkit.chart.references import needs_parameters, resolve
 from missionkit.chart.sentence import Path, carried, sentence, sentences
+from missionkit.chart.variables import is_number
 from missionkit.units import Number
 
-FORMS = ("use", "all", "any", "not", "hysteresis")
+FORMS = ("use", "all", "any", "not", "hysteresis", "variable", "in")
 
 
 class ConditionField:
@@ -71,6 +72,10 @@ def parse(data: object, scope: Scope) -> ex.Expression:
             return resolve(data, "guards", scope)
         case "hysteresis":
             return _hysteresis(data, scope)
+        case "variable":
+            return _variable(data, scope)
+        case "in":
+            return _in(data, scope)
         case form:
             return _combined(form, data, scope)
 
@@ -125,6 +130,37 @@ def _hysteresis(data: Table, scope: Scope) -> ex.Expression:
     if errors:
         raise sentences(*errors)
     return ex.Hysteresis(parts[0], limits.enter, limits.exit, data.place)
+
+
+def _variable(data: Table, scope: Scope) -> ex.Expression:
+    name, ops = data["variable"], [key for key in data if key in ex.COMPARISONS]
+    if name not in scope.variables:
+        unknown = f"unknown variable {shown(name)}"
+        raise sentences(sentence(unknown, "variable", word=str(name), known=scope.variables))
+    if len(data) != 2 or len(ops) != 1:
+        given = ", ".join(key for key in data if key != "variable") or "nothing"
+        expected = f"expected one of {', '.join(ex.COMPARISONS)} beside 'variable', got {given}"
+        raise sentences(sentence(expected))
+    op, value = ops[0], data[ops[0]]
+    if not isinstance(value, bool | int | float | str) or (op != "equals" and not is_number(value)):
+        wanted = "a value" if op == "equals" else "a number"
+        raise sentences(sentence(f"{op!r}: expected {wanted}, got {shown(value)}", op))
+    return ex.Variable(name, op, value, data.place)
+
+
+def _in(data: Table, scope: Scope) -> ex.Expression:
+    errors = [
+        sentence(f"unknown key {key!r} beside 'in'", key, at_key=True)
+        for key in data
+        if key != "in"
+    ]
+    name = data["in"]
+    if name not in scope.states:
+        unknown = f"unknown state {shown(name)}"
+        errors.append(sentence(unknown, "in", word=str(name), known=scope.states))
+    if errors:
+        raise sentences(*errors)
+    return ex.In(name, data.place)
 
 
 def _parsed(

@@ -7,45 +7,60 @@ state.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from missionkit.behaviors.hold import Hold
 from missionkit.chart import expressions as ex
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.model import Mission, State, Transition
+from missionkit.chart.model import Mission, Placed, State, Transition
 from missionkit.errors import Place, Problem
 from missionkit.states.common import HOVER
 from missionkit.states.contract import Failsafe
 
 NOWHERE = Place("", 0, 0)
 HOVER_FOR = 20.0  # s before a vehicle whose goal is out of reach goes home
+States = Mapping[str, Placed]
+Firsts = Mapping[str, str]  # kind -> the first state of it
 
 
 def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
     """Return the mission with the default failsafes written out."""
     if _needs_hover(mission, catalogue):
         mission = _with_hover(mission)
+    every = mission.by_name()
+    firsts = _firsts(every)
     states = {
-        name: state.model_copy(
-            update={"transitions": state.transitions + _defaults(mission, state, catalogue)}
-        )
+        name: _with_defaults(state, every, firsts, catalogue)
         for name, state in mission.states.items()
     }
     return mission.model_copy(update={"states": states})
 
 
-def _defaults(mission: Mission, state: State, catalogue: Catalogue) -> tuple[Transition, ...]:
+def _with_defaults(state: State, every: States, firsts: Firsts, catalogue: Catalogue) -> State:
+    inner = {
+        name: _with_defaults(inside, every, firsts, catalogue)
+        for name, inside in state.states.items()
+    }
+    transitions = state.transitions + _defaults(state, every, firsts, catalogue)
+    return state.model_copy(update={"states": inner, "transitions": transitions})
+
+
+def _defaults(
+    state: State, every: States, firsts: Firsts, catalogue: Catalogue
+) -> tuple[Transition, ...]:
     have = {
-        mission.states[transition.to].kind
+        every[to].state.kind
         for transition in state.transitions
         if not _plan_only(transition)
+        for to in transition.targets
     }
-    targets = state.behavior.plugin.targets()
+    targets = () if state.behavior is None else state.behavior.plugin.targets()
     return tuple(
-        _transition(failsafe, _first(mission, failsafe.to_kind), targets, catalogue)
+        _transition(failsafe, firsts[failsafe.to_kind], targets, catalogue)
         for failsafe in catalogue.kinds[state.kind].failsafes
         if failsafe.to_kind not in have
-        and _first(mission, failsafe.to_kind)
+        and failsafe.to_kind in firsts
         and (targets or not failsafe.of_target)
     )
 
@@ -66,35 +81,40 @@ def _transition(
     guard = catalogue.guards[failsafe.use](**parameters)
     return Transition.model_construct(
         {"to", "when", "name"},
-        to=to,
+        to=(to,),
         when=ex.Use(failsafe.use, guard, NOWHERE),
         name=failsafe.name,
     )
 
 
 def _needs_hover(mission: Mission, catalogue: Catalogue) -> bool:
-    if _first(mission, HOVER):
+    every = mission.by_name()
+    if HOVER in _firsts(every):
         return False
-    kinds = [catalogue.kinds[state.kind] for state in mission.states.values()]
+    kinds = [catalogue.kinds[placed.state.kind] for placed in every.values()]
     return any(failsafe.to_kind == HOVER for kind in kinds for failsafe in kind.failsafes)
 
 
 def _with_hover(mission: Mission) -> Mission:
-    away = _first(mission, "return") or _first(mission, "land")
+    every = mission.by_name()
+    firsts = _firsts(every)
+    away = firsts.get("return") or firsts.get("land", "")
     hover = State.model_construct(
         {"kind", "behavior", "transitions"},
         kind=HOVER,
         summary="Added by the default failsafes.",
         behavior=ex.Use("hold", Hold(), NOWHERE),
-        transitions=(Transition.model_construct({"to", "after"}, to=away, after=HOVER_FOR),),
+        transitions=(Transition.model_construct({"to", "after"}, to=(away,), after=HOVER_FOR),),
     )
-    name = HOVER if HOVER not in mission.states else f"{HOVER}-failsafe"
+    name = HOVER if HOVER not in every else f"{HOVER}-failsafe"
     return mission.model_copy(update={"states": {**mission.states, name: hover}})
 
 
-def _first(mission: Mission, kind: str) -> str:
-    """Return the first state of a kind, empty if there is none."""
-    return next((name for name, state in mission.states.items() if state.kind == kind), "")
+def _firsts(every: States) -> Firsts:
+    firsts: dict[str, str] = {}
+    for name, placed in every.items():
+        firsts.setdefault(placed.state.kind, name)
+    return firsts
 
 
 def unmet(mission: Mission, catalogue: Catalogue) -> list[Problem]:
@@ -103,30 +123,55 @@ def unmet(mission: Mission, catalogue: Catalogue) -> list[Problem]:
     Every mission needs a state of kind land; from every state the kinds that its contract names
     must be reachable by the mission's transitions, failsafes and default failsafes.
     """
-    if not _first(mission, "land"):
+    if "land" not in _firsts(mission.by_name()):
         return [Problem(mission.place("states"), "no state of kind 'land': where would it end?")]
-    whole = fulfilled(mission, catalogue)
+    ways = _Ways(fulfilled(mission, catalogue), catalogue)
     return [
         Problem(
             state.place("kind"),
             f"state {name!r} is of kind {state.kind!r}, which must be able to reach a state of "
             f"kind {kind!r}, but cannot",
         )
-        for name, state in mission.states.items()
+        for name, state, _ in mission.walk()
         for kind in catalogue.kinds[state.kind].must_reach
-        if kind not in _reached(whole, name, catalogue)
+        if name not in ways.leading_to(kind)
     ]
 
 
-def _reached(mission: Mission, start: str, catalogue: Catalogue) -> set[str]:
-    """Return the kinds of state that can be reached from `start`."""
-    found, waiting = {start}, [start]
-    while waiting:
-        state = mission.states[waiting.pop()]
-        ways = [transition.to for transition in state.transitions]
-        if catalogue.kinds[state.kind].flying:
-            ways += [failsafe.to for failsafe in mission.failsafes]
-        fresh = set(ways) - found
-        found |= fresh
-        waiting += fresh
-    return {mission.states[name].kind for name in found}
+class _Ways:
+    """Which states may follow which: those around and inside an active state count as active."""
+
+    def __init__(self, mission: Mission, catalogue: Catalogue) -> None:
+        self.every = mission.by_name()
+        self.before: dict[str, set[str]] = {name: set() for name in self.every}
+        failsafes = {failsafe.to for failsafe in mission.failsafes}
+        for placed in self.every.values():
+            flying = catalogue.kinds[placed.state.kind].flying
+            for name in _following(placed) | (failsafes if flying else set()):
+                self.before[name].add(placed.name)
+        self.found: dict[str, set[str]] = {}
+
+    def leading_to(self, kind: str) -> set[str]:
+        """Return the states from which a state of a kind can be reached."""
+        if kind not in self.found:
+            waiting = [name for name, placed in self.every.items() if placed.state.kind == kind]
+            found = set(waiting)
+            while waiting:
+                fresh = self.before[waiting.pop()] - found
+                found |= fresh
+                waiting += fresh
+            self.found[kind] = found
+        return self.found[kind]
+
+
+def _following(placed: Placed) -> set[str]:
+    state = placed.state
+    ways = {to for transition in state.transitions for to in transition.targets}
+    ways |= set(state.states)
+    if placed.parent is not None:
+        ways.add(placed.parent)
+    if state.default is not None:
+        ways |= set(state.default.to)
+    if state.invariant.exit is not None:
+        ways.add(state.invariant.exit)
+    return ways

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator, Mapping
 
 from missionkit.chart.expressions import text
-from missionkit.chart.model import Failsafe, Mission, State, Transition
+from missionkit.chart.model import Failsafe, Mission, Start, State, Transition
 
 COLOURS = {
     "idle": "#e5e7eb",
@@ -22,7 +23,7 @@ OTHER_COLOUR = "#f1f1f1"
 
 def transition_text(transition: Transition) -> str:
     """Say when a transition is taken: "not converged for 2 s", "after 30 s"."""
-    parts = [f"on {transition.event}"] if transition.event else []
+    parts = [f"on {' or '.join(transition.event)}"] if transition.event else []
     if transition.when is not None:
         parts.append(text(transition.when) + _lasting(transition.for_))
     if transition.after is not None:
@@ -39,9 +40,22 @@ def failsafe_text(failsafe: Failsafe) -> str:
 
 def state_text(state: State) -> str:
     """Say what a state does: "go to trunk"."""
+    if state.behavior is None:
+        return shape_text(state)
     words = state.behavior.kind.replace("_", " ")
     target = getattr(state.behavior.plugin, "target", None)
     return f"{words} {target}" if isinstance(target, str) else words
+
+
+def shape_text(state: State) -> str:
+    """Say what a state without a behaviour is for."""
+    if state.history is not None:
+        return f"{state.history} history"
+    if state.final:
+        return "final"
+    if state.states:
+        return f"{len(state.states)} states {'together' if state.parallel else 'inside'}"
+    return "waits"
 
 
 def colour(state: State) -> str:
@@ -51,27 +65,53 @@ def colour(state: State) -> str:
 
 def mermaid(mission: Mission) -> str:
     """Return the mission as a Mermaid state diagram."""
-    ids = _ids(mission.states)
-    lines = ["stateDiagram-v2", f"    [*] --> {ids[mission.initial]}"]
-    for name, state in mission.states.items():
-        lines.append(f'    state "{name}" as {ids[name]}')
-        lines.append(f"    {ids[name]} : {_escaped(f'{state.kind}, {state_text(state)}')}")
-        for transition in state.transitions:
-            label = _escaped(transition_text(transition))
-            lines.append(f"    {ids[name]} --> {ids[transition.to]} : {label}")
+    ids = _ids(mission.by_name())
+    lines = ["stateDiagram-v2", *_starts(mission.initial, ids, "    ")]
+    lines += _drawn(mission.states, ids, "    ")
     if mission.failsafes:
-        lines.append(f"    note left of {ids[mission.initial]}")
+        lines.append(f"    note left of {ids[mission.initial.to[0]]}")
         lines.append("        in every flying state:")
         lines += [f"        {_escaped(failsafe_text(each))}" for each in mission.failsafes]
         lines.append("    end note")
-    for name, state in mission.states.items():
+    for name, state, _ in mission.walk():
         lines.append(f"    style {ids[name]} fill:{colour(state)},stroke:#555,color:#111")
     return "\n".join(lines) + "\n"
 
 
+def _starts(start: Start | None, ids: Mapping[str, str], margin: str) -> Iterator[str]:
+    for name in () if start is None else start.to:
+        yield f"{margin}[*] --> {ids[name]}"
+
+
+def _drawn(states: Mapping[str, State], ids: Mapping[str, str], margin: str) -> Iterator[str]:
+    for name, state in states.items():
+        yield f'{margin}state "{name}" as {ids[name]}'
+        if state.states:
+            yield f"{margin}state {ids[name]} {{"
+            yield from _starts(state.initial, ids, margin + "    ")
+            yield from _regions(state, ids, margin + "    ")
+            yield f"{margin}}}"
+        else:
+            yield f"{margin}{ids[name]} : {_escaped(f'{state.kind}, {state_text(state)}')}"
+        for transition in state.transitions:
+            label = _escaped(transition_text(transition))
+            for to in transition.targets or (name,):
+                yield f"{margin}{ids[name]} --> {ids[to]} : {label}"
+
+
+def _regions(state: State, ids: Mapping[str, str], margin: str) -> Iterator[str]:
+    if not state.parallel:
+        yield from _drawn(state.states, ids, margin)
+        return
+    for at, (name, region) in enumerate(state.states.items()):
+        if at:
+            yield f"{margin}--"
+        yield from _drawn({name: region}, ids, margin)
+
+
 def _ids(names: Iterable[str]) -> dict[str, str]:
     """Return an identifier for each state: Mermaid has words of its own and allows no hyphen."""
-    return {name: f"s{at}_{name.replace('-', '_')}" for at, name in enumerate(names)}
+    return {name: f"s{at}_{re.sub(r'[-/]', '_', name)}" for at, name in enumerate(names)}
 
 
 def _escaped(label: str) -> str:

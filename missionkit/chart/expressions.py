@@ -67,7 +67,35 @@ class Hysteresis:
     place: Place
 
 
-Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """Compares a variable of the mission."""
+
+    name: str
+    op: str  # one of COMPARISONS
+    value: bool | int | float | str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class In:
+    """Holds while a state is active, in another region or around this one."""
+
+    state: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """Holds while a state is in a final state inside it, in every region. Written `done`."""
+
+    state: str
+    groups: tuple[tuple[str, ...], ...]  # final states: one of each group must be active
+    place: Place
+
+
+COMPARISONS = ("equals", "below", "above", "at_least", "at_most")
+Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis | Variable | In | Finished
 
 
 def text(expression: Expression) -> str:
@@ -77,14 +105,25 @@ def text(expression: Expression) -> str:
             return name
         case Use():
             return use_text(expression)
-        case All(parts=parts):
-            return " and ".join(_grouped(part) for part in parts)
-        case Any(parts=parts):
-            return " or ".join(_grouped(part) for part in parts)
+        case All(parts=parts) | Any(parts=parts):
+            word = " and " if isinstance(expression, All) else " or "
+            return word.join(map(_grouped, parts))
         case Not(part=part):
             return f"not {_grouped(part)}"
         case Hysteresis(part=part, enter=enter, exit=leave):
             return f"{_grouped(part)} from {enter:g} until {leave:g}"
+        case _:
+            return _chart_text(expression)
+
+
+def _chart_text(expression: Variable | In | Finished) -> str:
+    match expression:
+        case Variable(name=name, op=op, value=value):
+            return f"{name} {op.replace('_', ' ')} {_value(value)}"
+        case In(state=state):
+            return f"in {state}"
+        case Finished(state=state):
+            return f"done ({state})"
 
 
 def use_text(use: Use[Plugin]) -> str:
@@ -123,5 +162,5 @@ def names_in(expression: Expression) -> Iterator[Named]:
             yield from names_in(inner)
         case Hysteresis(part=single):
             yield from names_in(single)
-        case Use():
+        case Use() | Variable() | In() | Finished():
             return

@@ -14,6 +14,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     PrivateAttr,
     ValidationInfo,
@@ -30,6 +31,8 @@ from missionkit.errors import Place
 
 HOME = "home"  # the place of arming, a target that every mission has
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
+INNER_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*(/[A-Za-z][A-Za-z0-9_-]*)*$"  # a/b: b of a's included file
+EVENT_PATTERN = r"^(\*|[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*(\.\*|\.)?)$"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +43,13 @@ class Scope:
     states: frozenset[str]
     targets: frozenset[str]
     guards: frozenset[str]
+    variables: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue) -> Scope:
         """Collect the names that a document defines."""
-        return cls(catalogue, *(_names(data.get(key)) for key in ("states", "targets", "guards")))
+        named = (_names(data.get(key)) for key in ("targets", "guards", "variables"))
+        return cls(catalogue, _states(data.get("states")), *named)
 
 
 class _Unreadable(frozenset[str]):
@@ -63,6 +68,20 @@ def _names(section: object) -> frozenset[str]:
     if section is None:
         return frozenset()
     return frozenset(section) if isinstance(section, Table) else _Unreadable()
+
+
+def _states(section: object) -> frozenset[str]:
+    """Return the names of all states, those inside others too."""
+    names = _names(section)
+    if not isinstance(section, Table):
+        return names
+    inner = [_states(state["states"]) for state in section.values() if _has_states(state)]
+    unreadable = next((each for each in inner if isinstance(each, _Unreadable)), None)
+    return names.union(*inner) if unreadable is None else unreadable
+
+
+def _has_states(state: object) -> bool:
+    return isinstance(state, Table) and state.get("states") is not None
 
 
 def scope_of(info: ValidationInfo) -> Scope:
@@ -107,6 +126,20 @@ class Plain:
         return core_schema.no_info_wrap_validator_function(validate, handler(source))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Short:
+    """Marks a model that may be written shorter: what it is called then, and the schemas."""
+
+    says: str
+    forms: tuple[dict[str, Any], ...]
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Allow the short forms beside the long one."""
+        return {"anyOf": [*self.forms, handler(schema)]}
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
     """Marks a text that must name something: a state, a target, a state kind."""
@@ -133,15 +166,25 @@ class Known:
         return core_schema.with_info_after_validator_function(validate, handler(source))
 
 
-def _name(text: str) -> str:
-    if not re.match(NAME_PATTERN, text):
-        raise sentences(
-            sentence(f"{text!r} is no name: a letter, then letters, digits, '-' and '_'")
-        )
-    return text
+def _patterned(pattern: str, what: str) -> Any:
+    def check(text: str) -> str:
+        if not re.match(pattern, text):
+            raise sentences(sentence(f"{text!r} is no {what}"))
+        return text
+
+    return AfterValidator(check)
 
 
-Name = Annotated[str, AfterValidator(_name), Field(json_schema_extra={"pattern": NAME_PATTERN})]
+_LETTERS = "name: a letter, then letters, digits, '-' and '_'"
+_SCHEMA = Field(json_schema_extra={"pattern": NAME_PATTERN})
+Name = Annotated[str, _patterned(NAME_PATTERN, _LETTERS), _SCHEMA]
+NodeName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
+GuardName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
+Event = Annotated[
+    str,
+    _patterned(EVENT_PATTERN, "event: words joined by '.', or '*'"),
+    Field(json_schema_extra={"pattern": EVENT_PATTERN}),
+]
 StateName = Annotated[str, Known("state", lambda scope: scope.states)]
 TargetName = Annotated[str, Known("target", lambda scope: scope.targets)]
 KindName = Annotated[

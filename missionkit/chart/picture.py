@@ -31,9 +31,9 @@ _ARROW = (
 def svg(mission: Mission) -> str:
     """Return the mission as an SVG document: states coloured by kind, guards on the arrows."""
     failsafes = [failsafe_text(each) for each in mission.failsafes]
-    boxes = [_state_box(name, state) for name, state in mission.states.items()]
+    boxes = [_state_box(name, state) for name, state, _ in mission.walk()]
     placed, labels = _placed(mission, boxes)
-    initial = list(mission.states).index(mission.initial)
+    initial = list(mission.by_name()).index(mission.initial.to[0])
     width = max([placed.width, 560.0, *(_width(line, 6.4) + 24 for line in failsafes)])
     strip_at = TOP + placed.height + 30
     height = strip_at + (LINE * (len(failsafes) + 1) + 24 if failsafes else 0) + MARGIN
@@ -59,13 +59,24 @@ def svg(mission: Mission) -> str:
 
 def _placed(mission: Mission, boxes: Sequence[Box]) -> tuple[Layout, list[list[str]]]:
     """Return the layout, and the lines of each transition's label."""
-    numbers = {name: at for at, name in enumerate(mission.states)}
+    numbers = {name: at for at, name in enumerate(mission.by_name())}
     labels, links = [], []
-    for name, state in mission.states.items():
+    for name, label, to in _ways(mission):
+        labels.append(_wrapped(label))
+        links.append(Link(numbers[name], numbers[to], _size(labels[-1])))
+    return layout(boxes, links, numbers[mission.initial.to[0]]), labels
+
+
+def _ways(mission: Mission) -> Iterator[tuple[str, str, str]]:
+    """Yield source, label and target of every arrow."""
+    for name, state, _ in mission.walk():
         for each in state.transitions:
-            labels.append(_wrapped(transition_text(each)))
-            links.append(Link(numbers[name], numbers[each.to], _size(labels[-1])))
-    return layout(boxes, links, numbers[mission.initial]), labels
+            for to in each.targets or (name,):
+                yield name, transition_text(each), to
+        begins = [to for start in (state.initial, state.default) if start for to in start.to]
+        together = list(state.states) if state.parallel else []
+        for to in begins or together:
+            yield name, "together" if together and not begins else "begins in", to
 
 
 def _wrapped(label: str) -> list[str]:
@@ -130,9 +141,7 @@ def _labels(placed: Layout, labels: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def _states(mission: Mission, placed: Layout, boxes: Sequence[Box]) -> Iterator[str]:
-    for (name, state), (x, y), box in zip(
-        mission.states.items(), placed.states, boxes, strict=True
-    ):
+    for (name, state, _), (x, y), box in zip(mission.walk(), placed.states, boxes, strict=True):
         yield (
             f'<rect class="box" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
             f'width="{box.width:.1f}" height="{box.height:.1f}" rx="11" fill="{colour(state)}"/>'

@@ -13,7 +13,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from missionkit.chart.catalogue import Catalogue, Plugins
-from missionkit.chart.model import Mission
+from missionkit.chart.expressions import COMPARISONS
+from missionkit.chart.model import GROUP_KIND, SHAPES, Mission
 from missionkit.chart.parameters import PATTERN
 from missionkit.chart.references import NONE, WORDS, needs_parameters
 
@@ -72,11 +73,16 @@ def _any_plugin(group: str, plugins: Plugins) -> Schema:
 
 
 def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:
-    without = sorted(k for k, kind in catalogue.kinds.items() if kind.default_behavior is None)
+    bare = (kind for kind, each in catalogue.kinds.items() if each.default_behavior is None)
+    without = sorted(kind for kind in bare if kind != GROUP_KIND)
     return {
         **state,
-        "required": [key for key in state["required"] if key != "behavior"],
-        "if": {"properties": {"kind": {"enum": without}}},
+        "required": [],
+        "anyOf": [{"required": [key]} for key in ("kind", *SHAPES)],
+        "if": {
+            "required": ["kind"],
+            "properties": {"kind": {"enum": without}, "states": False},
+        },
         "then": {"required": ["behavior"]},
     }
 
@@ -94,8 +100,15 @@ def _guard(plugins: Schema) -> Schema:
             "a latch on the guard's value",
             {"hysteresis": guard, "enter": number, "exit": number},
         ),
+        _mapping("holds while a state is active", {"in": {"type": "string"}}),
+        *(_comparison(word) for word in COMPARISONS),
     ]
     return {**plugins, "anyOf": [*plugins["anyOf"], named, *forms]}
+
+
+def _comparison(word: str) -> Schema:
+    value = {"type": ["number", "string", "boolean"] if word == "equals" else "number"}
+    return _mapping("compares a variable", {"variable": {"type": "string"}, word: value})
 
 
 def _mapping(description: str, properties: Schema) -> Schema:
@@ -154,7 +167,8 @@ def _plugin_field(node: Mapping[str, Any]) -> Schema:
 
 
 def _or_parameter(node: Schema) -> Schema:
-    value = node.get("type") in _SCALARS or "enum" in node or "prefixItems" in node
+    kind = node.get("type")
+    value = (isinstance(kind, str) and kind in _SCALARS) or "enum" in node or "prefixItems" in node
     if not value or "const" in node:
         return node
     kept = {key: node[key] for key in _META if key in node}

@@ -91,7 +91,7 @@ def _check_world(path: Path) -> None:
 
 def _size(mission: Mission) -> str:
     failsafes = len(mission.failsafes)
-    return f"{len(mission.states)} states, {len(mission.guards)} guards, {failsafes} failsafes"
+    return f"{len(mission.by_name())} states, {len(mission.guards)} guards, {failsafes} failsafes"
 
 
 def _plain(problem: Problem) -> dict[str, str | int]:

@@ -66,8 +66,8 @@ class LineView:
 
     def update(self, record: Record) -> None:
         """Show one tick."""
-        if record.fired is not None:
-            self._say(transition_line(record.now, record.fired))
+        for fired in record.fired:
+            self._say(transition_line(record.now, fired))
         for problem in record.problems:
             if problem not in self._problems:
                 self._say(f"{record.now:7.1f} s  problem: {problem}")
@@ -121,8 +121,7 @@ class PageView:
     def update(self, record: Record) -> None:
         """Show one tick, unless the page was drawn a moment ago."""
         self._last = record
-        if record.fired is not None:
-            self._events.append((record.now, record.fired))
+        self._events += [(record.now, fired) for fired in record.fired]
         for problem in record.problems:
             if problem not in [event for _, event in self._events[-2:]]:
                 self._events.append((record.now, problem))

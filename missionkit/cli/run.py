@@ -88,8 +88,9 @@ def _fault(text: str, mission: Mission, world: World) -> Fault:
     if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
         hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
         raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")
-    if fault.state is not None and fault.state not in mission.states:
-        hint = nearest(fault.state, mission.states)
+    states = mission.by_name()
+    if fault.state is not None and fault.state not in states:
+        hint = nearest(fault.state, states)
         raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
     return fault
 

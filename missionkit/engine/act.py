@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from missionkit.chart.compiled import State
@@ -13,49 +15,73 @@ from missionkit.engine.memory import Hands
 from missionkit.geometry import Vec3
 from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Step
 from missionkit.planning.potential_field import FieldMemory
+from missionkit.plugin import Behavior
 
+IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")
 LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
 
 def act(
-    plan: Plan, hands: Hands, seen: Estimate, *, entered: bool, contain: Containment
+    plan: Plan,
+    hands: Hands,
+    seen: Estimate,
+    orders: Sequence[Action],
+    contain: Containment,
 ) -> tuple[Hands, Command, Step]:
-    """Let the active state's behaviour speak, and turn its answer into a command.
+    """Let the behaviour of the state that commands speak, and turn its answer into a command.
 
     While any plug-in misbehaves the vehicle holds, unless the autopilot is flying by itself
     (taking off, landing).
+
+    Args:
+        plan: what flies.
+        hands: of the state that commands.
+        seen: what is known, with that state in it.
+        orders: what the chart itself asks the autopilot for; the last one that is sane counts.
+        contain: keeps what went wrong.
     """
     state = plan.chart.states[seen.state]
-    if entered or not hands.begun:
-        hands = _begun(hands, state, seen, contain)
-    step = _stepped(state, hands, seen, contain)
+    mode, step = Mode.GPS, IDLE
+    if state.behavior is not None:
+        mode = state.kind.mode
+        if not hands.begun:
+            hands = _begun(hands, state.behavior, seen, contain)
+        step = _stepped(state.behavior, state, hands, seen, contain)
     failing = contain.take()
-    if failing and state.kind.mode is not Mode.NONE:
+    if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
-    command, control, avoidance = _commanded(plan, state, hands, step, seen)
+    command, control, avoidance = _commanded(plan, mode, hands, step, seen)
     following = Hands(
         control,
         avoidance,
         behavior=step.memory,
-        begun=True,
+        begun=state.behavior is not None,
         done=step.done,
         goal=step.goal,
         failing=failing,
+        paused=hands.paused,
+        past=hands.past,
     )
-    return following, command, step
+    return following, _ordered(command, orders, seen), step
 
 
-def _begun(hands: Hands, state: State, seen: Estimate, contain: Containment) -> Hands:
-    boxed = contain.call(
-        state.behavior.kind, state.behavior.begin, seen, foreign=is_foreign(state.behavior)
-    )
+def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Command:
+    """Put the chart's own request into the command; nothing disarms in the air."""
+    in_air = seen.status is None or seen.status.in_air
+    sane = [order for order in orders if not (order is Action.DISARM and in_air)]
+    return Command(action=sane[-1], payload=command.payload) if sane else command
+
+
+def _begun(hands: Hands, behavior: Behavior, seen: Estimate, contain: Containment) -> Hands:
+    boxed = contain.call(behavior.kind, behavior.begin, seen, foreign=is_foreign(behavior))
     memory = None if boxed is None else boxed[0]
     return hands._replace(behavior=memory, begun=True, done=False, goal=None)
 
 
-def _stepped(state: State, hands: Hands, seen: Estimate, contain: Containment) -> Step:
-    behavior = state.behavior
+def _stepped(
+    behavior: Behavior, state: State, hands: Hands, seen: Estimate, contain: Containment
+) -> Step:
     boxed = contain.call(
         behavior.kind, behavior.step, seen, hands.behavior, foreign=is_foreign(behavior)
     )
@@ -73,9 +99,9 @@ def is_foreign(plugin: object) -> bool:
 
 
 def _commanded(
-    plan: Plan, state: State, hands: Hands, step: Step, seen: Estimate
+    plan: Plan, mode: Mode, hands: Hands, step: Step, seen: Estimate
 ) -> tuple[Command, ControlMemory, FieldMemory | None]:
-    mode = Mode.NONE if step.action is not None else state.kind.mode
+    mode = Mode.NONE if step.action is not None else mode
     on_ground = seen.status is None or not seen.status.in_air
     if mode is Mode.NONE or (on_ground and step.guidance is None):
         command = Command(None, step.action, step.height, step.payload)

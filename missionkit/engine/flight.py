@@ -11,8 +11,8 @@ import numpy as np
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.compile import compile_mission
 from missionkit.chart.compiled import Chart
+from missionkit.chart.memory import begin as begin_chart
 from missionkit.chart.model import Mission
-from missionkit.chart.semantics import begin as begin_chart
 from missionkit.control.controller import Control
 from missionkit.engine.memory import Hands, Memory, Senses
 from missionkit.estimation.navigator import Navigator

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from missionkit.chart.semantics import ChartMemory
+from missionkit.chart.memory import ChartMemory
 from missionkit.control.controller import ControlMemory
 from missionkit.estimation.memory import NavMemory
 from missionkit.geometry import Vec3
@@ -24,6 +25,14 @@ class Senses(NamedTuple):
     home: Vec3 | None = None
 
 
+class Paused(NamedTuple):
+    """A behaviour that does not command at present."""
+
+    behavior: Any  # its memory
+    done: bool
+    goal: Goal | None
+
+
 class Hands(NamedTuple):
     """Where behaviour and control stand."""
 
@@ -34,6 +43,8 @@ class Hands(NamedTuple):
     done: bool = False
     goal: Goal | None = None
     failing: tuple[str, ...] = ()
+    paused: Mapping[str, Paused] = {}  # states around the one that commands
+    past: Mapping[str, Paused] = {}  # states that a history may lead back to
 
 
 class Memory(NamedTuple):

@@ -14,8 +14,10 @@ from typing import NamedTuple
 
 from missionkit.chart.contain import Containment
 from missionkit.chart.semantics import decide
+from missionkit.chart.stance import stance
 from missionkit.engine.act import act
 from missionkit.engine.flight import Plan
+from missionkit.engine.handover import handed_over
 from missionkit.engine.memory import Memory
 from missionkit.engine.sense import sense
 from missionkit.messages import Command, Observation, Record
@@ -49,14 +51,24 @@ def tick(
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)
     t2 = stopwatch()
+    hands = memory.hands
     if decision.entered:
-        seen = replace(seen, state=chart.state, entered_at=chart.entered_at, done=False, goal=None)
-    hands, command, step = act(plan, memory.hands, seen, entered=decision.entered, contain=contain)
+        before, after = memory.chart.pilot, chart.pilot
+        hands = handed_over(plan.chart, hands, before, after, decision.moves)
+        seen = replace(
+            seen,
+            state=chart.state,
+            entered_at=chart.entered_at,
+            done=hands.done,
+            goal=hands.goal,
+        )
+    hands, command, step = act(plan, hands, seen, decision.orders, contain)
     t3 = stopwatch()
     record = Record(
         now=seen.now,
         state=chart.state,
-        mode=plan.chart.states[chart.state].kind.mode,
+        active=chart.active,
+        mode=stance(plan.chart, chart.active).mode,
         verdicts=decision.answers,
         fired=decision.fired,
         command=command,

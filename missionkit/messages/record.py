@@ -24,10 +24,11 @@ class Record(NamedTuple):
     """Everything one tick decided."""
 
     now: float
-    state: str
+    state: str  # that commands
+    active: tuple[str, ...]  # the whole configuration, outer states first
     mode: Mode
     verdicts: tuple[tuple[str, Verdict], ...]  # every guard that was asked this tick
-    fired: Fired | None
+    fired: tuple[Fired, ...]  # in the order they were taken
     command: Command
     step_note: str
     problems: tuple[str, ...]  # invariant violations, contained plug-in errors

@@ -122,8 +122,8 @@ class FlightRecorder:
         publish, before = self._channels.publish, self._seen
         now = self._seen = _summary_of(record, before)
         due = self._standing.due(record.now)
-        if record.fired is not None:
-            publish("/transitions", at, encode.transition(stamp, record.fired))
+        for fired in record.fired:
+            publish("/transitions", at, encode.transition(stamp, fired))
         if due or now.state != before.state or now.problems != before.problems:
             publish("/state", at, encode.state(stamp, record, now.since))
         if record.verdicts and (due or now.answers != before.answers):
@@ -138,8 +138,7 @@ class FlightRecorder:
         self._log(record, before, at, stamp)
 
     def _log(self, record: Record, before: Seen, at: int, stamp: str) -> None:
-        fired = record.fired
-        if fired is not None:
+        for fired in record.fired:
             line = f"{fired.source} -> {fired.to}: {fired.reason}"
             self._channels.publish("/log", at, encode.log(stamp, INFO, line))
             for output in fired.outputs:
@@ -174,7 +173,7 @@ class FlightRecorder:
 
 def _summary_of(record: Record, before: Seen) -> Seen:
     """Reduce a tick to what the next one is compared with."""
-    entered = record.state != before.state or record.fired is not None
+    entered = record.state != before.state or bool(record.fired)
     return Seen(
         record.state,
         record.now if entered else before.since,

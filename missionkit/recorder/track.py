@@ -67,8 +67,7 @@ def add(track: Track, record: Record, truth: Truth | None) -> None:
         track.true.append(tuple(truth.position.tolist()))
     if record.cycle.total > 0.0:
         track.cycles.append(record.cycle)
-    if record.fired is not None:
-        track.transitions.append((now, record.fired))
+    track.transitions.extend((now, fired) for fired in record.fired)
     if record.problems:
         known = {what for _, what in track.problems}
         track.problems.extend((now, what) for what in record.problems if what not in known)

@@ -9,6 +9,7 @@ from missionkit.states.gps import GPS
 from missionkit.states.hover import HOVER_STATE
 from missionkit.states.idle import IDLE
 from missionkit.states.land import LAND
+from missionkit.states.logic import LOGIC
 from missionkit.states.returning import RETURN
 from missionkit.states.search import SEARCH
 from missionkit.states.task import TASK
@@ -17,6 +18,6 @@ from missionkit.states.visual import VISUAL
 KINDS: Mapping[str, StateKind] = MappingProxyType(
     {
         kind.name: kind
-        for kind in (IDLE, GPS, VISUAL, SEARCH, TASK, RETURN, LAND, HOVER_STATE, CUSTOM)
+        for kind in (IDLE, GPS, VISUAL, SEARCH, TASK, RETURN, LAND, HOVER_STATE, CUSTOM, LOGIC)
     }
 )

@@ -98,8 +98,7 @@ class Walk:
         self.count += 1
         self.memory, decision = decide(self.chart, self.memory, seen, self.contain)
         at = round(seen.now, 6)
-        if decision.fired is not None:
-            fired = decision.fired
+        for fired in decision.fired:
             self.trace.append((at, fired.source, fired.to, fired.reason))
         self.problems += [(at, problem) for problem in decision.problems]
         return decision

@@ -69,7 +69,7 @@ def test_text(written: str, said: str, scope: Scope):
     ("written", "path", "message"),
     [
         ("{all: []}", ("all",), "'all': expected a list of guards, got a list"),
-        ("{}", (), "expected one of use, all, any, not, hysteresis, got nothing"),
+        ("{}", (), "expected one of use, all, any, not, hysteresis, variable, in, got nothing"),
         ("[sure]", (), "expected a guard, got a list"),
         ("{not: 3}", ("not",), "expected a guard, got 3"),
         ("within", (), "guard 'within' needs parameters: {use: within, ...}"),

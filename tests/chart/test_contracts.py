@@ -24,7 +24,7 @@ def ways(text: str) -> dict[str, list[tuple[str, str]]]:
     whole = fulfilled(mission(text), CATALOGUE)
     return {
         name: [
-            (one.to, ex.text(one.when) if one.when else f"after {one.after:g}")
+            (*one.to, ex.text(one.when) if one.when else f"after {one.after:g}")
             for one in state.transitions
         ]
         for name, state in whole.states.items()
@@ -88,7 +88,7 @@ def test_the_hover_that_is_added_holds_and_finds_another_name_if_its_own_is_take
     whole = fulfilled(mission(FULL + "  hover: {kind: custom}\n"), CATALOGUE)
     added = whole.states["hover-failsafe"]
     assert (added.kind, added.behavior.plugin) == ("hover", Hold())
-    assert whole.states["gps"].transitions[-1].to == "hover-failsafe"
+    assert whole.states["gps"].transitions[-1].to == ("hover-failsafe",)
 
 
 def test_without_a_way_home_the_hover_leads_down():

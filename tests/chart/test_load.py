@@ -95,7 +95,7 @@ def test_problems_come_in_the_order_of_the_file_and_do_not_flood(catalogue: Cata
     lines = [problem.place.line for problem in error.value.problems]
     assert len(lines) == MAX_PROBLEMS + 1
     assert lines == sorted(lines)
-    assert error.value.problems[-1].message == "and 350 more problems from here on"
+    assert error.value.problems[-1].message == "and 150 more problems from here on"
 
 
 def test_a_section_that_cannot_be_read_is_one_problem(catalogue: Catalogue):

@@ -139,6 +139,6 @@ def test_the_pilot_lands_from_everywhere(start):
 def test_the_verdict_that_decided_is_in_the_record():
     text = "initial: x\nfailsafes: [{name: f, when: {use: battery_below, floor: 0.95}, to: land}]\n"
     fired = Walk(chart_of(text + STATES)).tick().fired
-    ((name, verdict),) = fired.verdicts
+    ((name, verdict),) = fired[0].verdicts
     assert name == "battery below (floor 0.95)"
     assert (verdict.holds, verdict.value, verdict.threshold) == (True, calm().battery.charge, 0.95)

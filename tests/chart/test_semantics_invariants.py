@@ -33,7 +33,7 @@ def test_the_way_out_is_explained_by_the_verdict():
     walk = Walk(GPS, targets={})
     decisions = [walk.tick() for _ in range(21)]
     assert walk.state == "hover"
-    ((name, verdict),) = decisions[-1].fired.verdicts
+    ((name, verdict),) = decisions[-1].fired[0].verdicts
     assert (name, verdict.holds, verdict.why) == ("I(out)", False, "where t is, is not known")
 
 

@@ -7,6 +7,7 @@ from itertools import product
 import pytest
 from stepping import Walk, chart_of
 
+from missionkit.chart.macrostep import MOST
 from missionkit.chart.semantics import ABORT
 
 CHART = """\
@@ -50,18 +51,35 @@ def test_of_all_that_holds_the_first_in_rank_wins():
         assert walk.state == (expected[0][0] if expected else "x")
 
 
-def test_one_transition_fires_in_a_tick_and_the_new_state_is_asked_in_the_next():
-    walk = Walk("""\
+RING = """\
 initial: x
-dwell: 0
+dwell: {dwell}
 states:
-  x: {kind: custom, transitions: [{to: y, when: a}]}
-  y: {kind: custom, transitions: [{to: z, when: a}]}
-  z: {kind: custom, transitions: [{to: x, when: a}]}
-  land: {kind: land}
-""")
+  x: {{kind: custom, transitions: [{{to: y, when: a}}]}}
+  y: {{kind: custom, transitions: [{{to: z, when: a}}]}}
+  z: {{kind: custom, transitions: [{{to: x, when: b}}]}}
+  land: {{kind: land}}
+"""
+
+
+def test_a_tick_goes_on_until_the_chart_rests():
+    walk = Walk(RING.format(dwell=0))
+    walk.run(0.1, "a")
+    assert walk.went() == [(0.05, "y"), (0.05, "z")]
+
+
+def test_the_dwell_lets_one_guard_fire_in_a_tick():
+    walk = Walk(RING.format(dwell=0.05))
     walk.run(0.2, "a")
-    assert walk.went() == [(0.05, "y"), (0.1, "z"), (0.15, "x"), (0.2, "y")]
+    assert walk.went() == [(0.05, "y"), (0.1, "z")]
+
+
+def test_a_chart_that_does_not_come_to_rest_is_stopped_and_told():
+    walk = Walk(RING.format(dwell=0))
+    decision = walk.tick("a", "b")
+    assert len(decision.fired) <= MOST
+    (told,) = walk.contain.take()
+    assert told == "the chart does not come to rest: ... y -> z -> x -> y -> z -> x"
 
 
 def test_guards_that_did_not_decide_are_asked_and_recorded_all_the_same():
@@ -72,16 +90,16 @@ def test_guards_that_did_not_decide_are_asked_and_recorded_all_the_same():
         **{"a": True, "b": False, "c": None},
         **{"plugin failed": False, "flag (name broken)": False},
     }
-    assert decision.fired.verdicts == (("a", decision.answers[0][1]),)
+    assert decision.fired[0].verdicts == (("a", decision.answers[0][1]),)
 
 
-@pytest.mark.parametrize(("event", "stays"), [("", True), (", event: again", False)])
-def test_a_transition_to_the_same_state_re_enters_only_by_event(event, stays):
+@pytest.mark.parametrize("reason", ["when: a", "event: again"])
+def test_a_transition_to_the_same_state_leaves_and_enters_it(reason):
     walk = Walk(
-        "initial: x\ndwell: 0\nstates:\n"
-        f"  x: {{kind: custom, transitions: [{{to: x, when: a{event}}}]}}\n"
+        "initial: x\ndwell: 0.1\nstates:\n"
+        f"  x: {{kind: custom, transitions: [{{to: x, {reason}}}]}}\n"
         "  land: {kind: land}\n"
     )
     walk.tick()
-    assert walk.tick("a", "again").entered is not stays
-    assert walk.memory.entered_at == (0.0 if stays else 0.1)
+    assert walk.tick("a", "again").entered
+    assert walk.memory.entered_at == 0.1

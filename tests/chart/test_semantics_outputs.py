@@ -20,7 +20,8 @@ states:
     entry: [{log: in y}, {raise: arrived}]
     transitions:
       - {to: z, event: arrived}
-      - {to: x, event: underway}
+      - {to: w, event: underway}
+  w: {kind: custom, transitions: [{to: z, event: arrived}]}
   z: {kind: custom, entry: [{raise: arrived}], transitions: [{to: land, event: left}]}
   land: {kind: land}
 targets: {t: {position: [1, 2, 3]}}
@@ -29,26 +30,33 @@ targets: {t: {position: [1, 2, 3]}}
 
 def test_outputs_come_in_the_order_exit_transition_entry_after_the_mode():
     walk = Walk(CHART)
-    fired = walk.tick("a").fired
+    fired = walk.tick("a").fired[0]
     assert fired.outputs == (
         *("mode gps", "log leaving x", "raise left", "log on the way", "raise underway"),
         *("log in y", "raise arrived"),
     )
-    assert walk.memory.raised == ("left", "underway", "arrived")
 
 
-def test_a_raised_event_is_heard_in_the_next_tick_and_never_again():
+def test_a_raised_event_is_heard_in_the_order_it_was_raised_and_never_again():
     walk = Walk(CHART)
-    walk.tick("a")
-    walk.tick()
-    walk.run(1.0)
-    assert walk.trace == [(0.05, "x", "y", "when a"), (0.1, "y", "z", "on arrived")]
+    walk.run(1.0, "a")
+    assert walk.trace == [
+        (0.05, "x", "y", "when a"),
+        (0.05, "y", "w", "on underway"),
+        (0.05, "w", "z", "on arrived"),
+    ]
+
+
+def test_what_is_raised_inside_comes_before_what_comes_from_outside():
+    walk = Walk(CHART)
+    walk.tick("a", "left")
+    assert walk.state == "land"
 
 
 def test_every_transition_says_its_mode_first():
     walk = Walk(CHART)
-    modes = [walk.tick(*events).fired.outputs[0] for events in (("a",), (), ("left",))]
-    assert modes == ["mode gps", "mode trajectory", "mode none"]
+    modes = [fired.outputs[0] for fired in walk.tick("a", "left").fired]
+    assert modes == ["mode gps", "mode trajectory", "mode trajectory", "mode none"]
 
 
 OPENING = """\
@@ -65,16 +73,10 @@ def test_the_initial_state_is_entered_at_the_first_tick():
     walk = Walk(OPENING)
     first = walk.tick()
     assert first.entered
-    assert (first.fired.to, first.fired.reason) == ("x", "start")
-    assert first.fired.outputs == ("mode none", "log hello", "raise go")
-    second = walk.tick()
-    assert walk.trace[1:] == [(0.1, "x", "y", "on go")]
-    assert second.fired.outputs == ("mode trajectory",)
-
-
-def test_an_initial_state_that_is_left_at_once_was_entered_all_the_same():
-    walk = Walk(OPENING)
-    assert walk.tick("go").fired.outputs == ("mode trajectory", "log hello", "raise go")
+    start, left = first.fired
+    assert (start.to, start.reason) == ("x", "start")
+    assert start.outputs == ("mode none", "log hello", "raise go")
+    assert (left.to, left.reason, left.outputs) == ("y", "on go", ("mode trajectory",))
 
 
 def test_an_initial_state_without_outputs_is_entered_quietly():

@@ -72,8 +72,13 @@ def test_transitions_wait_for_the_dwell_of_two_seconds():
     walk.run(1.95, "a")
     assert walk.state == "x"
     walk.run(2.0, "a")
-    walk.run(6.0, "back")
-    assert walk.went() == [(2.0, "y"), (4.0, "x")]
+    assert walk.went() == [(2.0, "y")]
+
+
+def test_an_event_does_not_wait_for_the_dwell():
+    walk = walk_of("{to: y, event: go}", top="")
+    walk.tick("go")
+    assert walk.went() == [(0.05, "y")]
 
 
 def test_what_is_held_during_the_dwell_counts():

@@ -31,7 +31,7 @@ LOCKED = Fired("gps", "visual", "when marker-sure", (SURE,), ("mode visual",))
 def tick(
     now=0.0,
     state="gps",
-    fired=None,
+    fired=(),
     problems=(),
     verdicts=(),
     cycle=0.004,
@@ -51,7 +51,9 @@ def tick(
     )
     timing = Cycle(sense=cycle, overruns=2)
     note = "nearing"
-    return Record(now, state, Mode.GPS, verdicts, fired, Command(), note, problems, seen, timing)
+    return Record(
+        now, state, (state,), Mode.GPS, verdicts, fired, Command(), note, problems, seen, timing
+    )
 
 
 def shown(record, events=(), width=120, height=40):
@@ -71,7 +73,7 @@ def test_lines_are_exactly_these():
     with LineView(out) as view:
         for k in range(241):
             now = 0.05 * k
-            fired = LOCKED if k == 150 else None
+            fired = (LOCKED,) if k == 150 else ()
             view.update(tick(now, "visual" if k >= 150 else "gps", fired, trouble * (k > 200)))
     assert out.getvalue().splitlines() == [
         "    0.0 s  gps (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
@@ -88,7 +90,7 @@ def test_a_reader_that_has_gone_does_not_end_the_flight():
             raise BrokenPipeError
 
     with LineView(Gone()) as view:
-        view.update(tick(0.0, fired=LOCKED))
+        view.update(tick(0.0, fired=(LOCKED,)))
 
 
 def test_a_guard_without_numbers_is_left_out_of_the_line():

@@ -37,9 +37,9 @@ class Pilot:
 
     def act(self, *, entered: bool = False, **changes: Any) -> tuple[Command, Step]:
         seen: Estimate = calm(state=self.name, **changes)
-        self.hands, command, step = act(
-            self.plan, self.hands, seen, entered=entered, contain=self.contain
-        )
+        if entered:
+            self.hands = self.hands._replace(begun=False, done=False, goal=None)
+        self.hands, command, step = act(self.plan, self.hands, seen, (), self.contain)
         return command, step
 
 

@@ -81,7 +81,7 @@ def flight_of(
 
 
 def went(records: list[Record]) -> list[tuple[str, str]]:
-    return [(r.fired.to, r.fired.reason) for r in records if r.fired is not None]
+    return [(fired.to, fired.reason) for r in records for fired in r.fired]
 
 
 def test_a_flight_ends_when_it_has_landed():

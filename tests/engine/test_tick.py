@@ -80,8 +80,8 @@ def test_the_three_parts_are_timed_with_the_stopwatch_that_is_passed_in(flight: 
 
 def test_on_entry_the_behaviour_sees_the_new_state(flight: Flight):
     for record in flight.records:
-        if record.fired is not None:
-            assert record.estimate.state == record.state == record.fired.to
+        if record.fired:
+            assert record.estimate.state == record.state == record.fired[-1].to
             assert record.estimate.entered_at == record.now
             assert (record.estimate.done, record.estimate.goal) == (False, None)
 

@@ -75,7 +75,7 @@ def check(flight: Flight) -> None:
     assert flight.result.flown.end is End.LANDED
     assert flight.result.grade.landed
     turned = next(record for record in flight.records if record.state == "return")
-    ((name, verdict),) = turned.fired.verdicts
+    ((name, verdict),) = turned.fired[0].verdicts
     assert (name, verdict.holds, verdict.threshold) == ("too fast (limit 2.5)", True, 2.5)
     assert verdict.value == pytest.approx(norm(turned.estimate.velocity))
     assert flight.problems() == []

@@ -89,10 +89,10 @@ def tick(t: float, rng: np.random.Generator, *, wall: float = 0.004) -> tuple[Re
     i = leg(t)
     state, _, mode, _ = PLAN[i]
     before = PLAN[leg(t - 0.05)] if t > 0.0 else PLAN[0]
-    fired = None
+    fired = ()
     if before[0] != state:
         outputs = (f"mode {mode.value}", "log injection finished")[: 1 + (before[0] == "task")]
-        fired = Fired(before[0], state, before[3], answers(t, before[0])[:1], outputs)
+        fired = (Fired(before[0], state, before[3], answers(t, before[0])[:1], outputs),)
     here = place(t)
     trunk = Target("trunk", vec(84.0, 12.0, -2.5), 0.3, None, None, t if t > 20 else None)
     seen = Estimate(
@@ -112,7 +112,17 @@ def tick(t: float, rng: np.random.Generator, *, wall: float = 0.004) -> tuple[Re
     command = Command(Setpoint(seen.velocity, 0.1), payload="injector" if state == "task" else None)
     cycle = Cycle(wall, 0.001, 0.0005, int(t > 30))
     record = Record(
-        t, state, mode, answers(t, state), fired, command, "on the way", problems, seen, cycle
+        t,
+        state,
+        (state,),
+        mode,
+        answers(t, state),
+        fired,
+        command,
+        "on the way",
+        problems,
+        seen,
+        cycle,
     )
     return record, Truth(here, seen.attitude)
 

@@ -16,7 +16,7 @@ PAPER = ("idle", "gps", "visual", "search", "task", "return", "land")
 
 
 def test_every_kind_is_known_by_its_name_and_has_a_summary():
-    assert set(KINDS) == {*PAPER, "hover", "custom"}
+    assert set(KINDS) == {*PAPER, "hover", "custom", "logic"}
     for name, kind in KINDS.items():
         assert kind.name == name
         assert kind.summary.endswith(".")
@@ -42,7 +42,7 @@ def test_every_flying_kind_must_be_able_to_land():
 
 def test_modes_are_those_of_the_paper():
     assert {name: kind.mode for name, kind in KINDS.items()} == {
-        **dict.fromkeys(("idle", "land"), Mode.NONE),
+        **dict.fromkeys(("idle", "land", "logic"), Mode.NONE),
         **dict.fromkeys(("gps", "return", "hover"), Mode.GPS),
         **dict.fromkeys(("visual", "task"), Mode.VISUAL),
         **dict.fromkeys(("search", "custom"), Mode.TRAJECTORY),
