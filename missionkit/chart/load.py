@@ -9,10 +9,10 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from missionkit.chart import named_guards, structure, variable_uses
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.located import shown
 from missionkit.chart.model import Mission
-from missionkit.chart.named_guards import problems_of
 from missionkit.chart.parameters import Expanded, expand
 from missionkit.chart.part import Scope
 from missionkit.chart.problems import plain, problems_in
@@ -68,8 +68,12 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     except ValidationError as error:
         found = problems_in(error, Mission, expanded.data, document.start, expanded.origins)
         raise _refusal(found, expanded) from error
-    if problems := [*expanded.problems, *problems_of(mission.guards)]:
-        raise _refusal(problems, expanded)
+    wrong = (
+        *(*expanded.problems, *named_guards.problems_of(mission.guards)),
+        *(*structure.problems_of(mission), *variable_uses.problems_of(mission)),
+    )
+    if wrong:
+        raise _refusal(wrong, expanded)
     return mission
 
 

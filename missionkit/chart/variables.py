@@ -57,6 +57,13 @@ class Variable(Part):
         return math.isfinite(value) and low <= value <= high
 
     @property
+    def described(self) -> str:
+        """What a value must be, with the range."""
+        low = "" if self.min is None else f", at least {self.min:g}"
+        high = "" if self.max is None else f", at most {self.max:g}"
+        return self.type_name + low + high
+
+    @property
     def type_name(self) -> str:
         """What its values are called."""
         return {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[
