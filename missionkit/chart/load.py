@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple
 from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
@@ -11,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from missionkit.chart import named_guards, structure, variable_uses
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.includes import inlined
 from missionkit.chart.located import shown
 from missionkit.chart.model import Mission
 from missionkit.chart.parameters import Expanded, expand
@@ -61,7 +63,7 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
         FileError: everything that is wrong with it.
     """
     _require_mapping(document)
-    expanded = expand(document, overrides)
+    expanded = inlined(expand(document, overrides), document.file)
     try:
         scope = Scope.of(expanded.data, catalogue)
         mission = Mission.model_validate(expanded.data, context=scope)
@@ -74,7 +76,7 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     )
     if wrong:
         raise _refusal(wrong, expanded)
-    return mission
+    return mission.with_included(expanded.files)
 
 
 def load_model(path: Path, model: type[M]) -> M:
@@ -108,7 +110,7 @@ def _refusal(problems: Sequence[Problem], expanded: Expanded) -> FileError:
     fresh = [problem for problem in problems if problem.place not in places]
     found = sorted(
         {*expanded.problems, *fresh},
-        key=lambda problem: (problem.place.line, problem.place.column, problem.message),
+        key=lambda problem: (*astuple(problem.place), problem.message),
     )
     if len(found) > MAX_PROBLEMS:
         rest = f"and {len(found) - MAX_PROBLEMS} more problems from here on"

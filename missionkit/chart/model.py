@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PrivateAttr,
     ValidationInfo,
     WithJsonSchema,
     model_validator,
@@ -265,7 +267,7 @@ class Mission(Part):
         default=_use("potential_field"), validate_default=True
     )
     control: Annotated[Control, Plain] = Control()
-    variables: dict[Name, Annotated[Variable, Short("a value", _SCALAR)]] = Field(
+    variables: dict[GuardName, Annotated[Variable, Short("a value", _SCALAR)]] = Field(
         default={}, description="what the chart remembers"
     )
     guards: dict[GuardName, Condition] = Field(default={}, description="named once, used by name")
@@ -275,6 +277,18 @@ class Mission(Part):
     success: Success | None = None
     dwell: Seconds = Field(default=2.0, description="least time between two transitions")
     settings: Settings = Settings()
+
+    _included: tuple[Path, ...] = PrivateAttr(default=())
+
+    @property
+    def included(self) -> tuple[Path, ...]:
+        """The files that were included, in the order they were read."""
+        return self._included
+
+    def with_included(self, files: tuple[Path, ...]) -> Self:
+        """Remember which files were included."""
+        self._included = files
+        return self
 
     def walk(self) -> Iterator[Placed]:
         """Yield every state in document order."""

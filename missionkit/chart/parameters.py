@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from missionkit.chart.located import Row, Table, Text
@@ -27,6 +28,7 @@ class Expanded:
     data: Any
     origins: Mapping[Place, str]  # place of use -> parameter
     problems: tuple[Problem, ...]
+    files: tuple[Path, ...] = ()  # that were read besides the document's own
 
 
 def expand(document: Document, overrides: Mapping[str, str]) -> Expanded:
@@ -39,17 +41,25 @@ def expand(document: Document, overrides: Mapping[str, str]) -> Expanded:
     data = document.data
     if not isinstance(data, Table):
         return Expanded(data, {}, document.problems)
-    written = data.get(SECTION)
-    parameters = written if isinstance(written, Table) else Table(document.start)
+    expansion = _Expansion(_written(document), list(document.problems))
     at = data.key_places.get(SECTION, document.start)
-    expansion = _Expansion(parameters, list(document.problems))
-    values = expansion.override(overrides, at)
-    table = Table(data.place)
-    for key, value in data.items():
-        new = values if value is parameters else expansion.replaced(value, data.value_places[key])
-        table.put(key, new, data.key_places[key], data.value_places[key])
-    expansion.report_unused()
-    return Expanded(table, expansion.origins, tuple(expansion.problems))
+    return expansion.expanded(data, expansion.override(overrides, at))
+
+
+def filled(document: Document, given: Table) -> Expanded:
+    """Put the value of each parameter where `$name` stands, as `expand` does.
+
+    Args:
+        document: an included file as read, a mapping.
+        given: values by name, which replace those of the file.
+    """
+    expansion = _Expansion(_written(document), list(document.problems))
+    return expansion.expanded(document.data, expansion.given(given))
+
+
+def _written(document: Document) -> Table:
+    written = document.data.get(SECTION)
+    return written if isinstance(written, Table) else Table(document.start)
 
 
 @dataclass(slots=True)
@@ -58,6 +68,27 @@ class _Expansion:
     problems: list[Problem]
     values: Table = field(init=False)
     origins: dict[Place, str] = field(default_factory=dict)
+
+    def expanded(self, data: Table, values: Table) -> Expanded:
+        """Return a document with the values in it."""
+        table = Table(data.place)
+        for key, value in data.items():
+            at = data.value_places[key]
+            new = values if value is self.parameters else self.replaced(value, at)
+            table.put(key, new, data.key_places[key], at)
+        self.report_unused()
+        return Expanded(table, self.origins, tuple(self.problems))
+
+    def given(self, given: Table) -> Table:
+        """Return the parameters with the values of `with:`."""
+        self.values = Table(self.parameters.place)
+        for name, value in self.parameters.items():
+            source = given if name in given else self.parameters
+            places = source.key_places[name], source.value_places[name]
+            self.values.put(name, given.get(name, value), *places)
+        for name in given.keys() - self.parameters.keys():
+            self._report(given.key_places[name], f"with: no such parameter {name!r}", name)
+        return self.values
 
     def override(self, overrides: Mapping[str, str], at: Place) -> Table:
         """Return the parameters with the values of the command line."""

@@ -75,13 +75,16 @@ def _any_plugin(group: str, plugins: Plugins) -> Schema:
 def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:
     bare = (kind for kind, each in catalogue.kinds.items() if each.default_behavior is None)
     without = sorted(kind for kind in bare if kind != GROUP_KIND)
+    include = {"type": "string", "description": "a file that says what the state is"}
+    given = {"type": "object", "description": "values of the file's parameters"}
     return {
         **state,
+        "properties": {"include": include, "with": given, **state["properties"]},
         "required": [],
-        "anyOf": [{"required": [key]} for key in ("kind", *SHAPES)],
+        "anyOf": [{"required": [key]} for key in ("include", "kind", *SHAPES)],
         "if": {
             "required": ["kind"],
-            "properties": {"kind": {"enum": without}, "states": False},
+            "properties": {"kind": {"enum": without}, "states": False, "include": False},
         },
         "then": {"required": ["behavior"]},
     }

@@ -29,8 +29,7 @@ def _doubled(mission: Mission) -> Iterator[Problem]:
     seen: dict[str, Place] = {}
     for name, state, _ in mission.walk():
         if name in seen:
-            before = seen[name].line
-            message = f"state {name!r}: the name is taken already, in line {before}; names of "
+            message = f"state {name!r}: the name is taken already, at {seen[name]}; names of "
             yield Problem(state.place(), message + "states are unique in the whole file")
         seen.setdefault(name, state.place())
 
