@@ -92,7 +92,7 @@ class _Compiler:
             ancestors=ancestors,
             children=tuple(state.states),
             initial=_start(state.initial or state.default),
-            remembered=any(self._history(around) for around in ancestors),
+            remembered=any(map(self._history, (name, *ancestors))),
         )
 
     def _around(self, parent: str | None) -> tuple[str, ...]:

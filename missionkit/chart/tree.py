@@ -221,6 +221,7 @@ class _Walk:
             self.default_history[state.parent] = state.initial.outputs
             self._add_all(state.initial.to, state.parent, back=False)
         else:
+            self.restored.add(state.parent)
             self._add_all(recorded, state.parent, back=True)
 
     def _add_all(self, names: Iterable[str], around: str, *, back: bool) -> None:

@@ -60,6 +60,7 @@ def act(
         done=step.done,
         goal=step.goal,
         failing=failing,
+        events=step.events,
         paused=hands.paused,
         past=hands.past,
     )

@@ -7,7 +7,7 @@ from numbers import Real
 
 import numpy as np
 
-from missionkit.messages import Action, Goal, Guidance, Step
+from missionkit.messages import Action, Goal, Guidance, Step, is_event
 
 
 def fault_of(answer: object) -> str:
@@ -22,6 +22,7 @@ def fault_of(answer: object) -> str:
         "height": _number(answer.height),
         "payload": _text_or_none(answer.payload),
         "note": isinstance(answer.note, str),
+        "events": _events(answer.events),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""
@@ -44,6 +45,10 @@ def _leads(goal: object) -> bool:
     if not isinstance(goal, Goal):
         return goal is None
     return _vector(goal.position) and _number(goal.yaw)
+
+
+def _events(events: object) -> bool:
+    return isinstance(events, tuple) and all(map(is_event, events))
 
 
 def _text_or_none(text: object) -> bool:

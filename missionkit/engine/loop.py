@@ -15,7 +15,8 @@ from missionkit.engine.flight import Plan, begin
 from missionkit.engine.lifecycle import Lifecycle
 from missionkit.engine.memory import Memory
 from missionkit.engine.tick import Ticked, tick
-from missionkit.messages import Cycle, Observation, Record
+from missionkit.errors import UsageError
+from missionkit.messages import Cycle, Observation, Record, is_event
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
@@ -50,10 +51,27 @@ class Operator:
 
     def __init__(self) -> None:
         self.wants_down = False
+        self._events: list[str] = []
 
     def land(self) -> None:
         """Ask for a landing, now."""
         self.wants_down = True
+
+    def send(self, event: str) -> None:
+        """Send an event to the chart, which hears it at the next tick.
+
+        Raises:
+            UsageError: it is no name of an event.
+        """
+        if not is_event(event):
+            raise UsageError(f"event {event!r}: expected words joined by '.', such as 'go'")
+        self._events.append(event)
+
+    def take(self) -> tuple[str, ...]:
+        """Return what was sent since it was last asked."""
+        sent = tuple(self._events)
+        self._events.clear()
+        return sent
 
 
 class _Watch:
@@ -67,7 +85,8 @@ class _Watch:
     def over(self, plan: Plan, done: Ticked) -> End | None:
         now, status = done.memory.now, done.record.estimate.status
         state = plan.chart.states[done.record.state]
-        if state.kind.name == "land" and done.memory.hands.done:
+        ended = done.memory.chart.ended and status is not None and not status.in_air
+        if ended or (state.kind.name == "land" and done.memory.hands.done):
             return End.LANDED if self.flown else End.NEVER_LEFT
         if state.kind.name == "land" and now - (0.0 if status is None else status.at) > SILENCE:
             return End.SILENT
@@ -125,9 +144,10 @@ async def fly(
             observation = await vehicle.observe(now)
             if believe_stopwatch:
                 observation = replace(observation, cycle=cycle)
+            observation = _with_events(observation, operator.take())
             if operator.wants_down or now >= time_limit:
                 life.abort()
-                observation = replace(observation, events=(*observation.events, ABORT))
+                observation = _with_events(observation, (ABORT,))
             done = tick(plan, memory, observation, contain, stopwatch)
             memory = done.memory
             await vehicle.send(done.command)
@@ -139,6 +159,10 @@ async def fly(
     aborted = life.state == "aborting"
     life.finish()
     return Flown(end, aborted, memory.now, count, memory)
+
+
+def _with_events(observation: Observation, events: tuple[str, ...]) -> Observation:
+    return replace(observation, events=observation.events + events) if events else observation
 
 
 def _cycle(done: Ticked, before: Cycle, budget: float) -> Cycle:

@@ -43,6 +43,7 @@ class Hands(NamedTuple):
     done: bool = False
     goal: Goal | None = None
     failing: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()  # from the behaviour, to be heard at the next tick
     paused: Mapping[str, Paused] = {}  # states around the one that commands
     past: Mapping[str, Paused] = {}  # states that a history may lead back to
 

@@ -77,7 +77,7 @@ def _estimate(
         looks=looks,
         sightings=sightings,
         obstacles=_around(senses.scan, state, seen.now),
-        events=seen.events,
+        events=seen.events + hands.events,
         cycle=seen.cycle,
         failing=hands.failing,
         state=chart.state,

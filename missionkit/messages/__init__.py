@@ -7,6 +7,7 @@ A thing that is not known is `None`, never NaN.
 
 from missionkit.messages.command import Action, Command, Guidance, Mode, Setpoint, Step
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
+from missionkit.messages.events import is_event
 from missionkit.messages.observation import (
     NO_CYCLE,
     Baro,
@@ -57,4 +58,5 @@ __all__ = [
     "Target",
     "VehicleStatus",
     "Verdict",
+    "is_event",
 ]

@@ -65,3 +65,4 @@ class Step(NamedTuple):
     goal: Goal | None = None
     note: str = ""  # shown in the live view and the record
     memory: Any = None  # given back to the behaviour at the next tick
+    events: tuple[str, ...] = ()  # for the chart, heard at the next tick

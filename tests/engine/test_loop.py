@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from missionkit.engine import loop
 from missionkit.engine.loop import End, Flown, Observer, Operator, fly
-from missionkit.errors import VehicleError
+from missionkit.errors import UsageError, VehicleError
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.rehearsal import Stage
 from missionkit.sim.vehicle import SimulatedVehicle
@@ -27,6 +27,8 @@ states:
 """
 STAY = HOP % 999
 HOP = HOP % 2
+LISTENING = STAY.replace("after: 999}", "after: 999}, {to: land, event: enough}")
+ENDING = STAY.replace("{to: land, after: 999}", "{to: over, after: 1}") + "  over: {final: true}\n"
 
 
 class Around:
@@ -129,6 +131,35 @@ def test_the_operator_lands_at_the_next_tick():
     assert went(records)[-1] == ("land", "operator: land")
     assert next(r.now for r in records if r.state == "land") == pytest.approx(6.1)
     assert (done.end, done.aborted) == (End.LANDED, True)
+
+
+class Calling(Operator):
+    """Sends the chart an event at 5 s."""
+
+    def __call__(self, record: Record, _: Observation) -> None:
+        if record.now == pytest.approx(5.0):
+            self.send("enough.now")
+
+
+def test_the_operator_sends_an_event_that_is_heard_at_the_next_tick_and_only_there():
+    ready, operator = short_stage(LISTENING), Calling()
+    _, records = flight_of(ready, Around(ready.vehicle), operator, operator=operator)
+    assert [r.now for r in records for fired in r.fired if fired.to == "land"] == [
+        pytest.approx(5.05)
+    ]
+    assert "on enough" in [fired.reason for r in records for fired in r.fired]
+
+
+def test_what_is_no_event_is_refused():
+    with pytest.raises(UsageError, match="event 'operator: land': expected words joined by"):
+        Operator().send("operator: land")
+
+
+def test_a_chart_that_has_ended_in_the_air_lands():
+    ready = short_stage(ENDING)
+    done, records = flight_of(ready, Around(ready.vehicle))
+    assert went(records)[-1] == ("land", "the chart has ended in the air")
+    assert done.end is End.LANDED
 
 
 def test_who_lands_before_the_start_never_leaves():

@@ -1,0 +1,16 @@
+"""Events: words joined by dots that a chart can hear."""
+
+from __future__ import annotations
+
+import re
+
+_EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
+
+
+def is_event(word: object) -> bool:
+    """Say whether something is the name of an event: "go", "gripper.closed".
+
+    >>> is_event("gripper.closed"), is_event("operator: land"), is_event(3)
+    (True, False, False)
+    """
+    return isinstance(word, str) and _EVENT.fullmatch(word) is not None
