@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
-from typing import Any
 
 from missionkit.chart import tree
 from missionkit.chart.compiled import ROOT, Chart, Output, Question, Stance, Transition
@@ -132,12 +130,14 @@ class Macrostep:
         """Ask the guards anew, with the configuration, variables and behaviour as they are now."""
         self.stale = False
         memory, seen = self.memory, self.question.seen
-        changes: dict[str, Any] = {"state": memory.state, "entered_at": memory.entered_at}
-        if self.pilot_entered:
-            changes |= {"done": False, "goal": None}
+        state, entered_at = memory.state, memory.entered_at
         self.question.active = memory.active
         self.question.variables = memory.variables
-        self.question.seen = replace(seen, **changes)
+        self.question.seen = (
+            seen._replace(state=state, entered_at=entered_at, done=False, goal=None)
+            if self.pilot_entered
+            else seen._replace(state=state, entered_at=entered_at)
+        )
         self.question.answers = {}
 
     def _microstep(self, chosen: Sequence[Transition]) -> None:

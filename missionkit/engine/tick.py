@@ -9,7 +9,6 @@ may pass a stopwatch to time the three parts (P1, section 9.1).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
 from missionkit.chart.contain import Containment
@@ -55,8 +54,7 @@ def tick(
     if decision.entered:
         before, after = memory.chart.pilot, chart.pilot
         hands = handed_over(plan.chart, hands, before, after, decision.moves)
-        seen = replace(
-            seen,
+        seen = seen._replace(
             state=chart.state,
             entered_at=chart.entered_at,
             done=hands.done,

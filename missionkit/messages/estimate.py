@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import NamedTuple
 
 from missionkit.geometry import Quat, Vec3, yaw_of
@@ -42,8 +42,7 @@ class Goal(NamedTuple):
     target: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Estimate:
+class Estimate(NamedTuple):
     """What is known at one tick. Guards and behaviours see this and nothing else."""
 
     now: float
@@ -55,7 +54,7 @@ class Estimate:
     battery: Battery | None = None
     status: VehicleStatus | None = None
     home: Vec3 | None = None  # (3,), m, NED, set when the vehicle armed
-    targets: Mapping[str, Target] = field(default_factory=dict)
+    targets: Mapping[str, Target] = MappingProxyType({})
     looks: tuple[Look, ...] = ()  # frames due since the last tick
     sightings: tuple[Sighting, ...] = ()
     obstacles: Points | None = None  # (N, 3), m, NED; None: no fresh scan

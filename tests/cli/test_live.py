@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -100,7 +99,7 @@ def test_a_guard_without_numbers_is_left_out_of_the_line():
 
 def test_a_vehicle_on_the_ground_is_not_minus_zero_high():
     record = tick()
-    ground = replace(record.estimate, position=vec(0.0, 0.0, 0.0))
+    ground = record.estimate._replace(position=vec(0.0, 0.0, 0.0))
     assert ": 0.0 m north, 0.0 m east, 0.0 m high" in status_line(record._replace(estimate=ground))
 
 

@@ -3,7 +3,6 @@ from __future__ import annotations
 import base64
 import json
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,7 +64,7 @@ def test_every_message_follows_the_schema_embedded_beside_it(tmp_path, flight, o
     with FlightRecorder(tmp_path, camera=camera, scenery=orchard) as recorder:
         for record, truth in flight(45.0):
             frame, sighting = a_frame_at(record.now)
-            seen = replace(record.estimate, sightings=(sighting,))
+            seen = record.estimate._replace(sightings=(sighting,))
             recorder.write(record._replace(estimate=seen), frame, truth)
     seen_topics = set()
     with (tmp_path / "flight.mcap").open("rb") as stream:
@@ -164,7 +163,7 @@ def test_images_come_at_their_rate_with_the_markers_found_in_them(tmp_path, flig
     with FlightRecorder(tmp_path, image_rate=4.0) as recorder:
         for record, truth in flight(3.0):
             frame, sighting = a_frame_at(record.now)
-            seen = replace(record.estimate, sightings=(sighting,))
+            seen = record.estimate._replace(sightings=(sighting,))
             recorder.write(record._replace(estimate=seen), frame, truth)
     path = tmp_path / "flight.mcap"
     images = list(read(path, "/camera/image"))
