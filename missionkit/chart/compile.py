@@ -35,13 +35,16 @@ class _Compiler:
         self.catalogue = catalogue
         self.placed = {placed.name: placed for placed in mission.walk()}
         self.asker = Asker(dict(mission.guards))
+        self.firsts: dict[str, str] = {}
+        for placed in self.placed.values():
+            self.firsts.setdefault(placed.state.kind, placed.name)
         self.count = 0
 
     def chart(self) -> Chart:
         states = {ROOT: self._root()}
         for order, placed in enumerate(self.placed.values(), 1):
             states[placed.name] = self._state(placed, order)
-        land = _of_kind(self.mission, "land") or ""
+        land = self.firsts.get("land", "")
         failsafes = tuple(map(self._failsafe, self.mission.failsafes)) + self._stuck(land)
         return Chart(
             initial=self.mission.initial.to[0],
@@ -83,7 +86,7 @@ class _Compiler:
             transitions=tuple([self._transition(one, placed) for one in state.transitions]),
             entry=_outputs(state.entry),
             exit=_outputs(state.exit),
-            violated_to=state.invariant.exit or _of_kind(self.mission, escape),
+            violated_to=state.invariant.exit or self.firsts.get(escape or ""),
             tolerated=kind.invariant.tolerated if kind.invariant is not None else 0.0,
             promise=None if promise is None else self.asker.ask(promise),
             shape=_shape(state),
@@ -140,7 +143,7 @@ class _Compiler:
         plugin = self.catalogue.guards["plugin_failed"]()
         guard: ex.Expression = ex.Use("plugin_failed", plugin, NOWHERE)
         ask: Ask = self.asker.ask(guard)
-        home = _of_kind(self.mission, "return") or land
+        home = self.firsts.get("return", land)
         return tuple(
             Transition(
                 number=self._next(),
@@ -210,10 +213,6 @@ def _shape(state: StateModel) -> Shape:
 
 def _start(model: StartModel | None) -> Start:
     return Start() if model is None else Start(model.to, _outputs(model.do))
-
-
-def _of_kind(mission: Mission, kind: str | None) -> str | None:
-    return next((name for name, state, _ in mission.walk() if state.kind == kind), None)
 
 
 def _descriptor(event: str) -> str:

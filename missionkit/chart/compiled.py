@@ -12,6 +12,7 @@ from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.plugin import Behavior
 from missionkit.states.contract import StateKind
 
+NO_VALUES: Values = {}
 ROOT = ""  # the name of the state around all others, which is never left
 
 
@@ -26,13 +27,13 @@ class Question:
         windows: Sequence[Any],
         contain: Containment,
         active: tuple[str, ...] = (),
-        variables: Values | None = None,
+        variables: Values = NO_VALUES,
     ) -> None:
         self.seen = seen
         self.windows = windows
         self.contain = contain
         self.active = active
-        self.variables = variables or {}
+        self.variables = variables
         self.answers: dict[str, Verdict] = {}
 
 
@@ -119,15 +120,26 @@ class State(NamedTuple):
     remembered: bool = False  # a history may lead back here
 
 
+class Way(NamedTuple):
+    """A transition and the time since the entry of its source that it needs at least."""
+
+    transition: Transition
+    wait: float  # s
+
+
 class Stance(NamedTuple):
     """What a configuration means: worked out once for each that is met."""
 
-    active: tuple[State, ...]  # in document order
-    asked: tuple[Transition, ...]  # every transition that could leave, inner states first
-    ways: tuple[tuple[Transition, ...], ...]  # for each atomic state, inner states first
+    plain: tuple[tuple[Ask, float, str], ...]  # guards to ask, with the wait (s) and the source
+    timed: tuple[Transition, ...]  # those whose guard must hold for some time
+    timers: tuple[tuple[float, str], ...]  # wait (s) and source of those without a guard
+    ways: tuple[tuple[Way, ...], ...]  # without an event, for each atomic state, inner first
+    heard: tuple[tuple[Way, ...], ...]  # with an event
+    soonest: float  # s, the least wait of those without an event
     promising: tuple[State, ...]  # those with an invariant
     pilot: str  # whose behaviour commands; empty if nobody's
     mode: Mode
+    mode_text: str  # what the record says of it
     flying: bool
     safety: int  # 2 landing, 1 returning
 

@@ -6,23 +6,27 @@ mainEventLoop, selectTransitions, microstep.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 from missionkit.chart import tree
-from missionkit.chart.compiled import ROOT, Chart, Output, Question, Stance, Transition
+from missionkit.chart.compiled import ROOT, Chart, Output, Question, Stance, Transition, Way
 from missionkit.chart.memory import ChartMemory, Decision
-from missionkit.chart.outputs import assigned, matches
-from missionkit.chart.stance import stance
+from missionkit.chart.outputs import assigned, in_words, matches
+from missionkit.chart.stance import EPSILON, stance
 from missionkit.messages import Action, Fired, Verdict
 
 MOST = 100  # microsteps in one tick: more is a chart that does not come to rest
 ERROR = "error.execution"
-EPSILON = 1e-9  # s
+_new = tuple.__new__  # quicker than the class's own
 
 
 class Macrostep:
     """One tick in which something may happen."""
+
+    __slots__ = (
+        *("chart", "memory", "question", "now", "first_answers", "internal", "external", "here"),
+        *("fired", "moves", "orders", "problems", "pilot_entered", "stale"),
+    )
 
     def __init__(
         self, chart: Chart, memory: ChartMemory, question: Question, problems: tuple[str, ...]
@@ -32,44 +36,63 @@ class Macrostep:
         self.question = question
         self.now = question.seen.now
         self.first_answers = question.answers
-        self.queue: deque[str] = deque()
+        self.internal: list[str] = []
+        self.external: list[str] = list(question.seen.events)
+        self.here = _here(chart, memory.active)
         self.fired: list[Fired] = []
         self.moves: list[tree.Move] = []
-        self.orders: list[Action] = []
-        self.problems = list(problems)
+        self.orders: tuple[Action, ...] = ()
+        self.problems = problems
         self.pilot_entered = False
         self.stale = False  # the guards have yet to be told of the last microstep
 
-    def run(self, forced: Transition | None) -> tuple[ChartMemory, Decision]:
-        """Take the entry of the first tick, what is forced, and all that follows."""
+    def run(self, forced: Transition | None, *, rested: bool) -> tuple[ChartMemory, Decision]:
+        """Take the entry of the first tick, what is forced, and all that follows.
+
+        Args:
+            forced: goes before all else; no event of this tick is heard then.
+            rested: nothing without an event is ready as yet.
+        """
         if not self.memory.started:
             self._start()
-        external = deque(() if forced is not None else self.question.seen.events)
+            rested = False
         if forced is not None:
-            self._microstep([forced])
-        for chosen in self._steps(external):
+            self.external.clear()
+            self._microstep((forced,))
+            rested = False
+        chosen: Sequence[Transition] = ()
+        if not rested:
+            chosen = self._selected(self.here.ways, None)
+        while True:
+            if not chosen:
+                chosen = self._heard()
+            if not chosen or self.memory.ended:
+                break
             if len(self.moves) >= MOST:
                 self._give_up()
                 break
-            self._microstep(chosen)
-        return self.memory, Decision(
-            tuple(self.first_answers.items()),
-            tuple(self.fired),
-            tuple(self.moves),
-            self.pilot_entered,
-            tuple(self.orders),
-            tuple(self.problems),
+            fresh = self._microstep(chosen)
+            chosen = () if fresh else self._selected(self.here.ways, None)
+        return self.memory, _new(
+            Decision,
+            (
+                self.first_answers,
+                tuple(self.fired),
+                tuple(self.moves),
+                self.pilot_entered,
+                self.orders,
+                self.problems,
+            ),
         )
 
-    def _steps(self, external: deque[str]) -> Iterator[list[Transition]]:
-        """Yield what to take next: without an event, for an internal one, for an external one."""
-        while not self.memory.ended:
-            chosen = self._selected(None)
-            while not chosen and (self.queue or external):
-                chosen = self._selected((self.queue or external).popleft())
-            if not chosen:
-                return
-            yield chosen
+    def _heard(self) -> Sequence[Transition]:
+        """Return what the next event that concerns anything leads to: internal ones first."""
+        while self.internal or self.external:
+            event = (self.internal or self.external).pop(0)
+            chosen = self._selected(self.here.heard, event)
+            if chosen:
+                return chosen
+        return ()
 
     def _give_up(self) -> None:
         way = " -> ".join(fired.to for fired in self.fired[-6:])
@@ -78,53 +101,56 @@ class Macrostep:
     def _start(self) -> None:
         """Carry out the entry of the initial states, which are active already."""
         move = tree.beginning(self.chart)
-        root = self.chart.states[ROOT].initial.outputs
-        outputs = [*root, *(each for entry in move.entries for each in entry.outputs)]
         self.memory = self.memory._replace(started=True, ended=move.ended)
         self.moves.append(move)
         self.pilot_entered = True
-        events = [event for entry in move.entries for event in entry.events]
-        said = self._carried_out(outputs)
+        said = self._carried_out(self.chart.states[ROOT].initial.outputs)
+        for entry in move.entries:
+            said += self._carried_out(entry.outputs)
+            self.internal += entry.events
+        self.stale = True
         if said:
-            initial = self.chart.initial
-            opening = Transition(-1, (initial,), "start", source=self.memory.state)
+            opening = Transition(-1, (self.chart.initial,), "start", source=self.memory.state)
             self.fired.append(self._explained(opening, said))
-        self.queue += events
 
-    def _selected(self, event: str | None) -> list[Transition]:
+    def _selected(
+        self, ways: tuple[tuple[Way, ...], ...], event: str | None
+    ) -> Sequence[Transition]:
         """Return the transitions to take together: selectTransitions."""
-        here = self._here()
+        if len(ways) == 1:
+            for way in ways[0]:
+                if self._enabled(way, event):
+                    return (way[0],)
+            return ()
         enabled: dict[int, Transition] = {}
-        for ways in here.ways:
-            for way in ways:
-                if way.number in enabled:
+        for each in ways:
+            for way in each:
+                transition = way[0]
+                if transition[0] in enabled:
                     break
                 if self._enabled(way, event):
-                    enabled[way.number] = way
+                    enabled[transition[0]] = transition
                     break
-        found = list(enabled.values())
+        found = tuple(enabled.values())
         if len(found) < 2:
             return found
         return tree.without_conflicts(self.chart, self.memory.active, found, self.memory.history)
 
-    def _enabled(self, way: Transition, event: str | None) -> bool:
-        heard = not way.events if event is None else matches(way.events, event)
-        if not heard or not self._in_time(way):
+    def _enabled(self, way: Way, event: str | None) -> bool:
+        transition, wait = way
+        memory = self.memory
+        if self.now - memory.entered[transition.source] < wait:
             return False
-        if way.ask is None:
+        if event is not None and not matches(transition.events, event):
+            return False
+        hold = transition.hold
+        if hold and self.now - memory.held.get(transition.number, self.now) < hold - EPSILON:
+            return False
+        if transition.ask is None:
             return True
         if self.stale:
             self._refresh()
-        return way.ask(self.question).holds is True
-
-    def _in_time(self, way: Transition) -> bool:
-        memory, now = self.memory, self.now
-        here = now - memory.entered[way.source] + EPSILON
-        if way.patient and here < self.chart.states[way.source].dwell:
-            return False
-        if way.after is not None and here < way.after:
-            return False
-        return not way.hold or now - memory.held.get(way.number, now) >= way.hold - EPSILON
+        return transition.ask(self.question)[0] is True
 
     def _refresh(self) -> None:
         """Ask the guards anew, with the configuration, variables and behaviour as they are now."""
@@ -140,64 +166,62 @@ class Macrostep:
         )
         self.question.answers = {}
 
-    def _microstep(self, chosen: Sequence[Transition]) -> None:
-        """Exit, act, enter."""
-        chart, memory = self.chart, self.memory
-        move = tree.move(chart, memory.active, chosen, memory.history)
+    def _microstep(self, chosen: Sequence[Transition]) -> bool:
+        """Exit, act, enter; say whether the chart is sure to rest after that."""
+        chart, source = self.chart, self.memory.state
+        move = tree.move(chart, self.memory.active, chosen, self.memory.history)
         if move.exited or move.entries:
             self._stand(move)
         self.moves.append(move)
-        outputs = [each for name in move.exited for each in chart.states[name].exit]
-        outputs += [each for way in chosen for each in way.outputs]
-        said = list(self._carried_out(outputs))
-        for entry in move.entries:
-            said += self._carried_out(entry.outputs)
-            self.queue += entry.events
-        self.stale = True
+        said: list[str] = []
+        if move.says:
+            outputs = [each for name in move.exited for each in chart.states[name].exit]
+            outputs += [each for way in chosen for each in way.outputs]
+            said = self._carried_out(outputs)
+            for entry in move.entries:
+                said += self._carried_out(entry.outputs)
+                self.internal += entry.events
         for way in chosen:
-            source = memory.state if way.source == ROOT else way.source
-            told = self._explained(way._replace(source=source), said)
-            self.fired.append(told)
+            told = way if way.source != ROOT else way._replace(source=source)
+            self.fired.append(self._explained(told, said))
             said = []
+        self.stale = True
+        return not move.kept and self.here.soonest > 0.0 and not move.ended
 
     def _stand(self, move: tree.Move) -> None:
         """Put the memory where a move leads; timers of what was exited end."""
-        chart, memory = self.chart, self.memory
-        entered = {name: memory.entered.get(name, self.now) for name in move.active}
-        entered |= dict.fromkeys((entry.name for entry in move.entries), self.now)
+        memory = self.memory
+        entered = dict.fromkeys(move.active, self.now)
+        for name in move.kept:
+            entered[name] = memory.entered[name]
         held = memory.held
         if held:
-            gone = {way.number for name in move.exited for way in chart.states[name].transitions}
-            held = {number: since for number, since in held.items() if number not in gone}
+            held = {number: since for number, since in held.items() if number not in move.gone}
         violated = memory.violated
         if violated:
-            kept = violated.keys() - move.exited
-            violated = {name: since for name, since in violated.items() if name in kept}
-        pilot = _here(chart, move.active).pilot
-        exited = pilot in move.exited or memory.state in move.exited
-        self.pilot_entered |= pilot != memory.pilot or exited
-        self.memory = memory._replace(
-            active=move.active,
-            entered=entered,
-            pilot=pilot,
-            history={**memory.history, **move.history} if move.history else memory.history,
-            held=held,
-            violated=violated,
-            ended=move.ended,
+            exited = move.exited
+            violated = {name: since for name, since in violated.items() if name not in exited}
+        self.here = here = _here(self.chart, move.active)
+        if here.pilot != memory.pilot or memory.state in move.exited:
+            self.pilot_entered = True
+        history = {**memory.history, **move.history} if move.history else memory.history
+        self.memory = _new(
+            ChartMemory,
+            (
+                *(move.active, entered, memory.windows, memory.variables, here.pilot),
+                *(history, held, violated, True, move.ended),
+            ),
         )
-
-    def _here(self) -> Stance:
-        return _here(self.chart, self.memory.active)
 
     def _carried_out(self, outputs: Iterable[Output]) -> list[str]:
         """Do what outputs say, and return it in words."""
         said = []
         for output in outputs:
-            said.append(f"{output.verb} {output.text}{_operation(output)}")
+            said.append(in_words(output))
             if output.verb == "raise":
-                self.queue.append(output.text)
+                self.internal.append(output.text)
             elif output.verb == "vehicle":
-                self.orders.append(Action(output.text))
+                self.orders += (Action(output.text),)
             elif output.verb == "assign":
                 self._assign(output)
         return said
@@ -206,29 +230,18 @@ class Macrostep:
         values, wrong = assigned(self.chart.variables, self.memory.variables, output)
         self.memory = self.memory._replace(variables=values)
         if wrong:
-            self.problems.append(wrong)
-            self.queue.append(ERROR)
+            self.problems += (wrong,)
+            self.internal.append(ERROR)
 
     def _explained(self, way: Transition, said: Sequence[str]) -> Fired:
-        answers = self.first_answers | self.question.answers
-        asked: tuple[tuple[str, Verdict], ...] = tuple(
-            [item for item in answers.items() if item[0] in way.reads] if way.reads else []
-        )
-        to = ", ".join(way.to) or way.source
-        return Fired(way.source, to, way.text, asked, (f"mode {self._here().mode}", *said))
+        asked: tuple[tuple[str, Verdict], ...] = ()
+        if way.reads:
+            answers = self.first_answers | self.question.answers
+            asked = tuple([item for item in answers.items() if item[0] in way.reads])
+        to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
+        outputs = (self.here.mode_text, *said)
+        return _new(Fired, (way.source, to, way.text, asked, outputs))
 
 
 def _here(chart: Chart, active: tuple[str, ...]) -> Stance:
     return chart.stances.get(active) or stance(chart, active)
-
-
-def _operation(output: Output) -> str:
-    match output.operation:
-        case "":
-            return ""
-        case "set":
-            return f" = {output.operand}"
-        case "toggle":
-            return " toggled"
-        case operation:
-            return f" {operation} {output.operand}"

@@ -42,7 +42,7 @@ class ChartMemory(NamedTuple):
 class Decision(NamedTuple):
     """What one tick decided."""
 
-    answers: tuple[tuple[str, Verdict], ...]
+    answers: Mapping[str, Verdict]  # of every guard that was asked, in that order
     fired: tuple[Fired, ...] = ()  # in the order they were taken
     moves: tuple[tree.Move, ...] = ()  # one for each microstep
     entered: bool = False  # the state that commands was entered at this tick

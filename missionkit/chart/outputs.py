@@ -42,3 +42,17 @@ def _value(values: Values, output: Output) -> Value | None:
     if output.operation == "toggle":
         return before != bool(operand) if isinstance(before, bool) else None
     return operand
+
+
+def in_words(output: Output) -> str:
+    """Return what an output does, for the record: "log hello", "assign tries add 1"."""
+    said = f"{output.verb} {output.text}"
+    match output.operation:
+        case "":
+            return said
+        case "set":
+            return f"{said} = {output.operand}"
+        case "toggle":
+            return f"{said} toggled"
+        case operation:
+            return f"{said} {operation} {output.operand}"

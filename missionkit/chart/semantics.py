@@ -14,37 +14,50 @@ from typing import Any
 from missionkit.chart.compiled import ROOT, Chart, Question, Stance, State, Transition
 from missionkit.chart.contain import Containment
 from missionkit.chart.macrostep import Macrostep
-from missionkit.chart.memory import NOTHING, ChartMemory, Decision, begin
-from missionkit.chart.stance import SAFETY, stance
+from missionkit.chart.memory import ChartMemory, Decision, begin
+from missionkit.chart.stance import EPSILON, SAFETY, stance
 from missionkit.messages import Estimate, Verdict
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 
 ABORT = "operator: land"
-EPSILON = 1e-9  # s; ticks are multiples of the period, up to rounding
+_new = tuple.__new__  # quicker than the class's own
 
 
 def decide(
     chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
 ) -> tuple[ChartMemory, Decision]:
     """Advance the guards' windows, ask every guard, and take what is to be taken."""
-    here = chart.stances.get(memory.active) or stance(chart, memory.active)
-    question = Question(seen, memory.windows, contain, memory.active, memory.variables)
+    active = memory.active
+    here = chart.stances.get(active) or stance(chart, active)
+    question = Question(seen, memory.windows, contain, active, memory.variables)
     windows = _advanced(chart, question) if chart.slots else memory.windows
     held: dict[int, float] = {}
-    forced = _failsafe(chart, memory, here, question, held) if _flying(seen, here) else None
-    ready = False
-    if not memory.ended:
-        for transition in here.asked:
-            if _ready(transition, memory, question, held) and not transition.events:
-                ready = True
-    violated, escape, problems = _invariants(here, memory, question)
-    forced = _first(chart, memory, here, seen, forced) or escape
-    if held != memory.held or violated != memory.violated or chart.slots:
+    forced = _forced(chart, memory, here, question, held)
+    ready = not memory.ended and _asked(here, memory, question, held)
+    violated = memory.violated
+    problems: tuple[str, ...] = ()
+    if here.promising:
+        violated, escape, problems = _invariants(here, memory, question)
+        forced = forced or escape
+    if chart.slots or held != memory.held or violated != memory.violated:
         memory = memory._replace(windows=windows, held=held, violated=violated)
     if memory.started and forced is None and not ready and not seen.events:
-        return memory, Decision(tuple(question.answers.items()), problems=problems)
-    return Macrostep(chart, memory, question, problems).run(forced)
+        return memory, _new(Decision, (question.answers, (), (), False, (), problems))
+    return Macrostep(chart, memory, question, problems).run(forced, rested=not ready)
+
+
+def _asked(here: Stance, memory: ChartMemory, question: Question, held: dict[int, float]) -> bool:
+    """Ask the guards of every transition, and say whether one without an event may be ready."""
+    now, entered, ready = question.seen.now, memory.entered, False
+    for ask, wait, source in here.plain:
+        if ask(question)[0] and now - entered[source] >= wait:
+            ready = True
+    for transition in here.timed:
+        ready = _ready(transition, memory, question, held) or ready
+    for wait, source in here.timers:
+        ready = ready or now - entered[source] >= wait
+    return ready
 
 
 def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
@@ -55,11 +68,15 @@ def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
     return tuple(windows)
 
 
-def _first(
-    chart: Chart, memory: ChartMemory, here: Stance, seen: Estimate, failsafe: Transition | None
+def _forced(
+    chart: Chart, memory: ChartMemory, here: Stance, question: Question, held: dict[int, float]
 ) -> Transition | None:
     """Return what goes before all else: the pilot, a failsafe, the end of the chart in the air."""
-    if ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
+    seen = question.seen
+    failsafe = None
+    if _flying(seen, here):
+        failsafe = _failsafe(chart, memory, here, question, held)
+    if seen.events and ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
         return Transition(-1, (chart.land,), ABORT)
     if failsafe is None and memory.ended and chart.land and _in_air(seen):
         return Transition(-1, (chart.land,), "the chart has ended in the air")
@@ -76,6 +93,8 @@ def _failsafe(
     chosen: Transition | None = None
     obeyed = False
     for failsafe in chart.failsafes:
+        if failsafe.ask is None or failsafe.ask(question)[0] is False:
+            continue
         if not _ready(failsafe, memory, question, held):
             continue
         (to,) = failsafe.to
@@ -92,9 +111,7 @@ def _ready(
 ) -> bool:
     """Ask a transition's guard and say whether it has held for long enough."""
     ask = transition.ask
-    if ask is None:
-        return True
-    holds = ask(question).holds
+    holds = None if ask is None else ask(question).holds
     if not (transition.unknown_takes if holds is None else holds):
         return False
     if not transition.hold:
@@ -120,8 +137,6 @@ def _invariants(
     here: Stance, memory: ChartMemory, question: Question
 ) -> tuple[Mapping[str, float], Transition | None, tuple[str, ...]]:
     """Return since when which invariants are broken, the first way out, and the news."""
-    if not here.promising:
-        return NOTHING, None, ()
     violated: dict[str, float] = {}
     escape: Transition | None = None
     problems: list[str] = []

@@ -8,7 +8,7 @@ Names of states stand for states throughout; a configuration is a tuple in docum
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from missionkit.chart.compiled import (
     HISTORY,
@@ -43,13 +43,19 @@ class Move(NamedTuple):
     history: History  # what is remembered of this exit
     restored: frozenset[str]  # entered because a history led back
     ended: bool  # a final state of the whole chart was entered
+    kept: Configuration  # neither exited nor entered
+    says: bool  # there is something to do on the way
+    gone: frozenset[int]  # numbers of the transitions whose timers end
 
 
 def move(
     chart: Chart, active: Configuration, chosen: Sequence[Transition], history: History
 ) -> Move:
     """Return what taking `chosen` together does; worked out once where no history matters."""
-    key = (active, tuple([(way.number, way.to, way.source) for way in chosen]))
+    if len(chosen) == 1 and chosen[0].number > 0:
+        key: tuple[Any, ...] = (active, chosen[0].number)
+    else:
+        key = (active, tuple([(way.number, way.to, way.source) for way in chosen]))
     known: Move | None = chart.moves.get(key)
     if known is not None:
         return known
@@ -129,7 +135,19 @@ class _Walk:
         following = sorted({*kept, *entered}, key=lambda name: self.states[name].order)
         entries = self._entries(kept, entered)
         ended = any(entry.events == (f"done.state.{ROOT}",) for entry in entries)
-        return Move(exited, entries, tuple(following), remembered, frozenset(self.restored), ended)
+        leaving = [self.states[name] for name in exited]
+        speaking = any(state.exit for state in leaving) or any(way.outputs for way in chosen)
+        return Move(
+            exited=exited,
+            entries=entries,
+            active=tuple(following),
+            history=remembered,
+            restored=frozenset(self.restored),
+            ended=ended,
+            kept=tuple([name for name in kept if name not in self.entering]),
+            says=speaking or any(entry.outputs or entry.events for entry in entries),
+            gone=frozenset([way.number for state in leaving for way in state.transitions]),
+        )
 
     def exit_set(self, active: Configuration, chosen: Iterable[Transition]) -> set[str]:
         """Return the active states inside the domain of any of the transitions."""

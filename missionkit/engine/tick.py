@@ -67,7 +67,7 @@ def tick(
         state=chart.state,
         active=chart.active,
         mode=stance(plan.chart, chart.active).mode,
-        verdicts=decision.answers,
+        verdicts=tuple(decision.answers.items()),
         fired=decision.fired,
         command=command,
         step_note=step.note,

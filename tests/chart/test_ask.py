@@ -120,7 +120,7 @@ def latched(enter: float, leave: float, charges: list[float | None]) -> list[Ver
     said = []
     for charge in charges:
         battery = None if charge is None else Battery(walk.seen().now, charge, 16.0)
-        answers = dict(walk.tick(battery=battery).answers)
+        answers = walk.tick(battery=battery).answers
         said.append(answers[f"battery below (floor 0) from {enter:g} until {leave:g}"])
     return said
 

@@ -80,8 +80,8 @@ def test_an_invariant_that_cannot_be_told_is_not_broken():
 
 def test_every_tick_says_how_the_invariant_stands():
     walk = Walk(GPS, targets=KNOWN)
-    assert dict(walk.tick().answers)["I(out)"].holds is True
-    assert dict(walk.tick(targets={}).answers)["I(out)"].holds is False
+    assert walk.tick().answers["I(out)"].holds is True
+    assert walk.tick(targets={}).answers["I(out)"].holds is False
 
 
 def test_a_task_without_a_goal_yet_is_not_off_its_goal():
@@ -91,7 +91,7 @@ def test_a_task_without_a_goal_yet_is_not_off_its_goal():
         "  v: {kind: visual, behavior: {use: servo, target: t}}\n"
         "  land: {kind: land}\n"
     )
-    assert dict(walk.tick(goal=None).answers)["I(x)"].holds is None
+    assert walk.tick(goal=None).answers["I(x)"].holds is None
     walk.run(3.0, goal=None)
     assert (walk.problems, walk.trace) == ([], [])
     goal = Goal(vec(0.0, 0.5, -5.0), 0.0, 3.0)

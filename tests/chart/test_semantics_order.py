@@ -85,12 +85,12 @@ def test_a_chart_that_does_not_come_to_rest_is_stopped_and_told():
 def test_guards_that_did_not_decide_are_asked_and_recorded_all_the_same():
     walk = Walk(CHART)
     decision = walk.tick("a", "c?")
-    said = {name: verdict.holds for name, verdict in decision.answers}
+    said = {name: verdict.holds for name, verdict in decision.answers.items()}
     assert said == {
         **{"a": True, "b": False, "c": None},
         **{"plugin failed": False, "flag (name broken)": False},
     }
-    assert decision.fired[0].verdicts == (("a", decision.answers[0][1]),)
+    assert decision.fired[0].verdicts == (("a", decision.answers["a"]),)
 
 
 @pytest.mark.parametrize("reason", ["when: a", "event: again"])
