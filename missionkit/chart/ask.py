@@ -11,9 +11,11 @@ from typing import cast
 from missionkit.chart import expressions as ex
 from missionkit.chart.ask_chart import of_chart
 from missionkit.chart.compiled import Ask, Question, Slot
-from missionkit.messages import Verdict
+from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, Plugin, WindowGuard
 
+Check = Callable[[Estimate], Verdict]
+_TRUTHS = frozenset((bool, type(None)))
 _NUMBERS = frozenset((float, type(None)))
 
 
@@ -46,6 +48,14 @@ class Asker:
             case ex.Variable() | ex.In() | ex.Finished():
                 name = self.name(expression)
                 return self._remembered(name, lambda: _answered(name, of_chart(expression)))
+
+    def check(self, expression: ex.Expression) -> Check | None:
+        """Return what to ask if `expression` is one guard of the package that remembers nothing."""
+        if isinstance(expression, ex.Named):
+            expression = self._named[expression.name]
+        if not isinstance(expression, ex.Use) or not isinstance(expression.plugin, Guard):
+            return None
+        return None if _is_foreign(expression.plugin) else expression.plugin.check
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
@@ -80,7 +90,7 @@ class Asker:
         return _answered(name, self.ask(expression))
 
     def _plugin(self, name: str, plugin: Plugin) -> Ask:
-        foreign = not type(plugin).__module__.startswith("missionkit.")
+        foreign = _is_foreign(plugin)
         if isinstance(plugin, WindowGuard):
             slot = self._slot(name, plugin.begin, _advancing(name, plugin, foreign=foreign))
             return _answered(name, _window(name, plugin, slot, foreign=foreign))
@@ -111,6 +121,10 @@ class Asker:
     ) -> int:
         self.slots.append(Slot(name, begin, advance))
         return len(self.slots) - 1
+
+
+def _is_foreign(plugin: Plugin) -> bool:
+    return not type(plugin).__module__.startswith("missionkit.")
 
 
 def _answered(name: str, ask: Ask) -> Ask:
@@ -151,17 +165,26 @@ def _trusting(name: str, guard: Guard) -> Ask:
         except Exception as error:  # noqa: BLE001 - even our own guards must not end a flight
             question.contain.note(f"{name} raised {type(error).__name__}: {error}")
             verdict = Verdict.unknown("the guard failed")
-        holds, _, value, _, margin = verdict
-        if margin is None:
-            sound = value is None
-        else:
-            sound = type(margin) is float and margin - margin == 0.0  # neither NaN nor infinite
-        if not sound or (holds is not False and holds is not True and holds is not None):
+        if not is_sound(verdict):
             verdict = _trusted(name, (verdict,), question)
         answers[name] = verdict
         return verdict
 
     return ask
+
+
+def is_sound(verdict: Verdict) -> bool:
+    """Say whether a verdict of the package's own guards is fit for the record at once.
+
+    A margin is the distance from the threshold, so it is neither NaN nor infinite if the value
+    is not.
+    """
+    holds, _, value, _, margin = verdict
+    if type(holds) not in _TRUTHS:
+        return False
+    if margin is None:
+        return value is None
+    return type(margin) is float and margin - margin == 0.0
 
 
 def _window(name: str, guard: WindowGuard, slot: int, *, foreign: bool) -> Ask:

@@ -124,6 +124,7 @@ class _Compiler:
             patient=not (model.emergency or model.event),
             internal=model.internal,
             reads=frozenset() if when is None else self._names(when),
+            check=None if when is None else self.asker.check(when),
         )
 
     def _failsafe(self, model: Failsafe) -> Transition:

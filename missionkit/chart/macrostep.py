@@ -7,6 +7,7 @@ mainEventLoop, selectTransitions, microstep.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from missionkit.chart import tree
 from missionkit.chart.compiled import ROOT, Chart, Output, Question, Stance, Transition, Way
@@ -118,23 +119,26 @@ class Macrostep:
     ) -> Sequence[Transition]:
         """Return the transitions to take together: selectTransitions."""
         if len(ways) == 1:
-            for way in ways[0]:
-                if self._enabled(way, event):
-                    return (way[0],)
-            return ()
+            return self._first(ways[0], event)
         enabled: dict[int, Transition] = {}
         for each in ways:
             for way in each:
                 transition = way[0]
-                if transition[0] in enabled:
+                if transition.number in enabled:
                     break
                 if self._enabled(way, event):
-                    enabled[transition[0]] = transition
+                    enabled[transition.number] = transition
                     break
         found = tuple(enabled.values())
         if len(found) < 2:
             return found
         return tree.without_conflicts(self.chart, self.memory.active, found, self.memory.history)
+
+    def _first(self, ways: tuple[Way, ...], event: str | None) -> Sequence[Transition]:
+        for way in ways:
+            if self._enabled(way, event):
+                return (way.transition,)
+        return ()
 
     def _enabled(self, way: Way, event: str | None) -> bool:
         transition, wait = way
@@ -182,7 +186,7 @@ class Macrostep:
                 said += self._carried_out(entry.outputs)
                 self.internal += entry.events
         for way in chosen:
-            told = way if way.source != ROOT else way._replace(source=source)
+            told = way if way.source != ROOT else replace(way, source=source)
             self.fired.append(self._explained(told, said))
             said = []
         self.stale = True

@@ -21,6 +21,7 @@ from missionkit.messages import Estimate, Verdict
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 
 ABORT = "operator: land"
+_TRUTHS = frozenset((bool, type(None)))
 _new = tuple.__new__  # quicker than the class's own
 
 
@@ -49,7 +50,10 @@ def decide(
 
 def _asked(here: Stance, memory: ChartMemory, question: Question, held: dict[int, float]) -> bool:
     """Ask the guards of every transition, and say whether one without an event may be ready."""
-    now, entered, ready = question.seen.now, memory.entered, False
+    now, entered = question.seen.now, memory.entered
+    ready = _asked_directly(here, memory, question)
+    if ready is None:
+        ready = _asked_carefully(here, memory, question)
     for ask, wait, source in here.plain:
         if ask(question)[0] and now - entered[source] >= wait:
             ready = True
@@ -57,6 +61,43 @@ def _asked(here: Stance, memory: ChartMemory, question: Question, held: dict[int
         ready = _ready(transition, memory, question, held) or ready
     for wait, source in here.timers:
         ready = ready or now - entered[source] >= wait
+    return ready
+
+
+def _asked_directly(here: Stance, memory: ChartMemory, question: Question) -> bool | None:
+    """Ask guards of the package with nothing around them; `None` if one raises or says odd things.
+
+    A margin is the distance of value and threshold, so numbers that are not finite show in it.
+    """
+    seen, entered, answers = question.seen, memory.entered, question.answers
+    now, ready, odd = seen.now, False, 0.0
+    try:
+        for name, check, wait, source in here.direct:
+            verdict = answers[name] = check(seen)
+            holds, _, value, _, margin = verdict
+            if holds is True:
+                ready = ready or now - entered[source] >= wait
+            elif type(holds) not in _TRUTHS:
+                return None
+            if margin is not value:
+                odd += margin - margin  # type: ignore[operator] # None raises, as it should
+    except Exception:  # noqa: BLE001 - asked again, contained
+        return None
+    return ready if type(odd) is float and odd == 0.0 else None
+
+
+def _asked_carefully(here: Stance, memory: ChartMemory, question: Question) -> bool:
+    """Ask the same guards again, each contained and its answer looked through."""
+    for each in here.direct:
+        question.answers.pop(each.name, None)
+    ready = False
+    for ways in (*here.ways, *here.heard):
+        for transition, wait in ways:
+            if transition.check is not None and transition.ask is not None:
+                holds = transition.ask(question).holds
+                entered = memory.entered[transition.source]
+                waits = bool(transition.events) or question.seen.now - entered < wait
+                ready = ready or (holds is True and not waits and not transition.hold)
     return ready
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from math import inf
 
-from missionkit.chart.compiled import LEAVES, Ask, Chart, Stance, State, Transition, Way
+from missionkit.chart.compiled import LEAVES, Ask, Chart, Direct, Stance, State, Transition, Way
 from missionkit.messages import Mode
 
 MOST = 4096  # configurations remembered
@@ -28,9 +29,11 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Stance:
     every = tuple({way.transition.number: way for each in ways for way in each}.values())
     pilots = [state for state in states if state.behavior is not None]
     pilot = max(pilots, key=lambda state: len(state.ancestors), default=None)
+    direct = tuple(_direct(every))
     mode = Mode.GPS if pilot is None else pilot.kind.mode
     return Stance(
-        plain=tuple([each for way in every for each in _plain(way)]),
+        direct=direct,
+        plain=tuple([each for way in every for each in _plain(way, direct)]),
         timed=tuple([way.transition for way in every if way.transition.hold]),
         timers=tuple([_timer(way) for way in every if _is_timer(way.transition)]),
         ways=tuple([tuple([way for way in each if not way.transition.events]) for each in ways]),
@@ -59,12 +62,29 @@ def _wait(state: State, transition: Transition) -> float:
     return max(dwell, transition.after or 0.0) - EPSILON
 
 
-def _plain(way: Way) -> list[tuple[Ask, float, str]]:
-    """Return the guard to ask; one with an event is asked for the record only."""
+def _direct(ways: Sequence[Way]) -> Iterator[Direct]:
+    """Yield the guards that can be asked without ado, each once."""
+    seen: set[str] = set()
+    for transition, wait in ways:
+        if transition.check is not None and not transition.hold and not seen & transition.reads:
+            seen |= transition.reads
+            (name,) = transition.reads
+            # one with an event is asked for the record only
+            yield Direct(
+                name, transition.check, inf if transition.events else wait, transition.source
+            )
+
+
+def _plain(way: Way, direct: Sequence[Direct]) -> list[tuple[Ask, float, str]]:
     transition, wait = way
-    if transition.ask is None or transition.hold:
+    wait = inf if transition.events else wait
+    mine = transition.check is not None and any(
+        (each.check, each.wait, each.source) == (transition.check, wait, transition.source)
+        for each in direct
+    )
+    if transition.ask is None or transition.hold or mine:
         return []
-    return [(transition.ask, inf if transition.events else wait, transition.source)]
+    return [(transition.ask, wait, transition.source)]
 
 
 def _is_timer(transition: Transition) -> bool:
