@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from missionkit.chart import expressions as ex
-from missionkit.chart.actions import Act, Assign
-from missionkit.chart.model import Mission, Start
+from missionkit.chart.actions import Assign
+from missionkit.chart.everything import actions_of, guards_of
+from missionkit.chart.model import Mission
 from missionkit.chart.variables import Variable, is_number
 from missionkit.errors import Problem
 
@@ -15,12 +16,12 @@ Variables = Mapping[str, Variable]
 
 def problems_of(mission: Mission) -> Iterator[Problem]:
     """Yield a problem for each comparison or assignment that can never be right."""
-    for action in _actions(mission):
+    for action in actions_of(mission):
         if isinstance(action, Assign):
             wrong = _assigned(mission.variables, action)
             if wrong:
                 yield Problem(action.place, f"assign {action.variable}: {wrong}")
-    for guard in _guards(mission):
+    for guard in guards_of(mission):
         yield from _compared(mission.variables, guard)
 
 
@@ -59,25 +60,3 @@ def _compared(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
             yield from _compared(variables, part)
         case _:
             return
-
-
-def _guards(mission: Mission) -> Iterator[ex.Expression]:
-    yield from mission.guards.values()
-    yield from (failsafe.when for failsafe in mission.failsafes)
-    for _, state, _ in mission.walk():
-        yield from (way.when for way in state.transitions if way.when is not None)
-        if state.invariant.holds is not None:
-            yield state.invariant.holds
-
-
-def _actions(mission: Mission) -> Iterator[Act]:
-    starts: list[Start | None] = [mission.initial]
-    for failsafe in mission.failsafes:
-        yield from failsafe.do
-    for _, state, _ in mission.walk():
-        yield from (*state.entry, *state.exit)
-        for way in state.transitions:
-            yield from way.do
-        starts += [state.initial, state.default]
-    for start in starts:
-        yield from () if start is None else start.do

@@ -1,0 +1,97 @@
+"""Events from the person at the keys, while a mission flies or as planned before it does."""
+
+from __future__ import annotations
+
+import os
+import select
+import termios
+import tty
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any, Self, TextIO
+
+from missionkit.chart.actions import Raise
+from missionkit.chart.everything import actions_of
+from missionkit.chart.model import Mission
+from missionkit.engine.loop import Operator
+from missionkit.errors import UsageError
+from missionkit.messages import Observation, Record, is_event
+
+OWN = ("done.state.", "error.")  # what the chart says to itself
+
+
+def offered(mission: Mission) -> dict[str, str]:
+    """Return the events a mission waits for and never raises itself, by key: 1 to 9."""
+    raised = {action.event for action in actions_of(mission) if isinstance(action, Raise)}
+    waited: dict[str, None] = {}
+    for _, state, _ in mission.walk():
+        for transition in state.transitions:
+            waited |= dict.fromkeys(map(str, transition.event or ()))
+    events = [word for word in waited if is_event(word) and word not in raised]
+    own = [word for word in events if not word.startswith(OWN)]
+    return {str(key): event for key, event in zip(range(1, 10), own, strict=False)}
+
+
+class Keys:
+    """Sends the event of each key that is pressed on a terminal; elsewhere it does nothing."""
+
+    def __init__(self, stream: TextIO, operator: Operator, events: dict[str, str]) -> None:
+        self._stream = stream
+        self._operator = operator
+        self._events = events
+        self._before: Any = None
+
+    def __enter__(self) -> Self:
+        if self._events and self._stream.isatty():
+            self._before = termios.tcgetattr(self._stream)
+            tty.setcbreak(self._stream)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._before is not None:
+            termios.tcsetattr(self._stream, termios.TCSADRAIN, self._before)
+
+    def __call__(self, _record: Record, _observation: Observation) -> None:
+        """Look at the keys, once a tick."""
+        if self._before is None:
+            return
+        while select.select([self._stream], [], [], 0.0)[0]:
+            key = os.read(self._stream.fileno(), 1).decode(errors="replace")
+            if not key:
+                return
+            if key in self._events:
+                self._operator.send(self._events[key])
+
+
+class Planned:
+    """Sends events at times that were given before the flight: `go@12.5`."""
+
+    def __init__(self, texts: Sequence[str], operator: Operator) -> None:
+        """Read the plan.
+
+        Raises:
+            UsageError: a text is no `NAME@SECONDS`.
+        """
+        self._due = sorted(map(_planned, texts))
+        self._operator = operator
+
+    def __call__(self, record: Record, _observation: Observation) -> None:
+        """Send what is due at the next tick."""
+        while self._due and self._due[0][0] <= record.now:
+            self._operator.send(self._due.pop(0)[1])
+
+
+def _planned(text: str) -> tuple[float, str]:
+    event, _, at = text.partition("@")
+    try:
+        seconds = float(at)
+    except ValueError:
+        seconds = -1.0
+    if not is_event(event) or not 0.0 <= seconds < float("inf"):
+        raise UsageError(f"event {text!r}: expected NAME@SECONDS, such as go@12.5")
+    return seconds, event
