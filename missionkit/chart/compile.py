@@ -123,7 +123,7 @@ class _Compiler:
             outputs=_outputs(model.do),
             patient=not (model.emergency or model.event),
             internal=model.internal,
-            reads=frozenset() if when is None else self._names(when),
+            reads=() if when is None else self._names(when),
             check=None if when is None else self.asker.check(when),
         )
 
@@ -162,15 +162,15 @@ class _Compiler:
         self.count += 1
         return self.count
 
-    def _names(self, expression: ex.Expression) -> frozenset[str]:
+    def _names(self, expression: ex.Expression) -> tuple[str, ...]:
         """Return what the record calls the guards that an expression asks."""
         match expression:
             case ex.All(parts=parts) | ex.Any(parts=parts):
-                return frozenset().union(*map(self._names, parts))
+                return tuple(dict.fromkeys(name for part in parts for name in self._names(part)))
             case ex.Not(part=part):
                 return self._names(part)
             case _:
-                return frozenset((self.asker.name(expression),))
+                return (self.asker.name(expression),)
 
 
 def _of_source(when: ex.Expression, source: Placed) -> ex.Expression:

@@ -103,7 +103,7 @@ class Transition:
     unknown_takes: bool = False  # failsafes: an unknown verdict counts as holding
     patient: bool = False  # waits for the dwell of its source
     internal: bool = False
-    reads: frozenset[str] = frozenset()  # names of the guards it asks
+    reads: tuple[str, ...] = ()  # names of the guards it asks, in that order
     check: Callable[[Estimate], Verdict] | None = None  # of its only guard, one of the package
 
 

@@ -159,16 +159,12 @@ class Macrostep:
     def _refresh(self) -> None:
         """Ask the guards anew, with the configuration, variables and behaviour as they are now."""
         self.stale = False
-        memory, seen = self.memory, self.question.seen
-        state, entered_at = memory.state, memory.entered_at
-        self.question.active = memory.active
-        self.question.variables = memory.variables
-        self.question.seen = (
-            seen._replace(state=state, entered_at=entered_at, done=False, goal=None)
-            if self.pilot_entered
-            else seen._replace(state=state, entered_at=entered_at)
-        )
-        self.question.answers = {}
+        memory, question = self.memory, self.question
+        seen = question.seen
+        done, goal = (False, None) if self.pilot_entered else (seen.done, seen.goal)
+        question.active, question.variables = memory.active, memory.variables
+        question.seen = seen.standing(memory.state, memory.entered_at, done=done, goal=goal)
+        question.answers = {}
 
     def _microstep(self, chosen: Sequence[Transition]) -> bool:
         """Exit, act, enter; say whether the chart is sure to rest after that."""
@@ -195,6 +191,9 @@ class Macrostep:
     def _stand(self, move: tree.Move) -> None:
         """Put the memory where a move leads; timers of what was exited end."""
         memory = self.memory
+        here = self.here = _here(self.chart, move.active)
+        if here.pilot != memory.pilot or memory.state in move.exited:
+            self.pilot_entered = True
         entered = dict.fromkeys(move.active, self.now)
         for name in move.kept:
             entered[name] = memory.entered[name]
@@ -205,9 +204,6 @@ class Macrostep:
         if violated:
             exited = move.exited
             violated = {name: since for name, since in violated.items() if name not in exited}
-        self.here = here = _here(self.chart, move.active)
-        if here.pilot != memory.pilot or memory.state in move.exited:
-            self.pilot_entered = True
         history = {**memory.history, **move.history} if move.history else memory.history
         self.memory = _new(
             ChartMemory,
@@ -240,8 +236,9 @@ class Macrostep:
     def _explained(self, way: Transition, said: Sequence[str]) -> Fired:
         asked: tuple[tuple[str, Verdict], ...] = ()
         if way.reads:
-            answers = self.first_answers | self.question.answers
-            asked = tuple([item for item in answers.items() if item[0] in way.reads])
+            now, first = self.question.answers, self.first_answers
+            answers = now if all(name in now for name in way.reads) else first | now
+            asked = tuple([(name, answers[name]) for name in way.reads if name in answers])
         to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
         outputs = (self.here.mode_text, *said)
         return _new(Fired, (way.source, to, way.text, asked, outputs))

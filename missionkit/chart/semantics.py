@@ -198,7 +198,7 @@ def _invariants(
 
 def _escape(state: State, to: str) -> Transition:
     text = f"invariant broken for {state.tolerated:g} s"
-    reads = frozenset((f"I({state.name})",))
+    reads = (f"I({state.name})",)
     return Transition(-1, (to,), text, source=state.name or ROOT, reads=reads)
 
 

@@ -66,8 +66,12 @@ def _direct(ways: Sequence[Way]) -> Iterator[Direct]:
     """Yield the guards that can be asked without ado, each once."""
     seen: set[str] = set()
     for transition, wait in ways:
-        if transition.check is not None and not transition.hold and not seen & transition.reads:
-            seen |= transition.reads
+        if (
+            transition.check is not None
+            and not transition.hold
+            and not seen.intersection(transition.reads)
+        ):
+            seen.update(transition.reads)
             (name,) = transition.reads
             # one with an event is asked for the record only
             yield Direct(

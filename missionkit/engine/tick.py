@@ -54,12 +54,7 @@ def tick(
     if decision.entered:
         before, after = memory.chart.pilot, chart.pilot
         hands = handed_over(plan.chart, hands, before, after, decision.moves)
-        seen = seen._replace(
-            state=chart.state,
-            entered_at=chart.entered_at,
-            done=hands.done,
-            goal=hands.goal,
-        )
+        seen = seen.standing(chart.state, chart.entered_at, done=hands.done, goal=hands.goal)
     hands, command, step = act(plan, hands, seen, decision.orders, contain)
     t3 = stopwatch()
     record = Record(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from missionkit.geometry import Quat, Vec3, yaw_of
 from missionkit.messages.observation import NO_CYCLE, Battery, Cycle, Points, VehicleStatus
 from missionkit.messages.vision import Look, Sighting
+
+_new = tuple.__new__
 
 
 class Target(NamedTuple):
@@ -66,6 +68,12 @@ class Estimate(NamedTuple):
     entered_at: float = 0.0  # s
     done: bool = False  # the state's behaviour says it has finished
     goal: Goal | None = None
+
+    def standing(
+        self, state: str, entered_at: float, *, done: bool = False, goal: Goal | None = None
+    ) -> Self:
+        """Return the same with another place in the chart."""
+        return _new(type(self), (*self[:-4], state, entered_at, done, goal))
 
     @property
     def yaw(self) -> float:

@@ -38,11 +38,11 @@ def test_transitions_say_when_they_fire_and_which_guards_they_read(precise: Char
         ("return", "after 90 s"),
         ("hover", "unreachable, when goal unreachable"),
     ]
-    assert visual[0].reads == {"converged (position 0.07, yaw_deg 4)"}
-    assert visual[2].reads == frozenset()
+    assert visual[0].reads == ("converged (position 0.07, yaw_deg 4)",)
+    assert visual[2].reads == ()
     gps = precise.states["gps"].transitions[0]
     assert gps.text == "when marker-sure and trunk-in-range and near-goal"
-    assert gps.reads == {"marker-sure", "trunk-in-range", "near-goal"}
+    assert gps.reads == ("marker-sure", "trunk-in-range", "near-goal")
 
 
 def test_failsafes_come_in_order_and_those_for_stuck_plugins_last(precise: Chart):
@@ -112,9 +112,9 @@ def test_everything_a_transition_says_is_carried_over():
     assert first.text == "quick, when a or not b for 0.5 s, after 3 s, on go"
     assert (first.hold, first.after, first.events, first.patient) == (0.5, 3.0, ("go",), False)
     assert first.outputs == (Output("raise", "e"),)
-    assert first.reads == {"a", "b"}
+    assert first.reads == ("a", "b")
     assert second.text == "when a from 1 until 0"
-    assert second.reads == {"a from 1 until 0"}
+    assert second.reads == ("a from 1 until 0",)
     assert not second.patient
     assert (x.entry, x.exit) == (
         (Output("log", "hello"), Output("raise", "in")),
