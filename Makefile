@@ -25,10 +25,13 @@ unit: .venv/ready
 	$(BIN)/pytest -n 2
 
 bench: .venv/ready
+	$(BIN)/python -m pip install --quiet --constraint requirements.lock --editable '.[bench]'
 	$(BIN)/python -m benchmarks
 
 studies: .venv/ready
 	$(BIN)/python -m studies.precision_task
+	$(BIN)/python -m studies.resume
+	$(BIN)/python -m studies.fuzz
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas

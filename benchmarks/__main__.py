@@ -6,13 +6,14 @@ import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from benchmarks import command_line, cycle, estimation, perception, recording, speed
+from benchmarks import command_line, cycle, engine, estimation, perception, recording, speed
 from benchmarks.measure import Table, machine
 from studies.markdown import table
 
 TOPICS: dict[str, Callable[[], list[Table]]] = {
     "cycle": cycle.tables,
     "speed": speed.tables,
+    "engine": engine.tables,
     "command-line": command_line.tables,
     "perception": perception.tables,
     "estimation": estimation.tables,

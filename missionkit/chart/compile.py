@@ -35,6 +35,9 @@ class _Compiler:
         self.catalogue = catalogue
         self.placed = {placed.name: placed for placed in mission.walk()}
         self.asker = Asker(dict(mission.guards))
+        self.with_history = {
+            placed.parent for placed in self.placed.values() if placed.state.history is not None
+        }
         self.firsts: dict[str, str] = {}
         for placed in self.placed.values():
             self.firsts.setdefault(placed.state.kind, placed.name)
@@ -95,7 +98,7 @@ class _Compiler:
             ancestors=ancestors,
             children=tuple(state.states),
             initial=_start(state.initial or state.default),
-            remembered=any(map(self._history, (name, *ancestors))),
+            remembered=not self.with_history.isdisjoint((name, *ancestors)),
         )
 
     def _around(self, parent: str | None) -> tuple[str, ...]:
@@ -104,10 +107,6 @@ class _Compiler:
             around.append(parent)
             parent = self.placed[parent].parent
         return (*around, ROOT)
-
-    def _history(self, name: str) -> bool:
-        inside = self.mission.states if name == ROOT else self.placed[name].state.states
-        return any(state.history is not None for state in inside.values())
 
     def _transition(self, model: TransitionModel, source: Placed) -> Transition:
         when = None if model.when is None else _of_source(model.when, source)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from missionkit.chart import tree
+from missionkit.chart.asking import asked
 from missionkit.chart.compiled import ROOT, Chart, Output, Question, Stance, Transition, Way
 from missionkit.chart.memory import ChartMemory, Decision
 from missionkit.chart.outputs import assigned, in_words, matches
@@ -72,8 +73,8 @@ class Macrostep:
             if len(self.moves) >= MOST:
                 self._give_up()
                 break
-            fresh = self._microstep(chosen)
-            chosen = () if fresh else self._selected(self.here.ways, None)
+            rests = self._microstep(chosen) or not self._moving()
+            chosen = () if rests else self._selected(self.here.ways, None)
         return self.memory, _new(
             Decision,
             (
@@ -85,6 +86,13 @@ class Macrostep:
                 self.problems,
             ),
         )
+
+    def _moving(self) -> bool:
+        """Say whether a transition without an event may be ready after a microstep."""
+        if self.memory.ended:
+            return False
+        self._refresh()
+        return asked(self.here, self.memory, self.question, {})
 
     def _heard(self) -> Sequence[Transition]:
         """Return what the next event that concerns anything leads to: internal ones first."""

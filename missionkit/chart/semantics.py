@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from missionkit.chart.asking import asked, ready
 from missionkit.chart.compiled import ROOT, Chart, Question, Stance, State, Transition
 from missionkit.chart.contain import Containment
 from missionkit.chart.macrostep import Macrostep
@@ -21,7 +22,6 @@ from missionkit.messages import Estimate, Verdict
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 
 ABORT = "operator: land"
-_TRUTHS = frozenset((bool, type(None)))
 _new = tuple.__new__  # quicker than the class's own
 
 
@@ -35,7 +35,7 @@ def decide(
     windows = _advanced(chart, question) if chart.slots else memory.windows
     held: dict[int, float] = {}
     forced = _forced(chart, memory, here, question, held)
-    ready = not memory.ended and _asked(here, memory, question, held)
+    moving = not memory.ended and asked(here, memory, question, held)
     violated = memory.violated
     problems: tuple[str, ...] = ()
     if here.promising:
@@ -43,62 +43,9 @@ def decide(
         forced = forced or escape
     if chart.slots or held != memory.held or violated != memory.violated:
         memory = memory._replace(windows=windows, held=held, violated=violated)
-    if memory.started and forced is None and not ready and not seen.events:
+    if memory.started and forced is None and not moving and not seen.events:
         return memory, _new(Decision, (question.answers, (), (), False, (), problems))
-    return Macrostep(chart, memory, question, problems).run(forced, rested=not ready)
-
-
-def _asked(here: Stance, memory: ChartMemory, question: Question, held: dict[int, float]) -> bool:
-    """Ask the guards of every transition, and say whether one without an event may be ready."""
-    now, entered = question.seen.now, memory.entered
-    ready = _asked_directly(here, memory, question)
-    if ready is None:
-        ready = _asked_carefully(here, memory, question)
-    for ask, wait, source in here.plain:
-        if ask(question)[0] and now - entered[source] >= wait:
-            ready = True
-    for transition in here.timed:
-        ready = _ready(transition, memory, question, held) or ready
-    for wait, source in here.timers:
-        ready = ready or now - entered[source] >= wait
-    return ready
-
-
-def _asked_directly(here: Stance, memory: ChartMemory, question: Question) -> bool | None:
-    """Ask guards of the package with nothing around them; `None` if one raises or says odd things.
-
-    A margin is the distance of value and threshold, so numbers that are not finite show in it.
-    """
-    seen, entered, answers = question.seen, memory.entered, question.answers
-    now, ready, odd = seen.now, False, 0.0
-    try:
-        for name, check, wait, source in here.direct:
-            verdict = answers[name] = check(seen)
-            holds, _, value, _, margin = verdict
-            if holds is True:
-                ready = ready or now - entered[source] >= wait
-            elif type(holds) not in _TRUTHS:
-                return None
-            if margin is not value:
-                odd += margin - margin  # type: ignore[operator] # None raises, as it should
-    except Exception:  # noqa: BLE001 - asked again, contained
-        return None
-    return ready if type(odd) is float and odd == 0.0 else None
-
-
-def _asked_carefully(here: Stance, memory: ChartMemory, question: Question) -> bool:
-    """Ask the same guards again, each contained and its answer looked through."""
-    for each in here.direct:
-        question.answers.pop(each.name, None)
-    ready = False
-    for ways in (*here.ways, *here.heard):
-        for transition, wait in ways:
-            if transition.check is not None and transition.ask is not None:
-                holds = transition.ask(question).holds
-                entered = memory.entered[transition.source]
-                waits = bool(transition.events) or question.seen.now - entered < wait
-                ready = ready or (holds is True and not waits and not transition.hold)
-    return ready
+    return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
 
 
 def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
@@ -136,7 +83,7 @@ def _failsafe(
     for failsafe in chart.failsafes:
         if failsafe.ask is None or failsafe.ask(question)[0] is False:
             continue
-        if not _ready(failsafe, memory, question, held):
+        if not ready(failsafe, memory, question, held):
             continue
         (to,) = failsafe.to
         obeyed = obeyed or to in memory.active
@@ -145,21 +92,6 @@ def _failsafe(
         if chosen is None and safer:
             chosen = failsafe
     return chosen
-
-
-def _ready(
-    transition: Transition, memory: ChartMemory, question: Question, held: dict[int, float]
-) -> bool:
-    """Ask a transition's guard and say whether it has held for long enough."""
-    ask = transition.ask
-    holds = None if ask is None else ask(question).holds
-    if not (transition.unknown_takes if holds is None else holds):
-        return False
-    if not transition.hold:
-        return True
-    now = question.seen.now
-    since = held[transition.number] = memory.held.get(transition.number, now)
-    return now - since >= transition.hold - EPSILON
 
 
 def _in_air(seen: Estimate) -> bool:
