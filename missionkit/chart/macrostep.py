@@ -17,7 +17,7 @@ from missionkit.chart.outputs import assigned, in_words, matches
 from missionkit.chart.stance import EPSILON, stance
 from missionkit.messages import Action, Fired, Verdict
 
-MOST = 100  # microsteps in one tick: more is a chart that does not come to rest
+MOST = 1000  # microsteps in one tick: more is a chart that does not come to rest
 ERROR = "error.execution"
 _new = tuple.__new__  # quicker than the class's own
 

@@ -124,11 +124,18 @@ def _together(tree: Tree, names: tuple[str, ...], place: Place) -> Iterator[Prob
 
 
 def _orthogonal(tree: Tree, one: str, other: str) -> bool:
+    one, other = _stood_for(tree, one), _stood_for(tree, other)
     here, there = _ancestors(tree, one), _ancestors(tree, other)
     if one == other or one in there or other in here:
         return False
     common = next((name for name in here if name in there), None)
     return common is not None and tree[common].state.parallel
+
+
+def _stood_for(tree: Tree, name: str) -> str:
+    """Return what a target enters for certain: a history the state that it is the history of."""
+    placed = tree[name]
+    return placed.parent or name if placed.state.history is not None else name
 
 
 def _ancestors(tree: Tree, name: str) -> list[str]:
