@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 
 from typing_extensions import override
 
@@ -36,12 +36,22 @@ class Place:
         return f"{self.file}:{self.line}:{self.column}"
 
 
+class Level(StrEnum):
+    """How bad a problem is: an error is refused, a warning is told."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """One mistake: where it stands, what is wrong, and what would be right."""
 
     place: Place
     message: str
+    level: Level = Level.ERROR
+    code: str = ""  # what kind of mistake, such as `shadowed-transition`
+    remedy: str = ""
 
     @override
     def __str__(self) -> str:

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict
 
 from missionkit.messages import Estimate, Step, Verdict
+from missionkit.messages.region import Region
 
 
 class Plugin(BaseModel):
@@ -30,6 +31,10 @@ class Guard(Plugin):
     def check(self, seen: Estimate) -> Verdict:
         """Say whether the guard holds, with value, threshold and margin where it has them."""
 
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: that cannot be told."""
+        return None
+
 
 class WindowGuard(Plugin):
     """A predicate that remembers, such as a sliding window. Its memory advances at every tick."""
@@ -45,6 +50,10 @@ class WindowGuard(Plugin):
     @abc.abstractmethod
     def check(self, memory: Any, seen: Estimate) -> Verdict:
         """Say whether the guard holds, from the memory already advanced to this tick."""
+
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: that cannot be told."""
+        return None
 
 
 class Behavior(Plugin):

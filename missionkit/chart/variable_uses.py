@@ -8,7 +8,7 @@ from missionkit.chart import expressions as ex
 from missionkit.chart.actions import Assign
 from missionkit.chart.everything import actions_of, guards_of
 from missionkit.chart.model import Mission
-from missionkit.chart.variables import Variable, is_number
+from missionkit.chart.variables import Variable, alike, is_number
 from missionkit.errors import Problem
 
 Variables = Mapping[str, Variable]
@@ -48,9 +48,7 @@ def _compared(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
     match guard:
         case ex.Variable(name=name, value=value, op=op, place=place):
             variable = variables[name]
-            if is_number(variable.initial) != is_number(value) or (
-                not is_number(value) and type(value) is not type(variable.initial)
-            ):
+            if not alike(variable.initial, value):
                 message = f"{name} {op.replace('_', ' ')} {value!r}: it is {variable.type_name}"
                 yield Problem(place, message)
         case ex.All(parts=parts) | ex.Any(parts=parts):

@@ -47,7 +47,7 @@ class Variable(Part):
     def admits(self, value: Value) -> bool:
         """Say whether a value is of the variable's type and within its range."""
         if not is_number(value) or not is_number(self.initial):
-            return type(value) is type(self.initial)
+            return alike(value, self.initial)
         if isinstance(self.initial, int) and not isinstance(value, int):
             return False
         if isinstance(value, int) and abs(value) > LARGEST:
@@ -69,6 +69,11 @@ class Variable(Part):
         return {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[
             type(self.initial)
         ]
+
+
+def alike(one: Value, other: Value) -> bool:
+    """Say whether two values are both numbers, both truth values or both texts."""
+    return is_number(one) == is_number(other) and isinstance(one, bool) == isinstance(other, bool)
 
 
 def is_number(value: object) -> TypeGuard[float]:

@@ -7,8 +7,11 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Fraction, Seconds
+
+CHARGE = Quantity("battery", most=1.0)
 
 
 class BatteryBelow(Guard):
@@ -26,3 +29,7 @@ class BatteryBelow(Guard):
         if age > self.max_age:
             return Verdict.unknown(f"battery reading is {age:.1f} s old")
         return Verdict.below(seen.battery.charge, self.floor)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(CHARGE, Interval.below(self.floor))

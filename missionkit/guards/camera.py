@@ -8,7 +8,10 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import WindowGuard
+
+MISSED = Quantity("frames missing in a row", whole=True)
 
 
 class CameraSilent(WindowGuard):
@@ -31,3 +34,7 @@ class CameraSilent(WindowGuard):
     @override
     def check(self, memory: Any, seen: Estimate) -> Verdict:
         return Verdict.at_least(float(memory), float(self.frames))
+
+    @override
+    def region(self) -> Region:
+        return Region.of(MISSED, Interval.at_least(self.frames))

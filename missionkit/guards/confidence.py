@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import WindowGuard
 from missionkit.units import Fraction
 
@@ -64,3 +65,15 @@ class ArucoConfidence(WindowGuard):
         confidence = state.hits.bit_count() / self.window
         threshold = self.exit if state.sure else self.enter
         return Verdict(state.sure, "", confidence, threshold, confidence - threshold)
+
+    @override
+    def region(self) -> Region:
+        return Region(
+            ({confidence_of(self.target): Interval.at_least(self.exit)},),
+            ({confidence_of(self.target): Interval.at_least(self.enter)},),
+        )
+
+
+def confidence_of(target: str) -> Quantity:
+    """Return the share of the last frames in which a target was found."""
+    return Quantity(f"confidence of {target}", most=1.0, sees=target)

@@ -9,9 +9,16 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import norm, wrap
+from missionkit.guards.range import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import NO, YES, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Degrees, Metres, MetresPerSecond, Seconds
+
+SPEED = Quantity("speed", unit="m/s")
+ON_TARGET = Quantity("goal on a target", most=1.0, whole=True, at_entry="unknown")
+GOAL_AGE = Quantity("time since the goal's target was seen", unit="s")
+YAW_ERROR = Quantity("yaw error", most=180.0, unit="deg", at_entry="unknown")
 
 
 class Converged(Guard):
@@ -45,6 +52,16 @@ class Converged(Guard):
         if error <= self.position and speed > self.speed:
             return Verdict.at_most(speed, self.speed, "still moving, m/s")
         return Verdict.at_most(error, self.position, "position error, m")
+
+    @override
+    def region(self) -> Region:
+        near = {GOAL_DISTANCE: Interval.at_most(self.position), SPEED: Interval.at_most(self.speed)}
+        turned = {**near, YAW_ERROR: Interval.at_most(self.yaw_deg)}
+        fresh = {ON_TARGET: YES, GOAL_AGE: Interval.at_most(self.max_age)}
+        return Region(
+            ({**near, ON_TARGET: NO}, {**near, **fresh}),
+            ({**turned, ON_TARGET: NO}, {**turned, **fresh}),
+        )
 
 
 def _fresh(seen: Estimate, name: str, max_age: float) -> bool:

@@ -8,8 +8,13 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import YES, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Metres, Seconds
+
+DIVERGED = Quantity("filter diverged", most=1.0, whole=True)
+POSITION_SD = Quantity("position sd", unit="m")
+FIX_AGE = Quantity("time since the last fix", unit="s")
 
 
 class EstimateBad(Guard):
@@ -24,6 +29,10 @@ class EstimateBad(Guard):
             return Verdict(holds=True, why="the filter has diverged")
         return Verdict.above(seen.health.position_sd, self.position_sd)
 
+    @override
+    def region(self) -> Region:
+        return Region(({DIVERGED: YES}, {POSITION_SD: Interval.above(self.position_sd)}))
+
 
 class GnssLost(Guard):
     """Holds when no position fix was accepted for `longer_than`."""
@@ -36,3 +45,7 @@ class GnssLost(Guard):
         if seen.health.gnss_at is None:
             return Verdict.unknown("no fix was accepted yet")
         return Verdict.above(seen.now - seen.health.gnss_at, self.longer_than)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(FIX_AGE, Interval.above(self.longer_than))

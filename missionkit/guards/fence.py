@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 from pydantic import Field, field_validator
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Metres
 
@@ -43,3 +45,9 @@ class InsideFence(Guard):
             self.height + down,
         )
         return Verdict.at_least(inside, 0.0)
+
+    @override
+    def region(self) -> Region:
+        limits = f"{self.north[0]:g} to {self.north[1]:g}, {self.east[0]:g} to {self.east[1]:g}"
+        name = f"margin to the fence ({limits}, {self.height:g})"
+        return Region.of(Quantity(name, -math.inf, unit="m"), Interval.at_least(0.0))

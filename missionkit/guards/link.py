@@ -7,8 +7,11 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Seconds
+
+SILENCE = Quantity("link silence", unit="s")
 
 
 class LinkLost(Guard):
@@ -22,3 +25,7 @@ class LinkLost(Guard):
         if seen.status is None:
             return Verdict.unknown("no heartbeat yet")
         return Verdict.above(seen.now - seen.status.at, self.longer_than)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(SILENCE, Interval.above(self.longer_than))

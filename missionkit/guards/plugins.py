@@ -7,7 +7,10 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import YES, Quantity, Region
 from missionkit.plugin import Guard
+
+FAILING = Quantity("plug-in failing", most=1.0, whole=True)
 
 
 class PluginFailed(Guard):
@@ -18,3 +21,7 @@ class PluginFailed(Guard):
     @override
     def check(self, seen: Estimate) -> Verdict:
         return Verdict(bool(seen.failing), "; ".join(seen.failing))
+
+    @override
+    def region(self) -> Region:
+        return Region.of(FAILING, YES)

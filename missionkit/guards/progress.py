@@ -8,9 +8,15 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import norm
+from missionkit.guards.range import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import YES, Interval, Quantity, Region
 from missionkit.plugin import Guard, WindowGuard
 from missionkit.units import Metres, Seconds
+
+DONE = Quantity("done", most=1.0, whole=True, at_entry="zero")
+TIME = Quantity("time in the state", unit="s", at_entry="zero")
+NO_NEARER = Quantity("time no nearer to the goal", unit="s", at_entry="zero")
 
 
 class Done(Guard):
@@ -22,6 +28,10 @@ class Done(Guard):
     def check(self, seen: Estimate) -> Verdict:
         return Verdict(seen.done)
 
+    @override
+    def region(self) -> Region:
+        return Region.of(DONE, YES)
+
 
 class Elapsed(Guard):
     """Holds once the active state has been active for `longer_than`; `after:` as a guard."""
@@ -32,6 +42,10 @@ class Elapsed(Guard):
     @override
     def check(self, seen: Estimate) -> Verdict:
         return Verdict.at_least(seen.now - seen.entered_at, self.longer_than)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(TIME, Interval.at_least(self.longer_than))
 
 
 class Approach(NamedTuple):
@@ -83,3 +97,11 @@ class GoalUnreachable(WindowGuard):
         if distance <= self.further_than:
             return Verdict.above(distance, self.further_than, "distance to the goal, m")
         return Verdict.above(seen.now - best.at, self.longer_than, "no nearer, s")
+
+    @override
+    def region(self) -> Region:
+        stuck = {
+            GOAL_DISTANCE: Interval.above(self.further_than),
+            NO_NEARER: Interval.above(self.longer_than),
+        }
+        return Region((stuck,))

@@ -9,8 +9,11 @@ from typing_extensions import override
 
 from missionkit.geometry import norm
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Metres
+
+GOAL_DISTANCE = Quantity("distance to the goal", unit="m", at_entry="unknown")
 
 
 class Within(Guard):
@@ -30,6 +33,10 @@ class Within(Guard):
             return Verdict.unknown(f"where {self.of} is, is not known")
         return Verdict.at_most(norm(target.position - seen.position), self.radius)
 
+    @override
+    def region(self) -> Region:
+        return Region.of(distance_to(self.of), Interval.at_most(self.radius))
+
 
 class NearGoal(Guard):
     """Holds within `radius` of the active behaviour's goal.
@@ -45,3 +52,12 @@ class NearGoal(Guard):
         if seen.goal is None:
             return Verdict.unknown("the behaviour has no goal yet")
         return Verdict.at_most(norm(seen.goal.position - seen.position), self.radius)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(GOAL_DISTANCE, Interval.at_most(self.radius))
+
+
+def distance_to(target: str) -> Quantity:
+    """Return the distance to a target."""
+    return Quantity(f"distance to {target}", unit="m")

@@ -6,9 +6,13 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from missionkit.guards.battery import CHARGE
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import YES, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Fraction, Seconds
+
+READY = Quantity("ready by its own checks", most=1.0, whole=True)
 
 
 class Ready(Guard):
@@ -29,3 +33,7 @@ class Ready(Guard):
         if not seen.status.ready:
             return Verdict(holds=False, why="the vehicle's own checks fail")
         return Verdict.at_least(seen.battery.charge, self.charge)
+
+    @override
+    def region(self) -> Region:
+        return Region(({READY: YES, CHARGE: Interval.at_least(self.charge)},))

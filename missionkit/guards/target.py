@@ -7,6 +7,7 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Seconds
 
@@ -25,6 +26,10 @@ class TargetSeen(Guard):
             return Verdict(holds=False, why=f"{self.target} was never seen")
         return Verdict.at_most(seen.now - at, self.within)
 
+    @override
+    def region(self) -> Region:
+        return Region.of(time_since_seen(self.target), Interval.at_most(self.within))
+
 
 class TargetLost(Guard):
     """Holds when `target` was not seen for `longer_than`: visual lock lost (P1, section 7.2).
@@ -42,7 +47,21 @@ class TargetLost(Guard):
         since = seen.entered_at if at is None else max(at, seen.entered_at)
         return Verdict.at_least(seen.now - since, self.longer_than)
 
+    @override
+    def region(self) -> Region:
+        return Region.of(time_without(self.target), Interval.at_least(self.longer_than))
+
 
 def _last_seen(seen: Estimate, name: str) -> float | None:
     target = seen.targets.get(name)
     return None if target is None else target.seen_at
+
+
+def time_since_seen(target: str) -> Quantity:
+    """Return the time since a target was last seen."""
+    return Quantity(f"time since {target} was seen", unit="s", sees=target)
+
+
+def time_without(target: str) -> Quantity:
+    """Return the time in the state in which a target was not seen, up to now."""
+    return Quantity(f"time without {target}", unit="s", at_entry="zero", sees=target)

@@ -8,6 +8,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import WindowGuard
 
 
@@ -43,3 +44,12 @@ class TickOverrun(WindowGuard):
     def check(self, memory: Any, seen: Estimate) -> Verdict:
         state: Overruns = memory
         return Verdict.at_least(float(state.late.bit_count()), float(self.count))
+
+    @override
+    def region(self) -> Region:
+        return Region.of(late_of(self.window), Interval.at_least(self.count))
+
+
+def late_of(window: int) -> Quantity:
+    """Return how many of the last ticks were late."""
+    return Quantity(f"late ticks of {window}", most=window, whole=True)

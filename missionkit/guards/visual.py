@@ -9,8 +9,9 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.guards.confidence import ArucoConfidence, Window
-from missionkit.guards.range import NearGoal, Within
+from missionkit.guards.range import GOAL_DISTANCE, NearGoal, Within, distance_to
 from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Interval, Region
 from missionkit.plugin import WindowGuard
 from missionkit.units import Fraction, Metres
 
@@ -55,3 +56,13 @@ class GpsToVisual(WindowGuard):
         failing = [verdict for verdict in verdicts if verdict.holds is False]
         unknown = [verdict for verdict in verdicts if verdict.holds is None]
         return (failing or unknown or list(verdicts))[0]
+
+    @override
+    def region(self) -> Region:
+        sure = self._sure.region()
+        near = {
+            distance_to(self.target): Interval.at_most(self.range),
+            GOAL_DISTANCE: Interval.at_most(self.tolerance),
+        }
+        may, surely = sure.may, sure.surely or sure.may
+        return Region(({**may[0], **near},), ({**surely[0], **near},))

@@ -1,0 +1,52 @@
+"""Proof before flight: what is wrong with a mission that is well written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.checks import (
+    escapes,
+    fence,
+    latches,
+    loops,
+    needs,
+    regions,
+    states,
+    transitions,
+)
+from missionkit.chart.checks.ways import Chart
+from missionkit.chart.contracts import fulfilled
+from missionkit.chart.model import Mission
+from missionkit.errors import Problem
+
+CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (
+    transitions.problems_of,
+    transitions.failsafes,
+    regions.overlaps,
+    states.unreachable,
+    states.traps,
+    loops.livelocks,
+    loops.oscillations,
+    latches.problems_of,
+    needs.problems_of,
+    escapes.problems_of,
+    fence.problems_of,
+)
+
+
+def findings(mission: Mission, catalogue: Catalogue) -> list[Problem]:
+    """Return everything that the checks find, in the order of the file.
+
+    Args:
+        mission: as loaded without problems; its contracts are carried out here.
+        catalogue: what it was loaded with.
+    """
+    chart = Chart(fulfilled(mission, catalogue), catalogue)
+    found = {problem for check in CHECKS for problem in check(chart)}
+    return sorted(found, key=_order)
+
+
+def _order(problem: Problem) -> tuple[str, int, int, str, str]:
+    place = problem.place
+    return place.file, place.line, place.column, problem.code, problem.message

@@ -1,0 +1,195 @@
+"""Boxes: sets of situations in which each of some quantities lies in an interval.
+
+A box says nothing about the quantities it does not name: they may have any value, or none. Every
+answer here is exact, up to the caps that keep the time short; a cap always errs on the side that
+its function says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from missionkit.messages.region import Box, Boxes, Interval, Quantity
+
+EVERYWHERE: Boxes = ({},)
+NOWHERE: Boxes = ()
+MOST_BOXES = 64
+MOST_QUANTITIES = 24  # named by one box
+MOST_PIECES = 256  # of a box, while others are cut out of it
+WHOLE = Interval()
+
+
+def within(quantity: Quantity, interval: Interval) -> Interval | None:
+    """Return the part of an interval that the quantity can have, None if there is none."""
+    cut = _met(interval, Interval(quantity.least, quantity.most))
+    if cut is None or not quantity.whole:
+        return cut
+    low = _up(cut.low, open_=cut.low_open)
+    high = -_up(-cut.high, open_=cut.high_open)
+    return Interval(low, high) if low <= high else None
+
+
+def _up(value: float, *, open_: bool) -> float:
+    """Return the least whole number from `value` on, or after it."""
+    if math.isinf(value):
+        return value
+    return float(math.floor(value) + 1 if open_ else math.ceil(value))
+
+
+def _met(one: Interval, other: Interval) -> Interval | None:
+    low, low_open = max((one.low, one.low_open), (other.low, other.low_open))
+    high, shut = min((one.high, not one.high_open), (other.high, not other.high_open))
+    empty = low > high or (low == high and (low_open or not shut)) or low == math.inf
+    return None if empty else Interval(low, high, low_open, not shut)
+
+
+def meet(one: Box, other: Box) -> Box | None:
+    """Return the box of the situations in both, None if there are none."""
+    both = dict(one)
+    for quantity, there in other.items():
+        if quantity not in both:
+            both[quantity] = there
+            continue
+        here = both[quantity]
+        if here is None or there is None:
+            if here is not there:
+                return None
+            continue
+        cut = _met(here, there)
+        cut = None if cut is None else within(quantity, cut)
+        if cut is None:
+            return None
+        both[quantity] = cut
+    return both
+
+
+def clipped(boxes: Iterable[Box]) -> Boxes:
+    """Return the boxes that are not empty, each interval cut to what its quantity can have."""
+    return tuple(box for box in map(_clipped, boxes) if box is not None)
+
+
+def _clipped(box: Box) -> Box | None:
+    cut: dict[Quantity, Interval | None] = {}
+    for quantity, interval in box.items():
+        inside = None if interval is None else within(quantity, interval)
+        if interval is not None and inside is None:
+            return None
+        cut[quantity] = inside
+    return cut
+
+
+def intersection(one: Boxes, other: Boxes, *, sure: bool) -> Boxes:
+    """Return the situations in both.
+
+    Beyond the caps the answer is too small if it must be `sure`, else too large.
+    """
+    met: list[Box] = []
+    for here in one:
+        for there in other:
+            box = meet(here, there)
+            if box is None or box in met:
+                continue
+            if len(box) > MOST_QUANTITIES:
+                box = None if sure else here
+            if box is not None:
+                met.append(box)
+            if len(met) > MOST_BOXES:
+                return tuple(met[:MOST_BOXES]) if sure else one
+    return tuple(met)
+
+
+def union(parts: Iterable[Boxes], *, sure: bool) -> Boxes:
+    """Return the situations in any of them; beyond the cap as `intersection`."""
+    found: list[Box] = []
+    for boxes in parts:
+        for box in boxes:
+            if not box:
+                return EVERYWHERE
+            if box not in found:
+                found.append(box)
+        if len(found) > MOST_BOXES:
+            return tuple(found[:MOST_BOXES]) if sure else EVERYWHERE
+    return tuple(found)
+
+
+def outside(box: Box) -> Boxes:
+    """Return where a box does not hold although the quantity that says so is known."""
+    sides: list[Box] = []
+    for quantity, interval in box.items():
+        if interval is not None:
+            sides += [{quantity: side} for side in _sides(quantity, WHOLE, interval)]
+    return tuple(sides)
+
+
+def _sides(quantity: Quantity, one: Interval, other: Interval) -> Iterator[Interval]:
+    """Yield what of `one` lies below and above `other`."""
+    below = Interval(-math.inf, other.low, high_open=not other.low_open)
+    above = Interval(other.high, math.inf, low_open=not other.high_open)
+    for side in (below, above):
+        cut = _met(one, side)
+        cut = None if cut is None else within(quantity, cut)
+        if cut is not None:
+            yield cut
+
+
+def difference(box: Box, other: Box) -> list[Box]:
+    """Return the situations in `box` but not in `other`, in boxes that do not overlap."""
+    if meet(box, other) is None:
+        return [box]
+    pieces: list[Box] = []
+    rest = dict(box)
+    for quantity, there in other.items():
+        here = rest.get(quantity)
+        if quantity not in rest:
+            pieces += [{**rest, quantity: side} for side in _unnamed(quantity, there)]
+            rest[quantity] = there
+        elif here is not None and there is not None:
+            pieces += [{**rest, quantity: side} for side in _sides(quantity, here, there)]
+            rest[quantity] = _met(here, there)
+    return pieces
+
+
+def _unnamed(quantity: Quantity, there: Interval | None) -> Iterator[Interval | None]:
+    """Yield what any or no value of a quantity leaves beside `there`."""
+    everything = within(quantity, WHOLE)
+    if there is None:
+        yield everything
+        return
+    yield None
+    yield from _sides(quantity, WHOLE, there)
+
+
+def remains(boxes: Boxes, cut: Boxes) -> Boxes | None:
+    """Return what of `boxes` is in none of `cut`; None beyond the cap: it cannot be told."""
+    pieces = list(boxes)
+    for other in cut:
+        pieces = [piece for box in pieces for piece in difference(box, other)]
+        if len(pieces) > MOST_PIECES:
+            return None
+    return tuple(pieces)
+
+
+def covered(boxes: Boxes, by: Boxes) -> bool:
+    """Say whether every situation in `boxes` is in one of `by`; False if it cannot be told."""
+    return all(_covered(box, by) for box in boxes)
+
+
+def _covered(box: Box, by: Boxes) -> bool:
+    if any(_contains(other, box) for other in by):
+        return True
+    near = tuple(other for other in by if meet(box, other) is not None) if len(by) > 1 else ()
+    return len(near) > 1 and remains((box,), near) == ()
+
+
+def _contains(outer: Box, inner: Box) -> bool:
+    for quantity, there in outer.items():
+        if quantity not in inner:
+            return False
+        here = inner[quantity]
+        if here is None or there is None:
+            if here is not there:
+                return False
+        elif _met(here, there) != here:
+            return False
+    return True

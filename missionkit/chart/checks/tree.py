@@ -1,0 +1,167 @@
+"""The mission as the checks see it: its tree of states, who follows whom, what is flying."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+
+from missionkit.chart import expressions as ex
+from missionkit.chart.actions import Act
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.model import Mission, Placed, Start
+from missionkit.chart.stance import SAFETY
+from missionkit.errors import Place
+
+
+class Tree:
+    """A mission with its contracts carried out, and questions about its shape."""
+
+    def __init__(self, mission: Mission, catalogue: Catalogue) -> None:
+        self.mission = mission
+        self.catalogue = catalogue
+        self.states: Mapping[str, Placed] = mission.by_name()
+        self._around: dict[str, tuple[str, ...]] = {}
+        self._entered: dict[str, frozenset[str]] = {}
+
+    def around(self, name: str) -> tuple[str, ...]:
+        """Return the states around a state, the innermost first."""
+        if name not in self._around:
+            parent = self.states[name].parent
+            self._around[name] = () if parent is None else (parent, *self.around(parent))
+        return self._around[name]
+
+    def together(self, one: str, other: str) -> bool:
+        """Say whether two states can be active at the same time."""
+        here, there = (one, *self.around(one)), (other, *self.around(other))
+        if one in there or other in here:
+            return True
+        common = next((name for name in here if name in there), None)
+        return common is not None and self.states[common].state.parallel
+
+    def finals(self, name: str) -> bool:
+        """Say whether a state can be done by the final states inside it."""
+        state = self.states[name].state
+        inner = [each for each in state.states if self.states[each].state.history is None]
+        if state.parallel:
+            return all(self.finals(each) for each in inner)
+        return any(self.states[each].state.final for each in inner)
+
+    def flying(self, name: str) -> bool:
+        """Say whether a state, or one around it, is of a kind that flies."""
+        return any(
+            self.catalogue.kinds[self.states[each].state.kind].flying
+            for each in (name, *self.around(name))
+        )
+
+    def safe(self, name: str) -> int:
+        """Return 2 for landing, 1 for returning, 0 for the rest."""
+        return SAFETY.get(self.states[name].state.kind, 0)
+
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """The states without states inside, histories left out."""
+        return tuple(
+            name
+            for name, (_, state, _) in self.states.items()
+            if not state.states and state.history is None
+        )
+
+    @cached_property
+    def _firsts(self) -> Mapping[str, str]:
+        firsts: dict[str, str] = {}
+        for name, (_, state, _) in self.states.items():
+            firsts.setdefault(state.kind, name)
+        return firsts
+
+    def of_kind(self, kind: str) -> str | None:
+        """Return the first state of a kind."""
+        return self._firsts.get(kind)
+
+    def escape(self, name: str) -> str | None:
+        """Return where a broken invariant of a state leads."""
+        state = self.states[name].state
+        kept = self.catalogue.kinds[state.kind].invariant
+        if state.invariant.exit is not None:
+            return state.invariant.exit
+        return None if kept is None else self.of_kind(kept.to_kind)
+
+    def entered(self, name: str) -> frozenset[str]:
+        """Return every state that is entered with one: inside it, around it, in other regions."""
+        if name not in self._entered:
+            self._entered[name] = frozenset(self._entering(name))
+        return self._entered[name]
+
+    def _entering(self, name: str) -> set[str]:
+        found: set[str] = set()
+        waiting = [name]
+        while waiting:
+            each = waiting.pop()
+            if each in found:
+                continue
+            found.add(each)
+            waiting += self._inside(each)
+            for around in self.around(each):
+                if around in found:
+                    break
+                found.add(around)
+                if self.states[around].state.parallel:
+                    waiting += self.states[around].state.states
+        return found
+
+    def _inside(self, name: str) -> list[str]:
+        state = self.states[name].state
+        if state.parallel:
+            return list(state.states)
+        start = state.initial or state.default
+        return [] if start is None else list(start.to)
+
+    def place(self, name: str) -> Place:
+        """Return where a state is written; a state added by contracts is nowhere."""
+        return self.states[name].state.place()
+
+    def actions(self) -> Iterator[Act]:
+        """Yield every action of the mission."""
+        starts: list[Start | None] = [self.mission.initial]
+        for failsafe in self.mission.failsafes:
+            yield from failsafe.do
+        for _, state, _ in self.states.values():
+            yield from (*state.entry, *state.exit)
+            for way in state.transitions:
+                yield from way.do
+            starts += [state.initial, state.default]
+        for start in starts:
+            yield from () if start is None else start.do
+
+    def guards(self) -> Iterator[tuple[str, ex.Expression]]:
+        """Yield each guard that is asked, and the state for which it is, empty for failsafes."""
+        for failsafe in self.mission.failsafes:
+            yield "", failsafe.when
+        for name, state, _ in self.states.values():
+            for way in state.transitions:
+                if way.when is not None:
+                    yield name, way.when
+            if state.invariant.holds is not None:
+                yield name, state.invariant.holds
+
+    def compared(self) -> Iterator[ex.Variable]:
+        """Yield every comparison with a variable."""
+        waiting = [*self.mission.guards.values(), *(guard for _, guard in self.guards())]
+        for guard in waiting:
+            for part in parts_of(guard):
+                if isinstance(part, ex.Variable):
+                    yield part
+
+
+def parts_of(guard: ex.Expression) -> Iterator[ex.Expression]:
+    """Yield a guard and every guard inside it; named ones are not looked into."""
+    waiting = [guard]
+    while waiting:
+        part = waiting.pop()
+        yield part
+        match part:
+            case ex.All(parts=parts) | ex.Any(parts=parts):
+                waiting += reversed(parts)
+            case ex.Not(part=inner) | ex.Hysteresis(part=inner):
+                waiting.append(inner)
+            case _:
+                pass

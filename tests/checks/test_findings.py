@@ -1,0 +1,48 @@
+"""Each file in tests/checks has exactly the findings that the .txt beside it holds.
+
+`pytest tests/checks/test_findings.py --update-refs` writes the .txt files anew.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.checks import findings
+from missionkit.chart.load import load
+from missionkit.errors import Problem
+
+FOLDER = Path(__file__).parent
+FILES = sorted(path.name for path in FOLDER.glob("*.yaml"))
+
+
+def told(problem: Problem) -> str:
+    head = f"{problem.place}: {problem.level}[{problem.code}]: {problem.message}"
+    return f"{head}\n  help: {problem.remedy}\n"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_findings(name: str, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch, update_refs):
+    monkeypatch.chdir(FOLDER)
+    report = "".join(map(told, findings(load(Path(name), catalogue), catalogue)))
+    if update_refs:
+        Path(name).with_suffix(".txt").write_text(report)
+    assert report == Path(name).with_suffix(".txt").read_text()
+
+
+def test_every_code_is_in_the_reference():
+    text = (FOLDER.parents[1] / "docs" / "reference" / "checks.md").read_text()
+    table = set(re.findall(r"^\| `([a-z-]+)` \|", text, re.MULTILINE))
+    shown = {
+        code
+        for path in FOLDER.glob("*.txt")
+        for code in re.findall(r": (?:error|warning)\[([a-z-]+)\]: ", path.read_text())
+    }
+    assert table == shown | {"too-many-to-compare"}
+
+
+def test_every_file_has_its_findings():
+    assert {Path(name).stem for name in FILES} == {path.stem for path in FOLDER.glob("*.txt")}
