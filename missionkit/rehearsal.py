@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,14 +13,22 @@ from missionkit.chart.load import load_model
 from missionkit.chart.model import Mission
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
-from missionkit.engine.loop import End, Flown, Observer, Operator, fly
+from missionkit.engine.keeping import keepable
+from missionkit.engine.loop import End, Flown, Keeper, Observer, Operator, fly, keep_nothing
+from missionkit.engine.memory import Course
+from missionkit.engine.waking import Resumption
+from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
+from missionkit.recorder.codec import is_plain
 from missionkit.sim.faults import Fault
 from missionkit.sim.grade import Grade, grade
+from missionkit.sim.snapshot import Snapshot, restore, taken
 from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
+
+EVERY = 1.0 - 1e-6  # s of mission time between two checkpoints
 
 
 class Stage(NamedTuple):
@@ -41,6 +50,29 @@ class Rehearsal(NamedTuple):
     def succeeded(self) -> bool:
         """Landed by itself, unhurt, and the mission's success was reached."""
         return self.flown.end is End.LANDED and not self.flown.aborted and self.grade.succeeded
+
+
+class Kept(NamedTuple):
+    """A flight under way, with the simulated vehicle that flies it; fit to be saved."""
+
+    course: Course
+    vehicle: Snapshot  # without its track
+    spans: Mapping[str, tuple[float, float]]  # state -> first entered, last left, s
+    lost: tuple[str, ...]  # what could not be saved, a sentence each
+
+
+class Again(NamedTuple):
+    """What a rehearsal goes on from."""
+
+    kept: Kept
+    track: Mat  # (N, TRACK_WIDTH), of the simulated vehicle
+    gap: float  # s that the vehicle flew without commands
+    changed: bool = False  # the mission is not the one that was flown
+
+    @property
+    def now(self) -> float:
+        """Mission time (s) at which it goes on."""
+        return self.kept.course.memory.now + self.gap
 
 
 def world_of(mission: Mission, folder: Path) -> World:
@@ -73,9 +105,22 @@ def rehearse(
     *,
     operator: Operator | None = None,
     pace: Pace | None = None,
+    save: Callable[[Kept], None] | None = None,
+    again: Again | None = None,
 ) -> Rehearsal:
-    """Fly and grade."""
+    """Fly and grade.
+
+    Args:
+        ready: the flight, set up afresh also when it goes on.
+        observers: called after every tick.
+        operator: asks for a landing.
+        pace: lets mission time pass; as fast as possible by default.
+        save: called at every transition and once a second with what can be gone on from.
+        again: goes on from there.
+    """
     visits = _Visits(ready.vehicle)
+    resume = None if again is None else _restored(ready, visits, again)
+    keeper = keep_nothing if save is None else _keeping(ready, visits, save)
     flown = asyncio.run(
         fly(
             ready.plan,
@@ -84,9 +129,37 @@ def rehearse(
             operator=operator,
             pace=pace,
             time_limit=ready.mission.settings.time_limit,
+            keeper=keeper,
+            resume=resume,
         )
     )
     return Rehearsal(flown, _graded(ready, visits))
+
+
+def _restored(ready: Stage, visits: _Visits, again: Again) -> Resumption:
+    """Put the vehicle where it was, and let it fly on alone; what it says then nobody hears."""
+    ready.vehicle.track.restore(again.track)
+    restore(ready.vehicle, again.kept.vehicle)
+    visits.spans.update(again.kept.spans)
+    if again.gap > 0.0:
+        ready.vehicle.advance(again.now)
+    return Resumption(again.kept.course, again.now, again.changed, again.kept.lost)
+
+
+def _keeping(ready: Stage, visits: _Visits, save: Callable[[Kept], None]) -> Keeper:
+    """Return what saves at every transition and once a second."""
+    last = -math.inf
+
+    def keep(course: Course, record: Record) -> None:
+        nonlocal last
+        if not record.fired and record.now - last < EVERY:
+            return
+        last = record.now
+        memory, lost = keepable(ready.plan.chart, course.memory, is_plain)
+        course = course._replace(memory=memory)
+        save(Kept(course, taken(ready.vehicle), dict(visits.spans), lost))
+
+    return keep
 
 
 class _Visits:

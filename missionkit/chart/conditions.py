@@ -134,7 +134,7 @@ def _hysteresis(data: Table, scope: Scope) -> ex.Expression:
 
 def _variable(data: Table, scope: Scope) -> ex.Expression:
     name, ops = data["variable"], [key for key in data if key in ex.COMPARISONS]
-    if name not in scope.variables:
+    if not isinstance(name, str) or name not in scope.variables:
         unknown = f"unknown variable {shown(name)}"
         raise sentences(sentence(unknown, "variable", word=str(name), known=scope.variables))
     if len(data) != 2 or len(ops) != 1:
@@ -155,7 +155,7 @@ def _in(data: Table, scope: Scope) -> ex.Expression:
         if key != "in"
     ]
     name = data["in"]
-    if name not in scope.states:
+    if not isinstance(name, str) or name not in scope.states:
         unknown = f"unknown state {shown(name)}"
         errors.append(sentence(unknown, "in", word=str(name), known=scope.states))
     if errors:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 from missionkit.chart.expressions import text
+from missionkit.chart.marks import UNMARKED, Marks, numbered
 from missionkit.chart.model import Failsafe, Mission, Start, State, Transition
 
 COLOURS = {
@@ -19,6 +21,7 @@ COLOURS = {
     "hover": "#fbd5d5",
 }
 OTHER_COLOUR = "#f1f1f1"
+MARGIN = "    "
 
 
 def transition_text(transition: Transition) -> str:
@@ -63,19 +66,35 @@ def colour(state: State) -> str:
     return COLOURS.get(state.kind, OTHER_COLOUR)
 
 
-def mermaid(mission: Mission) -> str:
-    """Return the mission as a Mermaid state diagram."""
+def mermaid(mission: Mission, marks: Marks = UNMARKED) -> str:
+    """Return the mission as a Mermaid state diagram; what is marked has numbers and a red border.
+
+    Mermaid cannot colour the arrows of a state diagram.
+    """
     ids = _ids(mission.by_name())
-    lines = ["stateDiagram-v2", *_starts(mission.initial, ids, "    ")]
-    lines += _drawn(mission.states, ids, "    ")
-    if mission.failsafes:
-        lines.append(f"    note left of {ids[mission.initial.to[0]]}")
-        lines.append("        in every flying state:")
-        lines += [f"        {_escaped(failsafe_text(each))}" for each in mission.failsafes]
-        lines.append("    end note")
+    first = ids[mission.initial.to[0]]
+    lines = ["stateDiagram-v2", *_starts(mission.initial, ids, MARGIN)]
+    lines += _drawn(mission.states, _Marked(ids, marks), MARGIN)
+    failsafes = [failsafe_text(each) for each in mission.failsafes]
+    lines += _note(f"left of {first}", "in every flying state:", failsafes)
+    lines += _note(f"right of {first}", "problems:", marks.lines)
     for name, state, _ in mission.walk():
-        lines.append(f"    style {ids[name]} fill:{colour(state)},stroke:#555,color:#111")
+        border = "#c81e1e,stroke-width:3px" if name in marks.states else "#555"
+        lines.append(f"{MARGIN}style {ids[name]} fill:{colour(state)},stroke:{border},color:#111")
     return "\n".join(lines) + "\n"
+
+
+class _Marked(NamedTuple):
+    ids: Mapping[str, str]
+    marks: Marks
+
+
+def _note(where: str, heading: str, lines: Iterable[str]) -> Iterator[str]:
+    said = [_escaped(" ".join(line.split())) for line in lines]
+    if said:
+        yield f"{MARGIN}note {where}"
+        yield from (f"{MARGIN}{MARGIN}{line}" for line in (heading, *said))
+        yield f"{MARGIN}end note"
 
 
 def _starts(start: Start | None, ids: Mapping[str, str], margin: str) -> Iterator[str]:
@@ -83,30 +102,33 @@ def _starts(start: Start | None, ids: Mapping[str, str], margin: str) -> Iterato
         yield f"{margin}[*] --> {ids[name]}"
 
 
-def _drawn(states: Mapping[str, State], ids: Mapping[str, str], margin: str) -> Iterator[str]:
+def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterator[str]:
+    ids, marks = marked
     for name, state in states.items():
-        yield f'{margin}state "{name}" as {ids[name]}'
+        found = numbered(marks.states.get(name, ()))
+        yield f'{margin}state "{f"{name} {found}".rstrip()}" as {ids[name]}'
         if state.states:
             yield f"{margin}state {ids[name]} {{"
-            yield from _starts(state.initial, ids, margin + "    ")
-            yield from _regions(state, ids, margin + "    ")
+            yield from _starts(state.initial, ids, margin + MARGIN)
+            yield from _regions(state, marked, margin + MARGIN)
             yield f"{margin}}}"
         else:
             yield f"{margin}{ids[name]} : {_escaped(f'{state.kind}, {state_text(state)}')}"
-        for transition in state.transitions:
-            label = _escaped(transition_text(transition))
+        for number, transition in enumerate(state.transitions):
+            found = numbered(marks.ways.get((name, number), ()))
+            label = _escaped(f"{found} {transition_text(transition)}".strip())
             for to in transition.targets or (name,):
                 yield f"{margin}{ids[name]} --> {ids[to]} : {label}"
 
 
-def _regions(state: State, ids: Mapping[str, str], margin: str) -> Iterator[str]:
+def _regions(state: State, marked: _Marked, margin: str) -> Iterator[str]:
     if not state.parallel:
-        yield from _drawn(state.states, ids, margin)
+        yield from _drawn(state.states, marked, margin)
         return
     for at, (name, region) in enumerate(state.states.items()):
         if at:
             yield f"{margin}--"
-        yield from _drawn({name: region}, ids, margin)
+        yield from _drawn({name: region}, marked, margin)
 
 
 def _ids(names: Iterable[str]) -> dict[str, str]:

@@ -7,7 +7,7 @@ of hierarchical system structures", 1981: ranks, barycentre ordering, straighten
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -62,9 +62,11 @@ class _Graph:
     labels: list[int]  # for each link the vertex of its label
 
 
-def layout(states: Sequence[Box], links: Sequence[Link], initial: int) -> Layout:
-    """Place a chart with the initial state on top."""
-    graph = _with_vertices(states, links, _ranks(len(states), links, initial))
+def layout(
+    states: Sequence[Box], links: Sequence[Link], initial: int, low: Collection[int] = ()
+) -> Layout:
+    """Place a chart with the initial state on top and the states `low` at the bottom."""
+    graph = _with_vertices(states, links, ranks(len(states), links, initial, low))
     layers = _ordered(graph)
     xs, rows = _columns(graph, layers), _rows(graph, layers)
     left = min(x - box.width / 2 for x, box in zip(xs, graph.boxes, strict=True))
@@ -80,16 +82,19 @@ def layout(states: Sequence[Box], links: Sequence[Link], initial: int) -> Layout
     )
 
 
-def _ranks(count: int, links: Sequence[Link], initial: int) -> list[int]:
-    """Return each state's layer: the longest way to it, links that close a circle turned round."""
+def ranks(count: int, links: Sequence[Link], initial: int, low: Collection[int] = ()) -> list[int]:
+    """Return each state's layer: the longest way to it, links that close a circle turned round.
+
+    Nothing leads out of the states `low`: they are in the last layer.
+    """
     ahead: list[list[int]] = [[] for _ in range(count)]
     for source, target, _ in links:
         ahead[source].append(target)
-    ranks = [0] * count
+    found = [0] * count
     for state in _finishing_order(ahead, initial):
         for target in ahead[state]:
-            ranks[target] = max(ranks[target], ranks[state] + 1)
-    return ranks
+            found[target] = max(found[target], found[state] + 1)
+    return [max(found) if state in low else rank for state, rank in enumerate(found)]
 
 
 def _finishing_order(ahead: list[list[int]], initial: int) -> list[int]:
@@ -112,12 +117,12 @@ def _finishing_order(ahead: list[list[int]], initial: int) -> list[int]:
     return order[::-1]
 
 
-def _with_vertices(states: Sequence[Box], links: Sequence[Link], ranks: list[int]) -> _Graph:
-    graph = _Graph(list(states), [2 * rank for rank in ranks], [], [])
+def _with_vertices(states: Sequence[Box], links: Sequence[Link], layers: list[int]) -> _Graph:
+    graph = _Graph(list(states), [2 * rank for rank in layers], [], [])
     for source, target, label in links:
-        down = ranks[source] <= ranks[target]
+        down = layers[source] <= layers[target]
         upper, lower = (source, target) if down else (target, source)
-        first, last = 2 * ranks[upper], max(2 * ranks[lower], 2 * ranks[upper] + 2)
+        first, last = 2 * layers[upper], max(2 * layers[lower], 2 * layers[upper] + 2)
         labelled = first + 1 if down else last - 1
         chain = [upper]
         for rank in range(first + 1, last):
@@ -200,25 +205,34 @@ def _routes(
     """Return each arrow's points, from its source to its target."""
     routes = []
     for number, (link, chain) in enumerate(zip(links, graph.chains, strict=True)):
-        points = [_port(graph, centres, number, chain[0], below=True)]
+        points = [_port(graph, centres, number, 0, below=True)]
         for vertex in chain[1:-1]:
             (x, y), half = centres[vertex], rows[graph.ranks[vertex]].half
             points += [(x, y - half), (x, y + half)]
         looped = link.source == link.target
-        points.append(_port(graph, centres, number, chain[-1], below=looped))
+        points.append(_port(graph, centres, number, 1, below=looped))
         routes.append(tuple(points if chain[0] == link.source else points[::-1]))
     return tuple(routes)
 
 
-def _port(graph: _Graph, centres: list[Point], number: int, state: int, *, below: bool) -> Point:
-    """Return where on a state's edge link `number` ends: ends stand in the order of their links."""
+def _port(graph: _Graph, centres: list[Point], number: int, end: int, *, below: bool) -> Point:
+    """Return where on a state's edge an end of a link is: ends stand in the order of their links.
+
+    Args:
+        graph: the states and links.
+        centres: of its vertices.
+        number: of the link.
+        end: 0 for the upper end of its chain, 1 for the lower.
+        below: whether it ends at the lower edge.
+    """
+    state = graph.chains[number][-end]
     ends = [
-        (centres[chain[at]][0], other, end)
+        (centres[chain[at]][0], other, tip)
         for other, chain in enumerate(graph.chains)
-        for end, at in ((0, 1), (-1, -2))
-        if chain[end] == state and (end == 0 or chain[0] == chain[-1]) == below
+        for tip, at in ((0, 1), (1, -2))
+        if chain[-tip] == state and (tip == 0 or chain[0] == chain[-1]) == below
     ]
-    at = [other for _, other, _ in sorted(ends)].index(number)
+    at = [(other, tip) for _, other, tip in sorted(ends)].index((number, end))
     (x, y), box = centres[state], graph.boxes[state]
     offset = box.width * ((at + 1) / (len(ends) + 1) - 0.5)
     return x + 0.8 * offset, y + (box.height / 2 if below else -box.height / 2)

@@ -2,85 +2,99 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator, Sequence
 from html import escape
 from itertools import pairwise
+from textwrap import shorten, wrap
 
 from missionkit.chart.diagram import colour, failsafe_text, state_text, transition_text
-from missionkit.chart.layout import Box, Layout, Link, Point, layout
+from missionkit.chart.layout import Box, Point
+from missionkit.chart.marks import UNMARKED, Marks, numbered
 from missionkit.chart.model import Mission, State
+from missionkit.chart.nested import Arrow, Drawing, Rectangle, nested
 
 MARGIN = 24.0
-TOP = 92.0  # title and the initial dot
+TOP = 66.0  # title
 LINE = 15.0
 LABEL_WIDTH = 26  # characters
+LIST_WIDTH = 110  # characters
+RED = "#c81e1e"
 _STYLE = (
     "text{font-family:Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#1f2937}"
     ".title{font-size:19px;font-weight:bold}.name{font-size:15px;font-weight:bold}"
-    ".small{font-size:12px}.box{stroke:#4b5563;stroke-width:1.4}"
+    ".small{font-size:12px}.box{stroke:#4b5563;stroke-width:1.4}.around{fill-opacity:.35}"
+    ".region{stroke-dasharray:6 4}"
     ".arrow{fill:none;stroke:#4b5563;stroke-width:1.4}.strip{fill:#fdf2f2;stroke:#d08a8a}"
     ".label{fill:#fff;fill-opacity:.92}"
-)
-_ARROW = (
-    '<marker id="arrow" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="8" markerHeight="8" '
-    'orient="auto"><path d="M0 0L10 5L0 10z" fill="#4b5563"/></marker>'
+    f".marked{{stroke:{RED};stroke-width:2.6}}text.marked{{fill:{RED};stroke:none}}"
 )
 
 
-def svg(mission: Mission) -> str:
-    """Return the mission as an SVG document: states coloured by kind, guards on the arrows."""
-    failsafes = [failsafe_text(each) for each in mission.failsafes]
-    boxes = [_state_box(name, state) for name, state, _ in mission.walk()]
-    placed, labels = _placed(mission, boxes)
-    initial = list(mission.by_name()).index(mission.initial.to[0])
-    width = max([placed.width, 560.0, *(_width(line, 6.4) + 24 for line in failsafes)])
-    strip_at = TOP + placed.height + 30
-    height = strip_at + (LINE * (len(failsafes) + 1) + 24 if failsafes else 0) + MARGIN
+def _tip(name: str, fill: str) -> str:
+    return (
+        f'<marker id="{name}" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="8" '
+        'markerHeight="8" orient="auto" markerUnits="userSpaceOnUse">'
+        f'<path d="M0 0L10 5L0 10z" fill="{fill}"/></marker>'
+    )
+
+
+def svg(mission: Mission, marks: Marks = UNMARKED) -> str:
+    """Return the mission as an SVG document: states coloured by kind, guards on the arrows.
+
+    Args:
+        mission: with its default failsafes written out.
+        marks: the states and transitions to be drawn in red, and why.
+    """
+    ways = list(_ways(mission, marks))
+    parents = {name: parent for name, _, parent in mission.walk()}
+    sizes = {name: _heading(name, state, marks) for name, state, _ in mission.walk()}
+    drawn = nested(sizes, parents, [arrow for arrow, _, _ in ways])
+    strips = list(_strips(mission, marks))
+    width = max([drawn.width, 560.0, *(_strip_width(lines) for lines in strips)])
+    below = list(_stacked(strips, TOP + drawn.height + 30, width))
+    height = TOP + drawn.height + 30 + sum(_strip_height(lines) + 14 for lines in strips) + MARGIN
     size = f"{width + 2 * MARGIN:.0f}", f"{height:.0f}"
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
             f'viewBox="0 0 {size[0]} {size[1]}">',
-            f"<style>{_STYLE}</style><defs>{_ARROW}</defs>",
+            f"<style>{_STYLE}</style><defs>{_tip('arrow', '#4b5563')}{_tip('red', RED)}</defs>",
             '<rect width="100%" height="100%" fill="#fff"/>',
             *_title(mission),
-            f'<g transform="translate({MARGIN + (width - placed.width) / 2:.1f} {TOP:.1f})">',
-            *_initial_dot(placed.states[initial], boxes[initial]),
-            *_arrows(placed),
-            *_labels(placed, labels),
-            *_states(mission, placed, boxes),
+            f'<g transform="translate({MARGIN + (width - drawn.width) / 2:.1f} {TOP:.1f})">',
+            *_groups(mission, drawn, marks),
+            *(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="#1f2937"/>' for x, y in drawn.dots),
+            *_arrows(drawn, ways),
+            *_labels(drawn, ways),
+            *_states(mission, drawn, marks),
             "</g>",
-            *_strip(failsafes, strip_at, width),
+            *below,
             "</svg>\n",
         ]
     )
 
 
-def _placed(mission: Mission, boxes: Sequence[Box]) -> tuple[Layout, list[list[str]]]:
-    """Return the layout, and the lines of each transition's label."""
-    numbers = {name: at for at, name in enumerate(mission.by_name())}
-    labels, links = [], []
-    for name, label, to in _ways(mission):
-        labels.append(_wrapped(label))
-        links.append(Link(numbers[name], numbers[to], _size(labels[-1])))
-    return layout(boxes, links, numbers[mission.initial.to[0]]), labels
+_Way = tuple[Arrow, Sequence[str], bool]  # its place, the lines of its label, whether it is marked
 
 
-def _ways(mission: Mission) -> Iterator[tuple[str, str, str]]:
-    """Yield source, label and target of every arrow."""
+def _ways(mission: Mission, marks: Marks) -> Iterator[_Way]:
+    """Yield every arrow."""
+    yield from ((Arrow(None, to, _size([])), [], False) for to in mission.initial.to)
     for name, state, _ in mission.walk():
-        for each in state.transitions:
+        for number, each in enumerate(state.transitions):
+            found = numbered(marks.ways.get((name, number), ()))
+            lines = _wrapped(f"{found} {transition_text(each)}".strip())
             for to in each.targets or (name,):
-                yield name, transition_text(each), to
-        begins = [to for start in (state.initial, state.default) if start for to in start.to]
-        together = list(state.states) if state.parallel else []
-        for to in begins or together:
-            yield name, "together" if together and not begins else "begins in", to
+                yield Arrow(name, to, _size(lines)), lines, bool(found)
+        if state.initial is not None:
+            yield from ((Arrow(None, to, _size([]), name), [], False) for to in state.initial.to)
+        if state.default is not None:
+            lines = ["the first time"]
+            yield from ((Arrow(name, to, _size(lines)), lines, False) for to in state.default.to)
 
 
 def _wrapped(label: str) -> list[str]:
-    return textwrap.wrap(label, LABEL_WIDTH, break_on_hyphens=False)
+    return wrap(label, LABEL_WIDTH, break_on_hyphens=False)
 
 
 def _width(line: str, character: float) -> float:
@@ -88,36 +102,32 @@ def _width(line: str, character: float) -> float:
 
 
 def _size(lines: Sequence[str]) -> Box:
-    return Box(max((_width(line, 6.6) for line in lines), default=0) + 8, LINE * len(lines) + 4)
+    if not lines:
+        return Box(8, 0)
+    return Box(max(_width(line, 6.6) for line in lines) + 8, LINE * len(lines) + 4)
 
 
-def _state_box(name: str, state: State) -> Box:
-    return Box(max(96.0, _width(name, 9) + 28, _width(_does(name, state), 6.6) + 24), 48.0)
+def _heading(name: str, state: State, marks: Marks) -> Box:
+    shown = f"{name} {numbered(marks.states.get(name, ()))}".rstrip()
+    return Box(max(96.0, _width(shown, 9) + 28, _width(_does(name, state), 6.6) + 24), 48.0)
 
 
 def _does(name: str, state: State) -> str:
+    if state.kind == "logic":
+        return state_text(state)
     return state_text(state) if name == state.kind else f"{state.kind}: {state_text(state)}"
 
 
 def _title(mission: Mission) -> Iterator[str]:
     yield f'<text class="title" x="{MARGIN}" y="32">{escape(mission.name)}</text>'
-    summary = textwrap.shorten(mission.summary, 90, placeholder=" …")
+    summary = shorten(mission.summary, 90, placeholder=" …")
     yield f'<text class="small" x="{MARGIN}" y="50">{escape(summary)}</text>'
 
 
-def _initial_dot(centre: Point, box: Box) -> Iterator[str]:
-    x, top = centre[0], centre[1] - box.height / 2
-    yield f'<circle cx="{x:.1f}" cy="{top - 26:.1f}" r="6" fill="#1f2937"/>'
-    yield _arrow(f"M{x:.1f} {top - 20:.1f}L{x:.1f} {top:.1f}")
-
-
-def _arrows(placed: Layout) -> Iterator[str]:
-    for route in placed.routes:
-        yield _arrow(_curve(route))
-
-
-def _arrow(path: str) -> str:
-    return f'<path class="arrow" d="{path}" marker-end="url(#arrow)"/>'
+def _arrows(drawn: Drawing, ways: Sequence[_Way]) -> Iterator[str]:
+    for route, (_, _, marked) in zip(drawn.routes, ways, strict=True):
+        style, tip = ("arrow marked", "red") if marked else ("arrow", "arrow")
+        yield f'<path class="{style}" d="{_curve(route)}" marker-end="url(#{tip})"/>'
 
 
 def _curve(points: Sequence[Point]) -> str:
@@ -129,39 +139,88 @@ def _curve(points: Sequence[Point]) -> str:
     return path
 
 
-def _labels(placed: Layout, labels: Sequence[Sequence[str]]) -> Iterator[str]:
-    for (x, y), lines in zip(placed.labels, labels, strict=True):
-        box = _size(lines)
-        yield (
-            f'<rect class="label" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
-            f'width="{box.width:.1f}" height="{box.height:.1f}" rx="3"/>'
-        )
+def _labels(drawn: Drawing, ways: Sequence[_Way]) -> Iterator[str]:
+    for (x, y), (_, lines, marked) in zip(drawn.labels, ways, strict=True):
+        if lines:
+            yield _rectangle(Rectangle(x, y, _size(lines)), "label", 3)
         for at, line in enumerate(lines):
-            yield _text(line, x, y + LINE * (at - (len(lines) - 1) / 2) + 4, "small")
+            style = "small marked" if marked else "small"
+            yield _text(line, x, y + LINE * (at - (len(lines) - 1) / 2) + 4, style)
 
 
-def _states(mission: Mission, placed: Layout, boxes: Sequence[Box]) -> Iterator[str]:
-    for (name, state, _), (x, y), box in zip(mission.walk(), placed.states, boxes, strict=True):
-        yield (
-            f'<rect class="box" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
-            f'width="{box.width:.1f}" height="{box.height:.1f}" rx="11" fill="{colour(state)}"/>'
-        )
-        yield _text(name, x, y - 3, "name")
+def _groups(mission: Mission, drawn: Drawing, marks: Marks) -> Iterator[str]:
+    """Yield the borders of states with states inside, the outermost first."""
+    regions = {
+        region for _, state, _ in mission.walk() if state.parallel for region in state.states
+    }
+    for name, state, _ in mission.walk():
+        if state.states:
+            style = " around region" if name in regions else " around"
+            yield _border(name, state, drawn.states[name], marks, style)
+
+
+def _border(name: str, state: State, place: Rectangle, marks: Marks, style: str = "") -> str:
+    marked = " marked" if name in marks.states else ""
+    return _rectangle(place, f"box{style}{marked}", 11, f' fill="{colour(state)}"')
+
+
+def _states(mission: Mission, drawn: Drawing, marks: Marks) -> Iterator[str]:
+    """Yield the names of all states, and the borders of those without states inside."""
+    for name, state, _ in mission.walk():
+        x, y, box = drawn.states[name]
+        if not state.states:
+            yield _border(name, state, drawn.states[name], marks)
+        else:
+            heading = _heading(name, state, marks)
+            x, y = x + (heading.width - box.width) / 2, y + 26 - box.height / 2
+            yield _rectangle(Rectangle(x, y - 1, Box(heading.width - 20, 34)), "label", 3)
+        found = numbered(marks.states.get(name, ()))
+        yield _text(f"{name} {found}".rstrip(), x, y - 3, "name marked" if found else "name")
         yield _text(_does(name, state), x, y + 14, "small")
 
 
-def _strip(failsafes: Sequence[str], y: float, width: float) -> Iterator[str]:
-    if not failsafes:
-        return
-    height = LINE * (len(failsafes) + 1) + 16
-    yield (
-        f'<rect class="strip" x="{MARGIN}" y="{y:.1f}" width="{width:.1f}" '
-        f'height="{height:.1f}" rx="8"/>'
+def _strips(mission: Mission, marks: Marks) -> Iterator[list[str]]:
+    """Yield what stands below the chart."""
+    if marks.lines:
+        yield ["Problems, marked in red:", *(line for it in marks.lines for line in _listed(it))]
+    if mission.failsafes:
+        failsafes = [line for each in mission.failsafes for line in _listed(failsafe_text(each))]
+        yield ["Failsafes, in every flying state, the first that holds:", *failsafes]
+
+
+def _listed(line: str) -> list[str]:
+    return wrap(line, LIST_WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+
+
+def _strip_width(lines: Sequence[str]) -> float:
+    return max(_width(line, 6.4) + 24 for line in lines)
+
+
+def _strip_height(lines: Sequence[str]) -> float:
+    return LINE * len(lines) + 16
+
+
+def _stacked(strips: Sequence[Sequence[str]], y: float, width: float) -> Iterator[str]:
+    for lines in strips:
+        height = _strip_height(lines)
+        yield (
+            f'<rect class="strip" x="{MARGIN}" y="{y:.1f}" width="{width:.1f}" '
+            f'height="{height:.1f}" rx="8"/>'
+        )
+        for at, line in enumerate(lines):
+            indent = 12 + 16 * line.startswith(" ")
+            top = y + 20 + LINE * at
+            text = escape(line.strip())
+            yield f'<text class="small" x="{MARGIN + indent}" y="{top:.1f}">{text}</text>'
+        y += height + 14
+
+
+def _rectangle(place: Rectangle, style: str, radius: int, more: str = "") -> str:
+    x, y, box = place
+    return (
+        f'<rect class="{style}" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
+        f'width="{box.width:.1f}" height="{box.height:.1f}" rx="{radius}"{more}/>'
     )
-    lines = ["Failsafes, in every flying state, the first that holds:", *failsafes]
-    for at, line in enumerate(lines):
-        top = y + 20 + LINE * at
-        yield f'<text class="small" x="{MARGIN + 12}" y="{top:.1f}">{escape(line)}</text>'
 
 
 def _text(line: str, x: float, y: float, style: str) -> str:

@@ -10,7 +10,7 @@ from typing import Annotated, ParamSpec, TypeVar
 
 import typer
 
-from missionkit.errors import ExitCode, MissionkitError
+from missionkit.errors import ExitCode, MissionkitError, UsageError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -61,7 +61,9 @@ def told(command: Callable[P, R]) -> Callable[P, R]:
 @app.command()
 @told
 def run(
-    mission: MissionFile,
+    mission: Annotated[
+        Path | None, typer.Argument(help="mission file", metavar="MISSION.yaml")
+    ] = None,
     seed: Annotated[
         int, typer.Option(min=0, help="seed of everything random in the simulator")
     ] = 0,
@@ -73,20 +75,37 @@ def run(
             help="something that goes wrong, such as gnss_lost@20+5 or marker_hidden@visual+6",
         ),
     ] = None,
+    event: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME@SECONDS", help="an event from the operator, such as go@12.5"),
+    ] = None,
     plugin: Plugins = None,
     speed: Annotated[
         float | None, typer.Option(min=0.01, help="times real time; as fast as possible if absent")
     ] = None,
     out: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
+    resume: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN", help="folder of a run that was killed: go on with it"),
+    ] = None,
+    gap: Annotated[
+        float, typer.Option(min=0.0, help="s that the vehicle flew alone before --resume")
+    ] = 1.0,
     *,
+    force: Annotated[
+        bool, typer.Option("--force", help="resume although the mission was changed")
+    ] = False,
     headless: Annotated[bool, typer.Option("--headless", help="no live view")] = False,
     as_json: Json = False,
 ) -> None:
     """Fly a mission in the simulator; Ctrl-C lands."""
     from missionkit.cli import run as command  # noqa: PLC0415
+    from missionkit.cli.order import Order  # noqa: PLC0415
 
-    order = command.Order(
-        mission,
+    if mission is None and resume is None:
+        raise UsageError("name the mission file to fly, or --resume RUN")
+    order = Order(
+        mission or Path(),
         tuple(settings or ()),
         tuple(plugin or ()),
         seed,
@@ -95,6 +114,10 @@ def run(
         out,
         headless=headless,
         as_json=as_json,
+        events=tuple(event or ()),
+        resume=resume,
+        gap=gap,
+        force=force,
     )
     raise typer.Exit(command.run(order))
 
@@ -102,16 +125,32 @@ def run(
 @app.command()
 @told
 def validate(
-    mission: MissionFile,
+    missions: Annotated[
+        list[Path], typer.Argument(help="mission files", metavar="MISSION.yaml ...")
+    ],
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="text, json or sarif")
+    ] = "text",
     settings: Settings = None,
     plugin: Plugins = None,
     *,
-    as_json: Json = False,
+    strict: Annotated[bool, typer.Option("--strict", help="refuse warnings too")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="the same as --format json")] = False,
 ) -> None:
-    """Check a mission file without flying it."""
+    """Check mission files without flying them, and say all that is wrong."""
     from missionkit.cli import inspect  # noqa: PLC0415
 
-    raise typer.Exit(inspect.validate(mission, settings or (), plugin or (), as_json=as_json))
+    form = "json" if as_json else form
+    raise typer.Exit(inspect.validate(missions, settings or (), plugin or (), form, strict=strict))
+
+
+@app.command()
+@told
+def explain(mission: MissionFile, settings: Settings = None, plugin: Plugins = None) -> None:
+    """Say in plain sentences what a mission does, state by state."""
+    from missionkit.cli import inspect  # noqa: PLC0415
+
+    inspect.explain(mission, settings or (), plugin or ())
 
 
 @app.command()
@@ -154,7 +193,7 @@ def graph(
     settings: Settings = None,
     plugin: Plugins = None,
 ) -> None:
-    """Draw the chart of a mission."""
+    """Draw the chart of a mission; what `validate` finds is marked in red."""
     from missionkit.cli import inspect  # noqa: PLC0415
 
     inspect.graph(mission, out, settings or (), plugin or ())

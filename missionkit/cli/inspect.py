@@ -2,39 +2,122 @@
 
 from __future__ import annotations
 
-import json
+import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.contracts import unmet
 from missionkit.chart.load import load
 from missionkit.chart.model import Mission
+from missionkit.cli import report
 from missionkit.cli.catalogue import assemble, overrides
-from missionkit.errors import ExitCode, FileError, Problem, UsageError, nearest
+from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest
+
+FORMATS = ("text", "json", "sarif")
 
 
 def validate(
-    path: Path, settings: Iterable[str], plugins: Iterable[Path], *, as_json: bool
+    paths: Sequence[Path],
+    settings: Iterable[str],
+    plugins: Iterable[Path],
+    form: str = "text",
+    *,
+    strict: bool = False,
 ) -> ExitCode:
-    """Check a mission file and say what is wrong with it."""
-    catalogue = assemble(plugins)
+    """Check mission files and say all that is wrong with them."""
+    if form not in FORMATS:
+        raise UsageError(f"--format {form}: unknown; {nearest(form, FORMATS)}")
+    values = overrides(settings)
     try:
-        mission = load(path, catalogue, overrides(settings))
-        problems: Sequence[Problem] = unmet(mission, catalogue)
-        world = None if mission.world is None else path.parent / mission.world
-        if world is not None:
-            _check_world(world)
-    except FileError as error:
-        problems = error.problems
+        catalogue = assemble(plugins)
+    except FileError as error:  # a plug-in file; without it nothing can be said about a mission
+        problems = list(error.problems)
+        checked: dict[Path, tuple[Mission | None, list[Problem]]] = {}
     else:
-        if not problems and not as_json:
-            _say(f"{path}: ok ({_size(mission)})")
-    if as_json:
-        _say(json.dumps({"file": str(path), "problems": [_plain(it) for it in problems]}, indent=2))
-    elif problems:
-        print(*problems, sep="\n", file=sys.stderr)  # noqa: T201
-    return ExitCode.BAD_FILE if problems else ExitCode.SUCCESS
+        checked = {path: _checked(path, catalogue, values) for path in paths}
+        problems = [problem for _, found in checked.values() for problem in found]
+    if form == "text":
+        _tell(checked, problems, strict=strict)
+    else:
+        _say(_for_programs(form, problems))
+    return ExitCode.BAD_FILE if _refused(problems, strict=strict) else ExitCode.SUCCESS
+
+
+def _refused(problems: Iterable[Problem], *, strict: bool) -> bool:
+    return any(strict or problem.level is Level.ERROR for problem in problems)
+
+
+def _checked(
+    path: Path, catalogue: Catalogue, values: Mapping[str, str]
+) -> tuple[Mission | None, list[Problem]]:
+    """Return a mission, if its file can be read as one, and all that is wrong with it."""
+    try:
+        mission = load(path, catalogue, values)
+    except FileError as error:
+        return None, list(error.problems)
+    return mission, [*_found(mission, catalogue), *_of_world(path, mission)]
+
+
+def _found(mission: Mission, catalogue: Catalogue) -> list[Problem]:
+    """Return what is wrong with the chart of a mission, in the order of its files."""
+    from missionkit.chart.checks import findings  # noqa: PLC0415
+
+    found = {*unmet(mission, catalogue), *findings(mission, catalogue)}
+    return sorted(found, key=_order)
+
+
+def _order(problem: Problem) -> tuple[str, int, int, str, str]:
+    place = problem.place
+    return place.file, place.line, place.column, problem.code, problem.message
+
+
+def _of_world(path: Path, mission: Mission) -> Sequence[Problem]:
+    if mission.world is None:
+        return ()
+    from missionkit.chart.load import load_model  # noqa: PLC0415
+    from missionkit.sim.world import World  # noqa: PLC0415
+
+    try:
+        load_model(path.parent / mission.world, World)
+    except FileError as error:
+        return error.problems
+    return ()
+
+
+def _tell(
+    checked: Mapping[Path, tuple[Mission | None, list[Problem]]],
+    problems: Sequence[Problem],
+    *,
+    strict: bool,
+) -> None:
+    """Say on stdout what is in order, on stderr what is not."""
+    if problems:
+        colours = sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+        _complain(report.text(problems, report.sources(problems), colours=colours))
+    for path, (mission, found) in checked.items():
+        if mission is not None and not _refused(found, strict=strict):
+            but = f", {report.summary(found)}" if found else ""
+            _say(f"{path}: ok{but} ({_size(mission)})")
+        else:
+            _complain(f"{path}: {report.summary(found)}")
+
+
+def _for_programs(form: str, problems: Sequence[Problem]) -> str:
+    from missionkit.cli.sarif import sarif  # noqa: PLC0415
+
+    return sarif(problems) if form == "sarif" else report.as_json(problems)
+
+
+def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> None:
+    """Say a chart in plain sentences."""
+    from missionkit.chart.explain import explained  # noqa: PLC0415
+    from missionkit.cli.explain import page, width  # noqa: PLC0415
+
+    catalogue = assemble(plugins)
+    mission = load(path, catalogue, overrides(settings))
+    _say(page(explained(mission, catalogue), width()))
 
 
 def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
@@ -55,20 +138,22 @@ def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
 
 
 def graph(path: Path, out: Path | None, settings: Iterable[str], plugins: Iterable[Path]) -> None:
-    """Draw a chart as Mermaid, SVG or PNG."""
+    """Draw a chart as Mermaid or SVG, with the problems that `validate` finds in red."""
     from missionkit.chart.contracts import fulfilled  # noqa: PLC0415
     from missionkit.chart.diagram import mermaid  # noqa: PLC0415
+    from missionkit.chart.marks import marks  # noqa: PLC0415
     from missionkit.chart.picture import svg  # noqa: PLC0415
 
     catalogue = assemble(plugins)
-    mission = fulfilled(load(path, catalogue, overrides(settings)), catalogue)
+    written = load(path, catalogue, overrides(settings))
+    mission, found = fulfilled(written, catalogue), marks(written, _found(written, catalogue))
     if out is None:
-        _say(mermaid(mission).rstrip("\n"))
+        _say(mermaid(mission, found).rstrip("\n"))
         return
     writers = {".mmd": mermaid, ".svg": svg}
     if out.suffix not in writers:
         raise UsageError(f"--out {out}: expected a file that ends in .mmd or .svg")
-    out.write_text(writers[out.suffix](mission), encoding="utf-8")
+    out.write_text(writers[out.suffix](mission, found), encoding="utf-8")
     _say(str(out))
 
 
@@ -82,27 +167,14 @@ def new(kind: str, name: str, to: Path) -> None:
         _say(str(path))
 
 
-def _check_world(path: Path) -> None:
-    from missionkit.chart.load import load_model  # noqa: PLC0415
-    from missionkit.sim.world import World  # noqa: PLC0415
-
-    load_model(path, World)
-
-
 def _size(mission: Mission) -> str:
     failsafes = len(mission.failsafes)
     return f"{len(mission.by_name())} states, {len(mission.guards)} guards, {failsafes} failsafes"
 
 
-def _plain(problem: Problem) -> dict[str, str | int]:
-    place = problem.place
-    return {
-        "file": place.file,
-        "line": place.line,
-        "column": place.column,
-        "message": problem.message,
-    }
-
-
 def _say(text: str) -> None:
     print(text)  # noqa: T201
+
+
+def _complain(text: str) -> None:
+    print(text, file=sys.stderr)  # noqa: T201

@@ -72,12 +72,7 @@ class Planned:
     """Sends events at times that were given before the flight: `go@12.5`."""
 
     def __init__(self, texts: Sequence[str], operator: Operator) -> None:
-        """Read the plan.
-
-        Raises:
-            UsageError: a text is no `NAME@SECONDS`.
-        """
-        self._due = sorted(map(_planned, texts))
+        self._due = sorted(map(planned, texts))
         self._operator = operator
 
     def __call__(self, record: Record, _observation: Observation) -> None:
@@ -86,7 +81,12 @@ class Planned:
             self._operator.send(self._due.pop(0)[1])
 
 
-def _planned(text: str) -> tuple[float, str]:
+def planned(text: str) -> tuple[float, str]:
+    """Return when to send which event.
+
+    Raises:
+        UsageError: the text is no `NAME@SECONDS`.
+    """
     event, _, at = text.partition("@")
     try:
         seconds = float(at)

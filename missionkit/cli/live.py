@@ -73,7 +73,8 @@ class LineView:
                 self._say(f"{record.now:7.1f} s  problem: {problem}")
         self._problems = record.problems
         if record.now >= self._next_status - 1e-6:
-            self._next_status += STATUS
+            late = record.now - self._next_status  # a resumed flight begins late
+            self._next_status += STATUS * (1 + (late + 1e-6) // STATUS)
             self._say(status_line(record))
 
     def _say(self, line: str) -> None:

@@ -2,48 +2,45 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.checks import findings
 from missionkit.chart.contracts import unmet
 from missionkit.chart.load import load
-from missionkit.chart.model import Mission, Success
+from missionkit.chart.model import Mission
 from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.keys import Keys, Planned, offered, planned
 from missionkit.cli.live import LineView, PageView, live_view
-from missionkit.engine.clock import RealTime, stopwatch
-from missionkit.engine.loop import End, Operator
-from missionkit.errors import ExitCode, FileError, MissionkitError, UsageError, nearest
+from missionkit.cli.order import Order
+from missionkit.cli.origin import (
+    check_same,
+    forget_origin,
+    found_origin,
+    keep_origin,
+    origin_of,
+    recalled,
+    stamp,
+)
+from missionkit.cli.outcome import exit_code, numbers, report, summed_up
+from missionkit.cli.resume import Saving, Since, since
+from missionkit.engine.clock import Pace, RealTime, stopwatch
+from missionkit.engine.loop import Operator
+from missionkit.errors import ExitCode, FileError, Level, MissionkitError, UsageError, nearest
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.folder import keep_mission, run_folder
+from missionkit.recorder.folder import free_name, keep_mission, run_folder
 from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import scenery_of
-from missionkit.recorder.summary import Summary, summarise, write_summary
-from missionkit.recorder.track import Track
-from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.recorder.summary import Summary, write_summary
+from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import Fault, parse_fault
 from missionkit.sim.world import World
-
-
-class Order(NamedTuple):
-    """What the command line asked for."""
-
-    mission: Path
-    settings: tuple[str, ...]
-    plugins: tuple[Path, ...]
-    seed: int
-    faults: tuple[str, ...]
-    speed: float | None
-    out: Path
-    headless: bool
-    as_json: bool
 
 
 def run(order: Order) -> ExitCode:
@@ -51,18 +48,45 @@ def run(order: Order) -> ExitCode:
 
     Raises:
         FileError: mission, world or plug-in file cannot be used.
-        UsageError: an option does not fit.
-        VehicleError: the vehicle could not be reached.
+        UsageError: an option does not fit, or there is nothing to resume.
+        VehicleError: the vehicle could not be reached, or is to be left alone.
     """
+    before = None if order.resume is None else found_origin(order.resume)
+    order = order if before is None else recalled(order, before)
     catalogue = assemble(order.plugins)
     mission = load(order.mission, catalogue, overrides(order.settings))
-    if problems := unmet(mission, catalogue):
-        raise FileError(problems)
+    _refuse(mission, catalogue)
+    origin = origin_of(order, mission)
     ready = _staged(order, mission, catalogue)
-    folder = run_folder(order.out, mission.name, f"seed{order.seed}")
-    keep_mission(folder, order.mission)
+    past = None
+    if before is None or order.resume is None:
+        folder = run_folder(order.out, mission.name, f"seed{order.seed}")
+    else:
+        folder = order.resume
+        check_same(before, origin, folder, force=order.force)
+        past = since(folder, order.gap, stamp(origin))
+        for wrong in past.loaded.wrong:
+            print(wrong, file=sys.stderr)  # noqa: T201
+    if before != origin:
+        keep_mission(folder, order.mission)
+        keep_origin(folder, origin)
+    return _ended(order, ready, folder, stamp(origin), past)
+
+
+def _refuse(mission: Mission, catalogue: Catalogue) -> None:
+    """Refuse a mission with errors; `missionkit validate` tells its warnings too.
+
+    Raises:
+        FileError: the contracts of its states are not met, or its chart cannot be right.
+    """
+    problems = unmet(mission, catalogue) or findings(mission, catalogue)
+    if errors := [problem for problem in problems if problem.level is Level.ERROR]:
+        raise FileError(errors)
+
+
+def _ended(order: Order, ready: Stage, folder: Path, standing: str, past: Since | None) -> ExitCode:
     try:
-        summary = _flown(order, ready, folder)
+        summary = _flown(order, ready, folder, standing, past)
     except MissionkitError:
         raise
     except KeyboardInterrupt:
@@ -72,13 +96,15 @@ def run(order: Order) -> ExitCode:
         (folder / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
         print(f"missionkit crashed; see {folder / 'crash.txt'}", file=sys.stderr)  # noqa: T201
         return ExitCode.CRASH
-    _report(order, summary, folder)
-    return _exit_code(summary)
+    report(order, summary, folder)
+    return exit_code(summary)
 
 
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
     world = world_of(mission, order.mission.parent)
     faults = [_fault(text, mission, world) for text in order.faults]
+    for text in order.events:
+        planned(text)
     return stage(mission, catalogue, world, order.seed, faults)
 
 
@@ -95,37 +121,48 @@ def _fault(text: str, mission: Mission, world: World) -> Fault:
     return fault
 
 
-def _flown(order: Order, ready: Stage, folder: Path) -> Summary:
+def _flown(order: Order, ready: Stage, folder: Path, standing: str, past: Since | None) -> Summary:
     scenery, operator, view = scenery_of(ready.world), Operator(), None
+    events: dict[str, str] = {}
     if not (order.headless or order.as_json):
-        view = live_view(sys.stdout, stopwatch, ready.mission.name)
-    recorder = FlightRecorder(folder, camera=ready.plan.camera, scenery=scenery)
-    with recorder, view or nullcontext(), _landing_on_interrupt(operator):
-        pace = None if order.speed is None else RealTime(order.speed)
+        events = offered(ready.mission)
+        view = live_view(sys.stdout, stopwatch, _title(ready.mission.name, events))
+    recorder = FlightRecorder(
+        folder,
+        camera=ready.plan.camera,
+        scenery=scenery,
+        name=free_name(folder, "flight.mcap"),
+        past=None if past is None else past.track,
+    )
+    again = None if past is None else past.again
+    keys = Keys(sys.stdin, operator, events)
+    plan = Planned(order.events, operator)
+    with recorder, view or nullcontext(), keys, _landing_on_interrupt(operator):
+        pace = _pace(order, again)
         watch = _Watch(ready, recorder, view)
-        result = rehearse(ready, (watch,), operator=operator, pace=pace)
+        save = Saving(folder, ready, recorder, standing, past)
+        observers = (watch, keys, plan)
+        result = rehearse(ready, observers, operator=operator, pace=pace, save=save, again=again)
     asked = operator.wants_down
-    summary = _summed_up(order, ready.mission, recorder, result, asked=asked)
+    summary = summed_up(order, ready.mission, recorder, result, asked=asked)
     write_summary(folder, summary)
     title = f"{summary.mission}: {summary.outcome}"
-    draw(folder / "track.png", recorder.track, scenery, title, _numbers(summary))
+    draw(folder / "track.png", recorder.track, scenery, title, numbers(summary))
+    save.forget()
+    forget_origin(folder)
     return summary
 
 
-def _summed_up(
-    order: Order, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
-) -> Summary:
-    return summarise(
-        recorder.track,
-        mission=mission.name,
-        outcome="success" if result.succeeded else _failure(result),
-        reason=_reason(mission, result, recorder.track, asked=asked),
-        seed=order.seed,
-        faults=order.faults,
-        parameters=mission.params,  # with --set
-        grade=result.grade.as_dict(),
-        record_hash=recorder.close(),
-    )
+def _title(mission: str, events: Mapping[str, str]) -> str:
+    """Return what stands above the live page: the mission, and which key sends which event."""
+    keys = ", ".join(f"{key} {event}" for key, event in events.items())
+    return f"{mission} — keys: {keys}" if keys else mission
+
+
+def _pace(order: Order, again: Again | None) -> Pace | None:
+    if order.speed is None:
+        return None
+    return RealTime(order.speed, 0.0 if again is None else again.now)
 
 
 class _Watch:
@@ -157,57 +194,3 @@ def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def _failure(result: Rehearsal) -> Any:
-    never_left = result.flown.end is End.NEVER_LEFT and not result.grade.crashed
-    return "ended_safely" if result.grade.landed or never_left else "crash"
-
-
-def _reason(mission: Mission, result: Rehearsal, track: Track, *, asked: bool) -> str:
-    grade = result.grade
-    if result.succeeded:
-        return "flown as planned"
-    if grade.crashed:
-        return "hit an obstacle or the ground"
-    if result.flown.end is not End.LANDED:
-        return str(result.flown.end)
-    if result.flown.aborted:
-        return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
-    if mission.success is not None and grade.visit is None:
-        return _unreached(mission.success, track)
-    return "landed, but the goal was missed by more than allowed"
-
-
-def _unreached(success: Success, track: Track) -> str:
-    if success.visit not in {visit.state for visit in track.visits}:
-        return f"landed without reaching {success.visit}"
-    return f"landed, but the world has no marker of {success.target} to measure the goal by"
-
-
-def _numbers(summary: Summary) -> str:
-    grade, timing = summary.grade, summary.timing
-    parts = [summary.reason, f"{summary.duration:.0f} s", f"{grade['distance']:.0f} m flown"]
-    if grade["visit"] is not None:
-        error = 100.0 * grade["visit"]["position_error"]
-        parts.append(f"{error:.1f} cm from the goal on arrival")
-    if grade["clearance"] is not None:
-        parts.append(f"clearance {grade['clearance']:.2f} m")
-    if timing is not None:
-        parts.append(f"cycle p99 {timing.total.p99:.1f} ms")
-    return ", ".join(parts)
-
-
-def _report(order: Order, summary: Summary, folder: Path) -> None:
-    if order.as_json:
-        print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
-        return
-    print(f"{summary.outcome}: {_numbers(summary)}\n{folder}")  # noqa: T201
-
-
-def _exit_code(summary: Summary) -> ExitCode:
-    return {
-        "success": ExitCode.SUCCESS,
-        "ended_safely": ExitCode.ENDED_SAFELY,
-        "crash": ExitCode.VEHICLE_LOST,
-    }[summary.outcome]

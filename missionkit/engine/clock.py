@@ -22,11 +22,11 @@ class Unhurried:
 
 
 class RealTime:
-    """Ties mission time to the wall, `speed` times as fast."""
+    """Ties mission time to the wall, `speed` times as fast, beginning at `since` (s)."""
 
-    def __init__(self, speed: float = 1.0) -> None:
+    def __init__(self, speed: float = 1.0, since: float = 0.0) -> None:
         self._speed = speed
-        self._start = time.perf_counter()
+        self._start = time.perf_counter() - since / speed
 
     async def until(self, at: float) -> None:
         """Sleep until the wall clock has caught up."""

@@ -13,8 +13,10 @@ from missionkit.engine.clock import Pace, Unhurried, stopwatch
 from missionkit.engine.containment import TimedContainment
 from missionkit.engine.flight import Plan, begin
 from missionkit.engine.lifecycle import Lifecycle
-from missionkit.engine.memory import Memory
+from missionkit.engine.memory import Course, Memory
+from missionkit.engine.reconcile import Woken
 from missionkit.engine.tick import Ticked, tick
+from missionkit.engine.waking import Resumption, wake
 from missionkit.errors import UsageError
 from missionkit.messages import Cycle, Observation, Record, is_event
 from missionkit.ports import Vehicle
@@ -24,6 +26,11 @@ PATIENCE = 300.0  # s an abort may take, or the wait for arming
 SILENCE = 120.0  # s without a heartbeat while landing: nothing more can be learnt or done
 
 Observer = Callable[[Record, Observation], None]
+Keeper = Callable[[Course, Record], None]
+
+
+def keep_nothing(_: Course, __: Record) -> None:
+    """Save nothing: the flight cannot be resumed."""
 
 
 class End(StrEnum):
@@ -77,9 +84,9 @@ class Operator:
 class _Watch:
     """Notices when the flight is over."""
 
-    def __init__(self, time_limit: float) -> None:
-        self.flown = False
-        self.grounded_since: float | None = None
+    def __init__(self, time_limit: float, since: Course) -> None:
+        self.flown = since.flown
+        self.grounded_since = since.grounded_since
         self.time_limit = time_limit
 
     def over(self, plan: Plan, done: Ticked) -> End | None:
@@ -100,6 +107,9 @@ class _Watch:
             return End.GROUNDED
         return End.OUT_OF_TIME if now >= self.time_limit + PATIENCE else None
 
+    def course(self, memory: Memory, life: Lifecycle) -> Course:
+        return Course(memory, self.flown, self.grounded_since, life.state == "aborting")
+
 
 async def fly(
     plan: Plan,
@@ -110,6 +120,8 @@ async def fly(
     pace: Pace | None = None,
     time_limit: float = 1800.0,
     believe_stopwatch: bool = False,
+    keeper: Keeper = keep_nothing,
+    resume: Resumption | None = None,
 ) -> Flown:
     """Fly the mission.
 
@@ -122,21 +134,23 @@ async def fly(
         time_limit: mission time (s) after which the flight is aborted.
         believe_stopwatch: show the measured timing to the guards. A simulation shows them its
             own instead, so that a busy machine does not change how a mission is rehearsed.
+        keeper: called after every tick but the last with all that is needed to go on from it.
+        resume: goes on with a flight under way instead of beginning one.
 
     Raises:
-        VehicleError: the vehicle could not be reached.
+        VehicleError: the vehicle could not be reached, or is to be left alone.
     """
     operator = operator or Operator()
     pace = pace or Unhurried()
-    life, watch = Lifecycle(), _Watch(time_limit)
     contain = TimedContainment(stopwatch)
-    memory, cycle, count = begin(plan), Cycle(), 0
     await vehicle.connect()
-    life.start()
     end: End | None = None
     async with AsyncExitStack() as stack:
         stack.push_async_callback(vehicle.close)
+        (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(contain.interrupting())
+        life, watch = _started(course), _Watch(time_limit, course)
+        memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:
             count += 1
             now = count * plan.period
@@ -144,21 +158,44 @@ async def fly(
             observation = await vehicle.observe(now)
             if believe_stopwatch:
                 observation = replace(observation, cycle=cycle)
-            observation = _with_events(observation, operator.take())
-            if operator.wants_down or now >= time_limit:
-                life.abort()
-                observation = _with_events(observation, (ABORT,))
+            events += operator.take() + _pressing(life, operator, late=now >= time_limit)
+            observation = _with_events(observation, events)
             done = tick(plan, memory, observation, contain, stopwatch)
             memory = done.memory
             await vehicle.send(done.command)
             cycle = _cycle(done, cycle, plan.period)
-            record = done.record._replace(cycle=cycle)
+            record = done.record._replace(cycle=cycle, problems=notes + done.record.problems)
+            events, notes = (), ()
             for observer in observers:
                 observer(record, observation)
             end = watch.over(plan, done)
+            if end is None:
+                keeper(watch.course(memory, life), record)
     aborted = life.state == "aborting"
     life.finish()
     return Flown(end, aborted, memory.now, count, memory)
+
+
+async def _opening(plan: Plan, vehicle: Vehicle, pace: Pace, resume: Resumption | None) -> Woken:
+    """Return with what the flight begins or goes on."""
+    if resume is None:
+        return Woken(Course(begin(plan)), (), ())
+    return await wake(plan, vehicle, pace, resume)
+
+
+def _started(course: Course) -> Lifecycle:
+    life = Lifecycle()
+    life.start()
+    if course.aborting:
+        life.abort()
+    return life
+
+
+def _pressing(life: Lifecycle, operator: Operator, *, late: bool) -> tuple[str, ...]:
+    """Begin the abort when it is time; return the event that says so as long as it lasts."""
+    if operator.wants_down or late:
+        life.abort()
+    return (ABORT,) if life.state == "aborting" else ()
 
 
 def _with_events(observation: Observation, events: tuple[str, ...]) -> Observation:

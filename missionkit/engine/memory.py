@@ -55,3 +55,12 @@ class Memory(NamedTuple):
     senses: Senses
     chart: ChartMemory
     hands: Hands
+
+
+class Course(NamedTuple):
+    """A flight under way: all that the shell around the tick needs to go on with it."""
+
+    memory: Memory
+    flown: bool = False  # it has been in the air
+    grounded_since: float | None = None  # s, disarmed in a flying state
+    aborting: bool = False

@@ -54,6 +54,8 @@ class FlightRecorder:
         camera: intrinsics and mount, for the frame tree.
         scenery: what stands around, written once.
         image_rate: camera frames a second at most; 0 keeps none.
+        name: of the file; a flight that is resumed gets one for each part.
+        past: the track of the parts before.
 
     Raises:
         FileExistsError: the folder already holds a flight record.
@@ -66,9 +68,11 @@ class FlightRecorder:
         camera: CameraModel | None = None,
         scenery: Scenery | None = None,
         image_rate: float = 5.0,
+        name: str = "flight.mcap",
+        past: Track | None = None,
     ) -> None:
-        self.track: Track = track.begin()
-        self._channels = Channels(folder / "flight.mcap")
+        self.track: Track = past or track.begin()
+        self._channels = Channels(folder / name)
         self._camera = camera
         self._scenery = scenery
         self._standing, self._status = Pace(10.0), Pace(1.0)

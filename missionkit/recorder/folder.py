@@ -33,8 +33,15 @@ def run_folder(root: Path, mission: str, label: str) -> Path:
 
 
 def keep_mission(folder: Path, mission: Path) -> Path:
-    """Copy the mission file that was flown into the run's folder; return the copy."""
-    return Path(shutil.copyfile(mission, folder / "mission.yaml"))
+    """Copy the mission file that is flown into the run's folder; return the copy."""
+    return Path(shutil.copyfile(mission, folder / free_name(folder, "mission.yaml")))
+
+
+def free_name(folder: Path, name: str) -> str:
+    """Return `flight.mcap`, or `flight-2.mcap`, … when that is taken."""
+    stem, dot, ending = name.partition(".")
+    numbered = (f"{stem}-{number}{dot}{ending}" for number in itertools.count(2))
+    return next(it for it in itertools.chain([name], numbered) if not (folder / it).exists())
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+import numpy as np
+import numpy.typing as npt
+
 from missionkit.geometry import Quat, Vec3
 from missionkit.messages import Cycle, Fired, Goal, Record
 
@@ -55,6 +58,29 @@ class Track(NamedTuple):
 def begin() -> Track:
     """Return an empty track."""
     return Track([], [], [], [], [], {}, [], [], [])
+
+
+def rows(track: Track, first: int = 0) -> npt.NDArray[np.float64]:
+    """Return time, estimated and true position of the ticks from `first` on, (N, 7)."""
+    times, estimated = track.times[first:], track.estimated[first:]
+    true = track.true[first:] or [(np.nan, np.nan, np.nan)] * len(times)
+    places = zip(times, estimated, true, strict=True)
+    return np.array([(at, *where, *really) for at, where, really in places]).reshape(-1, 7)
+
+
+def without_rows(track: Track) -> Track:
+    """Return what does not grow at every tick; the timing of the ticks is left out too."""
+    return track._replace(times=[], estimated=[], true=[], cycles=[])
+
+
+def with_rows(track: Track, rows: npt.NDArray[np.float64]) -> Track:
+    """Return a track with its ticks back, as `rows` gave them."""
+    known = rows[~np.isnan(rows[:, 4])]
+    return track._replace(
+        times=rows[:, 0].tolist(),
+        estimated=[(x, y, z) for x, y, z in rows[:, 1:4].tolist()],
+        true=[(x, y, z) for x, y, z in known[:, 4:7].tolist()],
+    )
 
 
 def add(track: Track, record: Record, truth: Truth | None) -> None:

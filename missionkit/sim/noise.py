@@ -17,6 +17,17 @@ class Normals:
         self._shape = (block, width)
         self._rows = np.empty((0, width))
         self._used = 0
+        self._drawn = 0
+
+    @property
+    def taken(self) -> int:
+        """How many rows were taken so far."""
+        return self._drawn - len(self._rows) + self._used
+
+    def skip_to(self, taken: int) -> None:
+        """Go on as if `taken` rows had been taken; not backwards."""
+        while self.taken < taken:
+            self.take(min(self._shape[0], taken - self.taken))
 
     def take(self, count: int) -> Mat:
         """Return the next `count` rows, (count, width), not to be changed."""
@@ -25,6 +36,7 @@ class Normals:
             fresh = self._rng.standard_normal(self._shape)
             self._rows = np.concatenate((self._rows[self._used :], fresh))
             self._used, end = 0, count
+            self._drawn += len(fresh)
         rows = self._rows[self._used : end]
         self._used = end
         return rows

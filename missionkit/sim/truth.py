@@ -66,6 +66,11 @@ class Track:
         row[0], row[1:14], row[14:] = at, state, rest
         self._count += 1
 
+    def restore(self, rows: Mat) -> None:
+        """Begin with these rows, (N, TRACK_WIDTH)."""
+        self._rows = np.concatenate((rows, np.empty((4096, TRACK_WIDTH))))
+        self._count = len(rows)
+
     @property
     def rows(self) -> Mat:
         """All rows, (N, TRACK_WIDTH), in the order of time, not to be changed."""

@@ -4,12 +4,17 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from documents import document
 
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.contracts import fulfilled
 from missionkit.chart.diagram import mermaid
+from missionkit.chart.expressions import All
 from missionkit.chart.load import load, parse
+from missionkit.chart.marks import marks
 from missionkit.chart.model import Mission
 from missionkit.chart.picture import svg
+from missionkit.errors import Level, Place, Problem
 
 TEXT = """\
 missionkit: 1
@@ -80,3 +85,72 @@ def test_the_example_is_drawn_the_same_every_time(example: Path, catalogue: Cata
     assert picture.count("marker-end") == 1 + sum(
         len(state.transitions) for state in mission.states.values()
     )
+    assert "marked" not in picture.partition("</style>")[2]
+
+
+NESTED = document("docs/reference/charts.md").split("```yaml\n")[1].partition("```")[0]
+
+
+def test_states_inside_are_drawn_inside(catalogue: Catalogue):
+    picture = svg(parse(NESTED, "m.yaml", catalogue))
+    assert picture.count('class="box around"') == 1
+    assert picture.count('class="box around region"') == 2
+    assert picture.count("<circle") == 3  # the chart, fly, watch
+    assert {"2 states together", "shallow history", "the first time"} <= set(texts(picture))
+
+
+def problems(mission: Mission) -> list[Problem]:
+    idle, fly = mission.states["idle"], mission.states["fly"]
+    when = idle.transitions[0].when
+    assert isinstance(when, All)
+    return [
+        Problem(idle.transitions[1].place("after"), "late: <then>; done"),
+        Problem(fly.place("kind"), "trap", Level.WARNING, "trap"),
+        Problem(when.parts[1].place, "never"),
+        Problem(mission.failsafes[0].place("when"), "of a failsafe"),
+        Problem(Place("m.yaml", 11, 21), "at a key of a transition"),
+    ]
+
+
+def test_problems_belong_to_the_state_or_transition_they_stand_in(mission: Mission):
+    found = marks(mission, problems(mission))
+    assert found.states == {"fly": (2,)}
+    assert found.ways == {("idle", 1): (1,), ("idle", 0): (3, 5)}
+    assert found.lines[1] == "[2] warning, line 13: trap"
+
+
+def test_problems_are_drawn_in_red_and_told(mission: Mission):
+    picture = svg(mission, marks(mission, problems(mission)))
+    assert picture.count('class="arrow marked"') == 2
+    assert picture.count('class="box marked"') == 1
+    shown = texts(picture)
+    assert {"fly [2]", "[1] on again and after 3 s"} <= set(shown)
+    at = shown.index("Problems, marked in red:")
+    assert shown[at + 1] == "[1] error, line 12: late: <then>; done"
+    assert shown[at + 4] == "[4] error, line 5: of a failsafe"
+
+
+def test_problems_are_numbered_in_mermaid(mission: Mission):
+    drawn = mermaid(mission, marks(mission, problems(mission)))
+    for line in (
+        '    state "fly [2]" as s1_fly',
+        "    s0_idle --> s0_idle : [1] on again and after 3 s",
+        "    note right of s0_idle\n        problems:\n"
+        "        [1] error, line 12#58; late#58; #60;then#62;#59; done",
+        "    style s1_fly fill:#cfe3fb,stroke:#c81e1e,stroke-width:3px,color:#111",
+    ):
+        assert f"{line}\n" in drawn
+
+
+def test_what_a_contract_added_has_no_place(mission: Mission, catalogue: Catalogue):
+    nowhere = [Problem(Place("", 1, 1), "somewhere")]
+    assert marks(fulfilled(mission, catalogue), nowhere).ways == {}
+
+
+def test_a_transition_over_several_lines_is_marked_too(catalogue: Catalogue):
+    inline = "{to: fly, when: {all: [ready, {not: done}]}, for: 1.5}"
+    block = "to: fly\n        when:\n          all:\n            - ready\n            - done"
+    mission = parse(TEXT.replace(inline, block), "m.yaml", catalogue)
+    when = mission.states["idle"].transitions[0].when
+    assert isinstance(when, All)
+    assert marks(mission, [Problem(when.parts[1].place, "never")]).ways == {("idle", 0): (1,)}

@@ -27,7 +27,7 @@ def unreachable(chart: Chart) -> Iterator[Problem]:
         yield Problem(
             place,
             f"state {name!r} can never be reached: {_no_way(chart, name, reached)}",
-            Level.ERROR,
+            Level.WARNING,
             "unreachable-state",
             "add a transition that leads to it, or remove it",
         )

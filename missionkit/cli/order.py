@@ -1,0 +1,26 @@
+"""What the command line asks `missionkit run` for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+GAP = 1.0  # s
+
+
+class Order(NamedTuple):
+    """One flight."""
+
+    mission: Path
+    settings: tuple[str, ...]
+    plugins: tuple[Path, ...]
+    seed: int
+    faults: tuple[str, ...]
+    speed: float | None
+    out: Path
+    headless: bool
+    as_json: bool
+    events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
+    resume: Path | None = None  # the folder of the run that is gone on with
+    gap: float = GAP  # s that the simulated vehicle flew alone
+    force: bool = False  # also with another mission

@@ -1,0 +1,118 @@
+"""What is wrong with a mission: for people with the line and a caret, for programs as JSON."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from unicodedata import combining, east_asian_width
+
+from missionkit.errors import Level, Problem
+
+SHOWN = 100  # characters of a source line
+BEFORE = 60  # of them before the column
+MAX_BYTES = 4 * 1024 * 1024
+_BREAKS = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # as YAML counts lines
+_PLAIN = 0
+_COLOURS = {Level.ERROR: 31, Level.WARNING: 33}
+_HELP = 36
+Sources = Mapping[str, Sequence[str]]  # file -> its lines
+
+
+def sources(problems: Sequence[Problem]) -> dict[str, Sequence[str]]:
+    """Return the lines of every file that a problem names and that can be read as text."""
+    return {name: _lines(Path(name)) for name in {problem.place.file for problem in problems}}
+
+
+def _lines(path: Path) -> Sequence[str]:
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(MAX_BYTES)
+    except (OSError, ValueError):
+        return ()
+    return _BREAKS.split(raw.decode("utf-8-sig", errors="replace"))
+
+
+def text(problems: Sequence[Problem], lines: Sources, *, colours: bool = False) -> str:
+    """Return every problem with its line, a caret and the remedy.
+
+    The first line of each is `file:line:column: level[code]: message`, as compilers write it.
+    """
+    paint = _painted if colours else _unpainted
+    return "\n".join(line for problem in problems for line in _block(problem, lines, paint))
+
+
+def _block(problem: Problem, lines: Sources, paint: Callable[[str, int], str]) -> Iterator[str]:
+    code = f"[{problem.code}]" if problem.code else ""
+    colour = _COLOURS[problem.level]
+    level = paint(f"{problem.level}{code}:", colour)
+    yield f"{problem.place}: {level} {_printable(problem.message)}"
+    source = lines.get(problem.place.file, ())
+    line, column = problem.place.line, problem.place.column
+    if 1 <= line <= len(source) and source[line - 1].strip():
+        shown, before = _window(source[line - 1], max(column, 1) - 1)
+        yield f"  {shown}"
+        yield f"  {_blank(before)}{paint('^', colour)}"
+    if problem.remedy:
+        yield f"  {paint('help:', _HELP)} {_printable(problem.remedy)}"
+
+
+def _window(line: str, at: int) -> tuple[str, str]:
+    """Return the part of a line that is shown, and what of it stands before the caret."""
+    at = min(at, len(line))
+    first = 0 if len(line) <= SHOWN else max(0, at - BEFORE)
+    start, end = ("…" if first else ""), ("…" if len(line) > first + SHOWN else "")
+    shown = _printable(line[first : first + SHOWN])
+    return f"{start}{shown}{end}", start + shown[: at - first]
+
+
+def _printable(line: str) -> str:
+    """Return a line that moves no cursor and paints nothing on a terminal."""
+    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in line)
+
+
+def _blank(before: str) -> str:
+    """Return as much space as a text takes on a terminal."""
+    return "".join("\t" if c == "\t" else " " * _cells(c) for c in before)
+
+
+def _cells(character: str) -> int:
+    return 0 if combining(character) else 1 + (east_asian_width(character) in "WF")
+
+
+def _painted(words: str, colour: int) -> str:
+    return f"\x1b[1;{colour}m{words}\x1b[{_PLAIN}m"
+
+
+def _unpainted(words: str, _: int) -> str:
+    return words
+
+
+def summary(problems: Sequence[Problem]) -> str:
+    """Return how much is wrong: "2 errors, 1 warning".
+
+    >>> summary(())
+    'no problems'
+    """
+    counts = {level: sum(each.level is level for each in problems) for level in Level}
+    said = [f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n]
+    return ", ".join(said) or "no problems"
+
+
+def as_json(problems: Sequence[Problem]) -> str:
+    """Return a list of problems as programs read it."""
+    return json.dumps([_plain(problem) for problem in problems], indent=2)
+
+
+def _plain(problem: Problem) -> dict[str, str | int]:
+    place = problem.place
+    return {
+        "file": place.file,
+        "line": place.line,
+        "column": place.column,
+        "level": str(problem.level),
+        "code": problem.code,
+        "message": problem.message,
+        "remedy": problem.remedy,
+    }

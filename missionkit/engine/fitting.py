@@ -1,0 +1,81 @@
+"""Fitting a saved chart memory to the chart that is flown now."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from missionkit.chart.compiled import HISTORY, ROOT, Chart, Shape
+from missionkit.chart.memory import ChartMemory, begin
+from missionkit.chart.stance import stance
+from missionkit.chart.variables import Value, Values
+from missionkit.engine.keeping import Anew
+
+
+def fitted(
+    chart: Chart, saved: ChartMemory, now: float, *, changed: bool
+) -> tuple[ChartMemory, bool, tuple[str, ...]]:
+    """Return the memory to go on with, whether the chart stands where it stood, and the news.
+
+    How long a guard has held (`for:`) is not known across a gap: for the states' own transitions
+    it counts anew, for failsafes and invariants it counts on. Times of entry stay, so `after:`
+    goes on.
+
+    Args:
+        chart: that is flown now.
+        saved: the memory as it was saved.
+        now: s.
+        changed: the mission is not the one that was flown; guards then begin anew.
+    """
+    fresh = begin(chart, now)
+    if not changed:
+        numbers = {failsafe.number for failsafe in chart.failsafes}
+        held = {number: since for number, since in saved.held.items() if number in numbers}
+        return saved._replace(held=held, windows=_windows(fresh, saved)), True, ()
+    if not stands(chart, saved):
+        lost = f"the chart has no place like {', '.join(saved.active)}: it begins anew"
+        return fresh._replace(variables=_values(chart, saved)), False, (lost,)
+    kept = fresh._replace(
+        active=saved.active,
+        entered=saved.entered,
+        variables=_values(chart, saved),
+        pilot=stance(chart, saved.active).pilot,
+        started=True,
+        ended=saved.ended,
+    )
+    return kept, True, ("guards, behaviours and histories begin anew",)
+
+
+def stands(chart: Chart, saved: ChartMemory) -> bool:
+    """Say whether a configuration is one of this chart's: legal by SCXML, in document order."""
+    if any(name not in chart.states for name in (*saved.active, *saved.entered)):
+        return False
+    ordered = sorted(set(saved.active), key=lambda name: chart.states[name].order)
+    return tuple(ordered) == saved.active and all(
+        _legal(chart, name, saved.active) for name in (ROOT, *saved.active)
+    )
+
+
+def _legal(chart: Chart, name: str, active: tuple[str, ...]) -> bool:
+    state = chart.states[name]
+    inside = sum(child in active for child in state.children)
+    if name != ROOT and state.parent not in (ROOT, *active):
+        return False
+    if state.shape is Shape.PARALLEL:
+        return inside == sum(chart.states[it].shape not in HISTORY for it in state.children)
+    if name == ROOT or state.shape is Shape.COMPOUND:
+        return inside == 1
+    return state.shape not in HISTORY
+
+
+def _windows(fresh: ChartMemory, saved: ChartMemory) -> tuple[Any, ...]:
+    pairs = zip(fresh.windows, saved.windows, strict=True)
+    return tuple(new if old is Anew.BEGIN else old for new, old in pairs)
+
+
+def _values(chart: Chart, saved: ChartMemory) -> Values:
+    """Return the variables, with the saved values that they still admit."""
+    values: dict[str, Value] = {}
+    for name, variable in chart.variables.items():
+        kept = saved.variables.get(name, variable.initial)
+        values[name] = kept if variable.admits(kept) else variable.initial
+    return values

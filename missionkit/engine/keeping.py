@@ -1,0 +1,52 @@
+"""Getting a memory ready to be saved: plug-ins may remember what cannot be written down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from enum import Enum
+from typing import Any
+
+from missionkit.chart.compiled import Chart
+from missionkit.engine.memory import Hands, Memory, Paused
+
+Fits = Callable[[Any], bool]
+
+
+class Anew(Enum):
+    """Stands for a memory that was not saved."""
+
+    BEGIN = "begin anew"
+
+
+def keepable(chart: Chart, memory: Memory, fits: Fits) -> tuple[Memory, tuple[str, ...]]:
+    """Return the memory without what cannot be saved, and a sentence for each part left out.
+
+    Args:
+        chart: whose memory it is.
+        memory: as the tick left it.
+        fits: says whether a value can be saved.
+    """
+    hands, lost = _hands(chart, memory, fits)
+    windows = tuple(each if fits(each) else Anew.BEGIN for each in memory.chart.windows)
+    for slot, window in zip(chart.slots, windows, strict=True):
+        if window is Anew.BEGIN:
+            lost.append(f"what {slot.name} remembers cannot be saved: it begins anew")
+    return memory._replace(hands=hands, chart=memory.chart._replace(windows=windows)), tuple(lost)
+
+
+def _hands(chart: Chart, memory: Memory, fits: Fits) -> tuple[Hands, list[str]]:
+    hands, lost = memory.hands, []
+    paused, past = _fitting(hands.paused, fits), _fitting(hands.past, fits)
+    gone = [*(hands.paused.keys() - paused.keys()), *(hands.past.keys() - past.keys())]
+    if not fits(hands.behavior):
+        gone.append(memory.chart.state)
+        hands = hands._replace(behavior=None, begun=False, done=False, goal=None)
+    for name in sorted(gone):
+        behavior = chart.states[name].behavior
+        what = name if behavior is None else behavior.kind
+        lost.append(f"what {what} remembers in {name} cannot be saved: it begins anew")
+    return hands._replace(paused=paused, past=past), lost
+
+
+def _fitting(kept: Mapping[str, Paused], fits: Fits) -> dict[str, Paused]:
+    return {name: paused for name, paused in kept.items() if fits(paused.behavior)}

@@ -1,0 +1,174 @@
+"""What a saved memory is worth once the vehicle has been heard again.
+
+Between the last checkpoint and now nobody commanded the vehicle. Where chart and vehicle disagree
+the vehicle is right, and the answer is the one that ends on the ground: nothing that has landed
+is armed again, and a pilot who has taken over is left alone. The cases stand in `CASES`, the
+first that applies counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+from typing import NamedTuple
+
+from missionkit.behaviors.take_off import TakeOff
+from missionkit.chart.memory import ChartMemory
+from missionkit.chart.semantics import ABORT
+from missionkit.chart.stance import SAFETY, stance
+from missionkit.control.limits import Triple
+from missionkit.engine.fitting import fitted
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Course, Memory
+from missionkit.errors import VehicleError
+from missionkit.messages import VehicleStatus
+
+OURS = frozenset(("hold", "offboard", "take_off", "land"))  # modes that are no pilot's
+
+
+class Then(Enum):
+    """What is done about it."""
+
+    GO_ON = "the chart goes on"
+    LAND = "landing"
+    LEAVE = "nothing is commanded"
+
+
+class Facts(NamedTuple):
+    """What vehicle and chart say."""
+
+    status: VehicleStatus | None  # heard since
+    state: str  # that commands
+    flying: bool  # the chart believes to fly
+    landing: bool  # the chart lands
+    climbing: bool  # the chart takes off, and the estimate is sound
+    flown: bool  # was armed or in the air before
+    placed: bool  # the configuration is one of the chart's
+
+
+class Case(NamedTuple):
+    """One way in which chart and vehicle agree or not."""
+
+    says: str
+    then: Then
+    applies: Callable[[Facts, VehicleStatus], bool]
+
+
+CASES: tuple[Case, ...] = (
+    Case("a pilot flies, mode {mode}", Then.LEAVE, lambda _, s: s.in_air and s.mode not in OURS),
+    Case("in the air, landing", Then.GO_ON, lambda it, s: s.in_air and it.landing),
+    Case("the autopilot lands", Then.LAND, lambda _, s: s.in_air and s.mode == "land"),
+    Case(
+        "in the air, at a place in the chart that is no more",
+        Then.LAND,
+        lambda it, s: s.in_air and not it.placed,
+    ),
+    Case("in the air, in {state}", Then.GO_ON, lambda it, s: s.in_air and it.flying),
+    Case("in the air, taking off", Then.GO_ON, lambda it, s: s.in_air and it.climbing),
+    Case(
+        "in the air, though the chart stood on the ground in {state}",
+        Then.LAND,
+        lambda _, s: s.in_air,
+    ),
+    Case(
+        "on the ground, disarmed: the flight is over",
+        Then.LAND,
+        lambda it, s: not s.armed and (it.flying or it.flown),
+    ),
+    Case("on the ground, before take-off", Then.GO_ON, lambda _, s: not s.armed),
+    Case("on the ground, landing", Then.GO_ON, lambda it, _: it.landing),
+    Case(
+        "on the ground, though the chart flew in {state}",
+        Then.LAND,
+        lambda it, _: it.flying,
+    ),
+    Case("on the ground, armed, in {state}", Then.GO_ON, lambda _, __: True),
+)
+
+
+class Woken(NamedTuple):
+    """With what the flight goes on."""
+
+    course: Course
+    events: tuple[str, ...]  # for the first tick
+    notes: tuple[str, ...]
+
+
+def reconciled(plan: Plan, saved: Course, heard: Memory, *, changed: bool = False) -> Woken:
+    """Fit a saved course to what the vehicle does now.
+
+    Args:
+        plan: what flies.
+        saved: the course as it was saved.
+        heard: its memory, with what was sensed since.
+        changed: the mission is not the one that was flown.
+
+    Raises:
+        VehicleError: the vehicle is to be left alone; nothing was commanded.
+    """
+    before = saved.memory
+    chart, placed, notes = fitted(plan.chart, heard.chart, heard.now, changed=changed)
+    fresh = heard.senses.status
+    if fresh is not None and fresh.at <= before.now:
+        fresh = None
+    facts = _facts(plan, saved, chart, heard, fresh, placed=placed)
+    says, then = _judged(facts)
+    if then is Then.LAND and not plan.chart.land:
+        then = Then.LEAVE
+    told = f"resumed after {heard.now - before.now:.2f} s: {says}; {then.value}"
+    if then is Then.LEAVE:
+        raise VehicleError(told)
+    memory = _handed_back(plan, before, heard._replace(chart=chart), fresh, anew=changed)
+    events = (ABORT,) if then is Then.LAND else ()
+    return Woken(saved._replace(memory=memory, grounded_since=None), events, (told, *notes))
+
+
+def _judged(facts: Facts) -> tuple[str, Then]:
+    status = facts.status
+    if status is None:
+        return "the vehicle is silent", Then.LAND
+    case = next(case for case in CASES if case.applies(facts, status))
+    return case.says.format(mode=status.mode, state=facts.state), case.then
+
+
+def _facts(
+    plan: Plan,
+    saved: Course,
+    chart: ChartMemory,
+    heard: Memory,
+    fresh: VehicleStatus | None,
+    *,
+    placed: bool,
+) -> Facts:
+    here = stance(plan.chart, chart.active)
+    behavior = plan.chart.states[chart.state].behavior
+    health = plan.navigator.read(heard.senses.navigation).health
+    return Facts(
+        fresh,
+        chart.state,
+        here.flying,
+        here.safety == SAFETY["land"],
+        isinstance(behavior, TakeOff) and health.aligned and not health.diverged,
+        saved.flown or saved.memory.senses.home is not None,
+        placed,
+    )
+
+
+def _handed_back(
+    plan: Plan, before: Memory, now: Memory, fresh: VehicleStatus | None, *, anew: bool
+) -> Memory:
+    """Return the memory to tick with: control starts from how the vehicle moves now."""
+    state = plan.navigator.read(now.senses.navigation)
+    north, east, down = state.velocity.tolist()
+    velocity: Triple = (north, east, down)
+    hands = now.hands._replace(control=plan.control.begin()._replace(velocity=velocity))
+    if anew:
+        hands = hands._replace(behavior=None, begun=False, done=False, goal=None)
+        hands = hands._replace(paused={}, past={})
+        field = None if plan.field is None else plan.field.begin()
+        hands = hands._replace(avoidance=field)
+    senses = now.senses
+    if fresh is not None and fresh.in_air and before.senses.home is None:
+        home = plan.navigator.read(before.senses.navigation).position  # where it stood
+        senses = senses._replace(home=home)
+    return now._replace(senses=senses, hands=hands)

@@ -1,0 +1,61 @@
+"""Going on with a flight whose process died: listen first, command later."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from missionkit.engine.clock import Pace
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Course, Memory
+from missionkit.engine.reconcile import Woken, reconciled
+from missionkit.engine.sense import sense
+from missionkit.ports import Vehicle
+
+PATIENCE = 2.0  # s to wait for a heartbeat
+SETTLING = 10.0  # s to wait, in the air, until the estimate is sound again
+CALM = 1.0  # s without a refused measurement: it is
+
+
+class Resumption(NamedTuple):
+    """From what, and when, a flight goes on."""
+
+    course: Course  # as it was saved
+    now: float  # s, mission time, which went on while nobody commanded
+    changed: bool = False  # the mission is not the one that was flown
+    notes: tuple[str, ...] = ()  # what else is to be told
+
+
+async def wake(plan: Plan, vehicle: Vehicle, pace: Pace, since: Resumption) -> Woken:
+    """Listen until the vehicle has said what it does, then fit the memory to it.
+
+    The filter takes in what is heard; the chart and its guards do not move. In the air it is given
+    time to get over the hole in its data, while the autopilot holds.
+
+    Raises:
+        VehicleError: the vehicle is to be left alone; nothing was commanded.
+    """
+    saved, heard = since.course, since.course.memory
+    count, calm = round(since.now / plan.period), 0.0
+    while not _enough(saved.memory, heard, waited=heard.now - since.now, calm=calm):
+        count += 1
+        now = count * plan.period
+        await pace.until(now)
+        senses, _ = sense(plan, heard, await vehicle.observe(now))
+        heard = heard._replace(now=now, senses=senses)
+        calm = calm + plan.period if _sound(plan, saved.memory, heard) else 0.0
+    woken = reconciled(plan, saved, heard, changed=since.changed)
+    return woken._replace(notes=woken.notes + since.notes)
+
+
+def _enough(before: Memory, heard: Memory, *, waited: float, calm: float) -> bool:
+    status = heard.senses.status
+    if status is None or status.at <= before.now:
+        return waited >= PATIENCE
+    return not status.in_air or calm >= CALM or waited >= SETTLING
+
+
+def _sound(plan: Plan, before: Memory, heard: Memory) -> bool:
+    """Say whether the filter takes what it is told, fixes among it; until aligned it need not."""
+    health = plan.navigator.read(heard.senses.navigation).health
+    fixed = health.gnss_at is not None and health.gnss_at > before.now
+    return not health.aligned or (fixed and not health.diverged and not health.rejected)

@@ -1,0 +1,211 @@
+"""Values as JSON text and back; reading builds plain data and runs nothing.
+
+    None, bool, int, float, str      themselves; floats keep every bit
+    tuple                            array
+    list, dict, frozenset, bytes     {"list": ...}, {"dict": [[key, value], ...]}, ...
+    numpy array or number            {"array": [dtype, shape, base64]}
+    NamedTuple of the package        {"missionkit.messages.observation:Battery": [...]}
+    frozen dataclass of the package  {"missionkit.geometry:Transform": [...]}
+    enum of the package              {"missionkit.messages.command:Action": "land"}
+
+A class is looked up among the modules of the package that are loaded already: a text can make
+nothing be imported, and nothing be called but what builds a tuple, a dataclass without code of
+its own, or an enum's member.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import math
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+PACKAGE = "missionkit."
+DTYPE = re.compile(r"[<|][biuf][1248]")
+LARGE = 1 << 63  # integers from here on are written in hexadecimal
+
+
+class NotPlainError(Exception):
+    """A value that cannot be written."""
+
+
+class NotReadableError(Exception):
+    """A text that this module did not write."""
+
+
+def written(value: Any) -> str:
+    """Return a value as text.
+
+    Raises:
+        NotPlainError: it holds something that is none of the above.
+    """
+    try:
+        return json.dumps(_plain(value), separators=(",", ":"), allow_nan=False)
+    except RecursionError as error:
+        raise NotPlainError("a value that holds itself") from error
+
+
+def read(text: str) -> Any:
+    """Return the value that `written` was given.
+
+    Raises:
+        NotReadableError: it was not given any.
+    """
+    try:
+        return _built(json.loads(text))
+    except (ValueError, TypeError, KeyError, RecursionError, binascii.Error) as error:
+        raise NotReadableError(str(error)) from error
+
+
+def is_plain(value: Any) -> bool:
+    """Say whether a value can be written."""
+    try:
+        _plain(value)
+    except (NotPlainError, RecursionError):
+        return False
+    return True
+
+
+def _plain(value: Any) -> Any:
+    kind = type(value)
+    write = WRITERS.get(kind)
+    if write is not None:
+        return write(value)
+    if isinstance(value, Enum):
+        return {_name_of(kind): _plain(value.value)}
+    if isinstance(value, tuple):
+        return {_name_of(kind): [_plain(part) for part in value]}
+    if is_dataclass(value):
+        return {_name_of(kind): [_plain(getattr(value, part.name)) for part in fields(value)]}
+    if isinstance(value, Mapping):  # read-only ones too
+        return _dict(value)
+    if isinstance(value, np.generic):
+        return _array(np.asarray(value))
+    raise NotPlainError(f"{kind.__module__}.{kind.__qualname__}")
+
+
+def _itself(value: Any) -> Any:
+    return value
+
+
+def _int(value: int) -> Any:
+    return value if -LARGE < value < LARGE else {"int": hex(value)}
+
+
+def _float(value: float) -> Any:
+    return value if math.isfinite(value) else {"float": repr(value)}
+
+
+def _tuple(value: tuple[Any, ...]) -> Any:
+    return [_plain(part) for part in value]
+
+
+def _list(value: list[Any]) -> Any:
+    return {"list": [_plain(part) for part in value]}
+
+
+def _dict(value: Mapping[Any, Any]) -> Any:
+    return {"dict": [[_plain(key), _plain(part)] for key, part in value.items()]}
+
+
+def _set(value: frozenset[Any]) -> Any:
+    return {"set": sorted((_plain(part) for part in value), key=repr)}
+
+
+def _bytes(value: bytes) -> Any:
+    return {"bytes": base64.b64encode(value).decode("ascii")}
+
+
+def _array(value: np.ndarray[Any, Any]) -> Any:
+    dtype = value.dtype.newbyteorder("<").str
+    if not DTYPE.fullmatch(dtype):
+        raise NotPlainError(f"an array of {value.dtype}")
+    data = value.astype(dtype, order="C").tobytes()
+    return {"array": [dtype, list(value.shape), base64.b64encode(data).decode("ascii")]}
+
+
+def _name_of(kind: type) -> str:
+    name = f"{kind.__module__}:{kind.__qualname__}"
+    if _class_of(name) is not kind:
+        raise NotPlainError(name.replace(":", "."))
+    return name
+
+
+WRITERS: Mapping[type, Callable[[Any], Any]] = {
+    type(None): _itself,
+    bool: _itself,
+    str: _itself,
+    int: _int,
+    float: _float,
+    tuple: _tuple,
+    list: _list,
+    dict: _dict,
+    frozenset: _set,
+    bytes: _bytes,
+    np.ndarray: _array,
+}
+
+
+def _built(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple([_built(part) for part in value])
+    if not isinstance(value, dict):
+        return value
+    ((tag, content),) = value.items()
+    build = BUILDERS.get(tag)
+    return _instance(tag, _built(content)) if build is None else build(content)
+
+
+def _instance(name: str, content: Any) -> Any:
+    kind: Any = _class_of(name)
+    if kind is None:
+        raise NotReadableError(f"{name} is no plain class of this missionkit")
+    if issubclass(kind, Enum):
+        return kind(content)
+    return kind._make(content) if issubclass(kind, tuple) else kind(*content)
+
+
+def _class_of(name: str) -> type | None:
+    """Return the plain class of that name, if a loaded module of the package defines it."""
+    module, _, path = name.partition(":")
+    found: Any = sys.modules.get(module) if module.startswith(PACKAGE) else None
+    for part in path.split("."):
+        found = vars(found).get(part) if hasattr(found, "__dict__") else None
+    if not isinstance(found, type) or found.__module__ != module:
+        return None
+    return found if _is_data(found) else None
+
+
+def _is_data(kind: Any) -> bool:
+    """Say whether building an instance runs no code of the package."""
+    if is_dataclass(kind):
+        own_code = hasattr(kind, "__post_init__") or not vars(kind)["__dataclass_params__"].frozen
+        return not own_code and all(part.init for part in fields(kind))
+    return issubclass(kind, Enum) or (issubclass(kind, tuple) and hasattr(kind, "_fields"))
+
+
+def _array_of(content: Any) -> Any:
+    dtype, shape, data = content
+    if not DTYPE.fullmatch(dtype):
+        raise NotReadableError(f"an array of {dtype}")
+    flat = np.frombuffer(base64.b64decode(data, validate=True), dtype)
+    return flat.reshape([int(size) for size in shape]).copy()[()]
+
+
+BUILDERS: Mapping[str, Callable[[Any], Any]] = {
+    "int": lambda text: int(text, 16),
+    "float": float,
+    "list": lambda parts: [_built(part) for part in parts],
+    "dict": lambda pairs: {_built(key): _built(part) for key, part in pairs},
+    "set": lambda parts: frozenset(_built(part) for part in parts),
+    "bytes": lambda text: base64.b64decode(text, validate=True),
+    "array": _array_of,
+}

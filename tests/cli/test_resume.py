@@ -1,0 +1,341 @@
+"""A run whose process is killed goes on from where it was; what changed meanwhile is named."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from missionkit.cli import run as command
+from missionkit.recorder import checkpoint
+from missionkit.recorder.checkpoint import BEFORE, NEWEST, load
+from missionkit.recorder.reading import read
+from missionkit.rehearsal import Kept
+
+STAY = """\
+missionkit: 1
+mission: stay
+params: {height: 2.0, stay: 6}
+camera: {use: none}
+world: field.yaml
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: $height}
+    transitions: [{to: up, when: done}]
+  up:
+    kind: custom
+    transitions: [{to: land, after: $stay}]
+  land:
+    kind: land
+"""
+FIELD = "world: field\nwind: {mean: [1.0, 0.5, 0.0]}\n"
+
+
+class KilledError(BaseException):
+    """Stands for SIGKILL: nothing of the command's own runs after it."""
+
+
+@pytest.fixture
+def stay(call, tmp_path):
+    path = tmp_path / "stay.yaml"
+    path.write_text(STAY)
+    (tmp_path / "field.yaml").write_text(FIELD)
+    return path
+
+
+@pytest.fixture
+def killed(call, stay, tmp_path, monkeypatch):
+    """Fly until a moment, then die; return the folder."""
+
+    def fly(at=5.0, *arguments):
+        save = command.Saving.__call__
+
+        def last(self, kept: Kept):
+            save(self, kept)
+            if kept.course.memory.now >= at - 1e-6:
+                raise KilledError
+
+        monkeypatch.setattr(command.Saving, "__call__", last)
+        with pytest.raises(KilledError):
+            call("run", "stay.yaml", *arguments)
+        monkeypatch.undo()
+        monkeypatch.chdir(tmp_path)
+        return Path("runs/stay-seed0")
+
+    return fly
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def entered(folder, state):
+    return next(it["at"] for it in summary(folder)["transitions"] if it["to"] == state)
+
+
+def test_a_killed_run_goes_on_and_is_summed_up_as_a_whole(call, killed):
+    folder = killed()
+    saved = load(folder).value.kept.course.memory
+    result = call("run", "--resume", str(folder))
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "resumed after 2.10 s: in the air, in up; the chart goes on" in result.stdout
+    assert result.stdout.count("  up: ") == 1  # the live view does not catch up with the past
+    told = summary(folder)
+    assert [it["to"] for it in told["transitions"]] == ["up", "land"]
+    assert [it["state"] for it in told["states"]] == ["idle", "up", "land"]
+    assert told["duration"] > saved.now + 3.0
+    assert (told["grade"]["landed"], told["seed"]) == (True, 0)
+    assert {path.name for path in folder.iterdir()} == {
+        *("flight.mcap", "flight-2.mcap", "mission.yaml", "summary.json", "track.png")
+    }
+    again = next(read(folder / "flight-2.mcap", "/command"))
+    assert saved.now + 2.0 < again.at < saved.now + 2.3  # nothing was commanded before
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0, 2.5])
+def test_timers_go_on_in_mission_time(call, killed, gap):
+    folder = killed()
+    call("run", "--resume", str(folder), "--gap", str(gap))
+    assert entered(folder, "land") - entered(folder, "up") == pytest.approx(6.0, abs=0.06)
+
+
+def test_a_timer_that_ran_out_meanwhile_acts_at_once(call, killed):
+    folder = killed(5.0)
+    call("run", "--resume", str(folder), "--gap", "8")
+    commands = read(folder / "flight-2.mcap", "/command")
+    assert entered(folder, "land") == pytest.approx(next(commands).at)
+
+
+def test_a_run_may_be_killed_twice(call, killed, monkeypatch):
+    folder = killed(4.0)
+    save = command.Saving.__call__
+
+    def last(self, kept):
+        save(self, kept)
+        if kept.course.memory.now >= 7.0:
+            raise KilledError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(command.Saving, "__call__", last)
+        with pytest.raises(KilledError):
+            call("run", "--resume", str(folder))
+    assert call("run", "--resume", str(folder)).exit_code == 0
+    assert (folder / "flight-3.mcap").is_file()
+    assert [it["to"] for it in summary(folder)["transitions"]] == ["up", "land"]
+
+
+def test_a_damaged_checkpoint_is_told_and_the_one_before_is_used(call, killed):
+    folder = killed()
+    text = (folder / NEWEST).read_text()
+    (folder / NEWEST).write_text(text[:-100])
+    result = call("run", "--resume", str(folder))
+    assert result.exit_code == 0
+    assert "this checkpoint cannot be used: it was cut short or changed" in result.stderr
+
+
+def test_without_a_sound_checkpoint_nothing_is_flown(call, killed):
+    folder = killed()
+    (folder / NEWEST).write_text("")
+    (folder / BEFORE).unlink()
+    result = call("run", "--resume", str(folder))
+    assert result.exit_code == 2
+    assert result.stderr == f"{folder / NEWEST}: this checkpoint cannot be used: " + (
+        "this is not a checkpoint of this missionkit\n"
+    )
+    assert not (folder / "flight-2.mcap").exists()
+
+
+def test_a_checkpoint_that_holds_something_else_is_refused(call, killed):
+    folder = killed()
+    (folder / NEWEST).write_text(checkpoint.sealed(checkpoint.Saved((1, 2), {})))
+    result = call("run", "--resume", str(folder))
+    assert (result.exit_code, result.stderr) == (
+        2,
+        f"{folder / NEWEST}: this is no checkpoint of a flight\n",
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "lines"),
+    [
+        (
+            "stay.yaml",
+            "kind: custom",
+            "kind: hover",
+            ["--- stay.yaml (as flown)", "+++ stay.yaml (now)", "-    kind: custom"],
+        ),
+        (
+            "field.yaml",
+            "0.5",
+            "0.6",
+            ["--- field.yaml (as flown)", "+wind: {mean: [1.0, 0.6, 0.0]}"],
+        ),
+        (
+            "stay.yaml",
+            "stay: 6",
+            "stay: 7",
+            ["+params: {height: 2.0, stay: 7}", "parameter stay: 6 as flown, 7 now"],
+        ),
+    ],
+)
+def test_a_changed_file_is_refused_with_its_differences(
+    call, killed, tmp_path, name, old, new, lines
+):
+    folder = killed()
+    path = tmp_path / name
+    path.write_text(path.read_text().replace(old, new))
+    result = call("run", "--resume", str(folder))
+    assert result.exit_code == 2
+    said = result.stderr.splitlines()
+    assert said[0] == (
+        f"{folder}: the mission was changed since; --force goes on with it as it is now"
+    )
+    assert set(lines) <= set(said)
+    assert (folder / NEWEST).is_file()
+    forced = call("run", "--resume", str(folder), "--force")
+    assert forced.exit_code == 0
+    assert "guards, behaviours and histories begin anew" in forced.stdout
+    assert (folder / "mission-2.yaml").read_bytes() == (tmp_path / "stay.yaml").read_bytes()
+
+
+def test_a_changed_mission_that_dies_at_once_is_still_a_changed_one(
+    call, killed, stay, monkeypatch
+):
+    folder = killed()
+    text = STAY.replace(
+        "after: $stay}", "when: {use: near_goal, radius: 1}}, {to: land, after: $stay}"
+    )
+    stay.write_text(text)
+
+    def die(*_, **__):
+        raise KilledError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(command, "rehearse", die)
+        with pytest.raises(KilledError):
+            call("run", "--resume", str(folder), "--force")
+    result = call("run", "--resume", str(folder))
+    assert result.exit_code == 0
+    assert "guards, behaviours and histories begin anew" in result.stdout
+
+
+def test_another_value_of_a_parameter_is_a_change(call, killed):
+    folder = killed(5.0, "--set", "stay=8")
+    result = call("run", "--resume", str(folder), "--set", "stay=9")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[1:] == ["parameter stay: 8 as flown, 9 now"]
+    assert call("run", "--resume", str(folder)).exit_code == 0
+    assert entered(folder, "land") - entered(folder, "up") == pytest.approx(8.0, abs=0.06)
+
+
+def test_other_targets_are_refused_also_by_force(call, killed, stay):
+    folder = killed()
+    stay.write_text(STAY + "targets: {pole: {position: [9, 0, -2]}}\n")
+    result = call("run", "--resume", str(folder), "--force")
+    assert result.exit_code == 2
+    assert "the targets are not those of the run" in result.stderr
+
+
+def test_a_state_that_is_gone_lands(call, killed, stay):
+    folder = killed()
+    stay.write_text(STAY.replace("  up:", "  aloft:").replace("to: up", "to: aloft"))
+    result = call("run", "--resume", str(folder), "--force")
+    assert result.exit_code == 0
+    assert "in the air, at a place in the chart that is no more; landing" in result.stdout
+    assert summary(folder)["transitions"][-1]["reason"] == "operator: land"
+
+
+def test_a_flight_that_has_ended_is_not_resumed(call, stay):
+    call("run", "stay.yaml")
+    result = call("run", "--resume", "runs/stay-seed0")
+    assert (result.exit_code, result.stderr) == (
+        2,
+        "runs/stay-seed0: nothing to resume: the flight has ended\n",
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ([], "name the mission file to fly, or --resume RUN"),
+        (["--resume", "nowhere"], "nowhere: nothing to resume: it holds no origin.json"),
+    ],
+)
+def test_a_command_that_names_no_flight_is_refused(call, arguments, says):
+    result = call("run", *arguments)
+    assert (result.exit_code, result.stderr) == (2, says + "\n")
+
+
+def test_faults_cannot_be_changed(call, killed):
+    result = call("run", "--resume", str(killed()), "--fault", "gnss_lost")
+    assert (result.exit_code, result.stderr) == (2, "--fault cannot be changed by --resume\n")
+
+
+FOREIGN = """\
+from typing import Any, ClassVar
+
+from missionkit.messages import Estimate, Step, Verdict
+from missionkit.plugin import Behavior, WindowGuard
+
+
+class Count:
+    def __init__(self, ticks: int) -> None:
+        self.ticks = ticks
+
+
+class Stare(Behavior):
+    kind: ClassVar[str] = "stare"
+
+    def begin(self, seen: Estimate) -> Count:
+        return Count(0)
+
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        return Step(memory=Count(memory.ticks + 1), note=f"stared {memory.ticks}")
+
+
+class Patient(WindowGuard):
+    kind: ClassVar[str] = "patient"
+
+    def begin(self) -> Count:
+        return Count(0)
+
+    def advance(self, memory: Any, seen: Estimate) -> Count:
+        return Count(memory.ticks + 1)
+
+    def check(self, memory: Any, seen: Estimate) -> Verdict:
+        return Verdict.at_least(float(memory.ticks), 1e6)
+"""
+
+
+def test_what_a_foreign_plug_in_remembers_begins_anew_and_is_told(call, killed, stay, tmp_path):
+    (tmp_path / "mine.py").write_text(FOREIGN)
+    up = "behavior: {use: stare}\n    transitions: [{to: land, when: {use: patient}}, "
+    stay.write_text(STAY.replace("transitions: [{to: land, after", f"{up}{{to: land, after"))
+    folder = killed(5.0, "--plugin", "mine.py")
+    result = call("run", "--resume", str(folder))
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "what stare remembers in up cannot be saved: it begins anew" in result.stdout
+    assert "what patient remembers cannot be saved: it begins anew" in result.stdout
+    notes = [entry.data["note"] for entry in read(folder / "flight-2.mcap", "/state")]
+    assert notes[0] == "stared 0"
+
+
+def test_a_process_that_is_killed_leaves_what_another_goes_on_from(stay, tmp_path):
+    line = [sys.executable, "-m", "missionkit", "run"]
+    with subprocess.Popen([*line, "stay.yaml", "--speed", "5"], stdout=-1, text=True) as process:
+        while "idle -> up" not in process.stdout.readline():
+            assert process.poll() is None
+        process.send_signal(signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL
+    folder = tmp_path / "runs/stay-seed0"
+    assert not (folder / "summary.json").exists()
+    line += ["--resume", str(folder)]
+    done = subprocess.run(line, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert summary(folder)["outcome"] == "success"

@@ -1,0 +1,98 @@
+"""`missionkit validate` and `missionkit graph`, with what the proof finds."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from missionkit.chart import checks
+from missionkit.errors import Level, Problem
+
+
+@pytest.fixture
+def found(monkeypatch):
+    """Let the proof find what a test says about the first transition of `idle`."""
+
+    def find(level: Level) -> None:
+        def findings(mission, catalogue):
+            way = mission.states["idle"].transitions[0]
+            return [Problem(way.place("when"), "never", level, "dead", "say when")]
+
+        monkeypatch.setattr(checks, "findings", findings)
+
+    return find
+
+
+BLOCK = """\
+hop.yaml:10:36: {level}[dead]: never
+      transitions: [{{to: land, when: done}}]
+                                     ^
+  help: say when
+"""
+
+
+@pytest.mark.parametrize(
+    ("level", "options", "code", "out", "end"),
+    [
+        (Level.ERROR, [], 2, "", "hop.yaml: 1 error\n"),
+        (Level.WARNING, [], 0, "hop.yaml: ok, 1 warning (2 states, 0 guards, 0 failsafes)\n", ""),
+        (Level.WARNING, ["--strict"], 2, "", "hop.yaml: 1 warning\n"),
+    ],
+)
+def test_what_the_proof_finds_is_told_by_its_level(call, found, level, options, code, out, end):
+    found(level)
+    result = call("validate", "hop.yaml", *options)
+    assert (result.exit_code, result.stdout) == (code, out)
+    assert result.stderr == BLOCK.format(level=level) + end
+
+
+def test_several_files_are_checked_at_once(call, hop):
+    (hop.parent / "bad.yaml").write_text(hop.read_text().replace("kind: idle", "kind: idel"))
+    (hop.parent / "list.yaml").write_text("- 1\n")
+    result = call("validate", "bad.yaml", "hop.yaml", "list.yaml", "none.yaml")
+    assert result.exit_code == 2
+    assert result.stdout == "hop.yaml: ok (2 states, 0 guards, 0 failsafes)\n"
+    for start in ("bad.yaml:8:11: error: ", "list.yaml:1:1: error: ", "none.yaml:1:1: error: "):
+        assert f"\n{start}" in f"\n{result.stderr}"
+    told = json.loads(call("validate", "bad.yaml", "none.yaml", "--format", "json").stdout)
+    assert [it["file"] for it in told] == ["bad.yaml", "none.yaml"]
+
+
+def test_formats_for_programs_write_only_to_stdout(call, found):
+    found(Level.ERROR)
+    result = call("validate", "hop.yaml", "--format", "sarif")
+    assert (result.exit_code, result.stderr) == (2, "")
+    (result,) = json.loads(result.stdout)["runs"][0]["results"]
+    assert result["ruleId"] == "dead"
+    (told,) = json.loads(call("validate", "hop.yaml", "--format", "json").stdout)
+    assert (told["code"], told["level"], told["remedy"]) == ("dead", "error", "say when")
+
+
+def test_a_plugin_file_that_cannot_be_used_is_told_in_every_format(call, tmp_path):
+    (tmp_path / "empty.py").write_text("x = 1\n")
+    result = call("validate", "hop.yaml", "--plugin", "empty.py", "--format", "json")
+    assert result.exit_code == 2
+    assert [it["file"] for it in json.loads(result.stdout)] == ["empty.py"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["validate"], "Missing argument"),
+        (["validate", "hop.yaml", "--format", "jsn"], "--format jsn: unknown; did you mean 'json'"),
+        (["explain", "none.yaml"], "none.yaml:1:1: cannot be read: no such file"),
+    ],
+)
+def test_misuse_is_explained(call, arguments, says):
+    result = call(*arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert says in result.stderr
+
+
+def test_the_graph_marks_what_the_proof_finds(call, found, hop):
+    assert "[1]" not in call("graph", "hop.yaml").stdout
+    found(Level.ERROR)
+    assert "s0_idle --> s1_land : [1] done" in call("graph", "hop.yaml").stdout
+    call("graph", "hop.yaml", "--out", "hop.svg")
+    assert 'class="arrow marked"' in (hop.parent / "hop.svg").read_text()
