@@ -11,9 +11,9 @@ from benchmarks.peers import missionkit_chart as own
 from benchmarks.peers.fixture import Fixture, verified
 from benchmarks.peers.ring import Engine, ring
 from benchmarks.peers.turns import ROUNDS, SAMPLE, kept, medians
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.contracts import unmet
 from missionkit.chart.load import parse
+from missionkit.chart.model.contracts import unmet
+from missionkit.chart.semantics.compile import compile_mission
 
 PEERS = ("if_else", "pytransitions", "pyxstate", "pysismic", "pytrees", "pystatemachine")
 MISSIONKIT = own.ENGINES[0].name

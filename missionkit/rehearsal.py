@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import load_model
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import keepable

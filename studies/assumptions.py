@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.sim.world import World
 
 

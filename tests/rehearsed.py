@@ -12,7 +12,7 @@ import numpy as np
 
 from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import load, parse
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.engine.loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of

@@ -6,11 +6,11 @@ from functools import partial
 
 from benchmarks.peers.ring import Engine, Guards, Machine, Ring, Sky, views
 from missionkit.chart.catalogue import builtin
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.contain import Containment
-from missionkit.chart.contracts import unmet
 from missionkit.chart.load import parse
-from missionkit.chart.semantics import begin, decide
+from missionkit.chart.model.contracts import unmet
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.step import begin, decide
 
 CATALOGUE = builtin()
 FILE = "ring.yaml"  # what messages would call the text

@@ -10,15 +10,15 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from missionkit.chart import named_guards, structure, variable_uses
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.includes import inlined
-from missionkit.chart.located import shown
-from missionkit.chart.model import Mission
-from missionkit.chart.parameters import Expanded, expand
-from missionkit.chart.part import Scope
-from missionkit.chart.problems import plain, problems_in
-from missionkit.chart.reader import Document, read, read_file
+from missionkit.chart.model import named_guards, structure, variable_uses
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.part import Scope
+from missionkit.chart.model.problems import plain, problems_in
+from missionkit.chart.text.includes import inlined
+from missionkit.chart.text.located import shown
+from missionkit.chart.text.parameters import Expanded, expand
+from missionkit.chart.text.reader import Document, read, read_file
 from missionkit.errors import FileError, Problem, nearest
 
 M = TypeVar("M", bound=BaseModel)

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.contracts import unmet
 from missionkit.chart.load import load
-from missionkit.chart.model import Mission
+from missionkit.chart.model.contracts import unmet
+from missionkit.chart.model.mission import Mission
 from missionkit.cli import report
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest
@@ -112,7 +112,7 @@ def _for_programs(form: str, problems: Sequence[Problem]) -> str:
 
 def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> None:
     """Say a chart in plain sentences."""
-    from missionkit.chart.explain import explained  # noqa: PLC0415
+    from missionkit.chart.prose.explain import explained  # noqa: PLC0415
     from missionkit.cli.explain import page, width  # noqa: PLC0415
 
     catalogue = assemble(plugins)
@@ -122,7 +122,7 @@ def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> Non
 
 def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
     """Print one schema, or write both into a folder."""
-    from missionkit.chart.schema import dumps, mission_schema, model_schema  # noqa: PLC0415
+    from missionkit.chart.model.schema import dumps, mission_schema, model_schema  # noqa: PLC0415
     from missionkit.sim.world import World  # noqa: PLC0415
 
     catalogue = assemble(plugins)
@@ -139,10 +139,10 @@ def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
 
 def graph(path: Path, out: Path | None, settings: Iterable[str], plugins: Iterable[Path]) -> None:
     """Draw a chart as Mermaid or SVG, with the problems that `validate` finds in red."""
-    from missionkit.chart.contracts import fulfilled  # noqa: PLC0415
-    from missionkit.chart.diagram import mermaid  # noqa: PLC0415
-    from missionkit.chart.marks import marks  # noqa: PLC0415
-    from missionkit.chart.picture import svg  # noqa: PLC0415
+    from missionkit.chart.drawing.diagram import mermaid  # noqa: PLC0415
+    from missionkit.chart.drawing.marks import marks  # noqa: PLC0415
+    from missionkit.chart.drawing.picture import svg  # noqa: PLC0415
+    from missionkit.chart.model.contracts import fulfilled  # noqa: PLC0415
 
     catalogue = assemble(plugins)
     written = load(path, catalogue, overrides(settings))

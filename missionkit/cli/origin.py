@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from missionkit import __version__
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import opened, sealed, write_surely

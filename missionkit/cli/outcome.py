@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from missionkit.chart.model import Mission, Success
+from missionkit.chart.model.mission import Mission, Success
 from missionkit.cli.order import Order
 from missionkit.engine.loop import End
 from missionkit.errors import ExitCode

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import findings
-from missionkit.chart.contracts import unmet
 from missionkit.chart.load import load
-from missionkit.chart.model import Mission
+from missionkit.chart.model.contracts import unmet
+from missionkit.chart.model.mission import Mission
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.keys import Keys, Planned, offered, planned
 from missionkit.cli.live import LineView, PageView, live_view

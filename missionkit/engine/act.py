@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missionkit.chart.compiled import State
-from missionkit.chart.contain import Containment
+from missionkit.chart.semantics.compiled import State
+from missionkit.chart.semantics.contain import Containment
 from missionkit.control.controller import ControlMemory
 from missionkit.engine.answer import fault_of
 from missionkit.engine.flight import Plan

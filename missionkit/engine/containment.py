@@ -1,7 +1,7 @@
 """Interrupting plug-ins that do not return.
 
-The tick itself contains what plug-ins raise or answer (`missionkit.chart.contain`). This module
-adds the clock that the pure tick may not have.
+The tick itself contains what plug-ins raise or answer (`missionkit.chart.semantics.contain`).
+This module adds the clock that the pure tick may not have.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from typing_extensions import override
 
-from missionkit.chart.contain import Containment, TooSlowError
+from missionkit.chart.semantics.contain import Containment, TooSlowError
 
 
 class TimedContainment(Containment):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from missionkit.chart.compiled import HISTORY, ROOT, Chart, Shape
-from missionkit.chart.memory import ChartMemory, begin
-from missionkit.chart.stance import stance
-from missionkit.chart.variables import Value, Values
+from missionkit.chart.model.variables import Value, Values
+from missionkit.chart.semantics.compiled import HISTORY, ROOT, Chart, Shape
+from missionkit.chart.semantics.memory import ChartMemory, begin
+from missionkit.chart.semantics.stance import stance
 from missionkit.engine.keeping import Anew
 
 

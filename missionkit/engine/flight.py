@@ -9,10 +9,10 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.compiled import Chart
-from missionkit.chart.memory import begin as begin_chart
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.compiled import Chart
+from missionkit.chart.semantics.memory import begin as begin_chart
 from missionkit.control.controller import Control
 from missionkit.engine.memory import Hands, Memory, Senses
 from missionkit.estimation.navigator import Navigator

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any
 
-from missionkit.chart.compiled import Chart
+from missionkit.chart.semantics.compiled import Chart
 from missionkit.engine.memory import Hands, Memory, Paused
 
 Fits = Callable[[Any], bool]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from missionkit.chart.semantics import ABORT
+from missionkit.chart.semantics.step import ABORT
 from missionkit.engine.clock import Pace, Unhurried, stopwatch
 from missionkit.engine.containment import TimedContainment
 from missionkit.engine.flight import Plan, begin

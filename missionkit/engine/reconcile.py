@@ -13,9 +13,9 @@ from enum import Enum
 from typing import NamedTuple
 
 from missionkit.behaviors.take_off import TakeOff
-from missionkit.chart.memory import ChartMemory
-from missionkit.chart.semantics import ABORT
-from missionkit.chart.stance import SAFETY, stance
+from missionkit.chart.semantics.memory import ChartMemory
+from missionkit.chart.semantics.stance import SAFETY, stance
+from missionkit.chart.semantics.step import ABORT
 from missionkit.control.limits import Triple
 from missionkit.engine.fitting import fitted
 from missionkit.engine.flight import Plan

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from missionkit.chart.contain import Containment
-from missionkit.chart.semantics import decide
-from missionkit.chart.stance import stance
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.stance import stance
+from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.flight import Plan
 from missionkit.engine.handover import handed_over

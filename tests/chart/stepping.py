@@ -8,11 +8,11 @@ from samples import calm
 from typing_extensions import override
 
 from missionkit.chart.catalogue import Catalogue, builtin
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.compiled import Chart
-from missionkit.chart.contain import Containment
 from missionkit.chart.load import parse
-from missionkit.chart.semantics import Decision, begin, decide
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.compiled import Chart
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.step import Decision, begin, decide
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard
 

@@ -12,11 +12,11 @@ from samples import calm
 from stepping import CATALOGUE, Tally, Walk, chart_of
 from typing_extensions import override
 
-from missionkit.chart import expressions as ex
-from missionkit.chart.ask import Asker
-from missionkit.chart.compile import NOWHERE
-from missionkit.chart.compiled import Question
-from missionkit.chart.contain import Containment
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.semantics.ask import Asker
+from missionkit.chart.semantics.compile import NOWHERE
+from missionkit.chart.semantics.compiled import Question
+from missionkit.chart.semantics.contain import Containment
 from missionkit.messages import Battery, Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard
 

@@ -6,9 +6,9 @@ import pytest
 from samples import calm
 from stepping import CATALOGUE, chart_of
 
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.compiled import Chart, Output
 from missionkit.chart.load import load
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.compiled import Chart, Output
 from missionkit.messages import Action
 
 

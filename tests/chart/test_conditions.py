@@ -3,12 +3,12 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from missionkit.chart import expressions as ex
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.conditions import parse
-from missionkit.chart.named_guards import problems_of
-from missionkit.chart.part import Scope
-from missionkit.chart.reader import read
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.conditions import parse
+from missionkit.chart.model.named_guards import problems_of
+from missionkit.chart.model.part import Scope
+from missionkit.chart.text.reader import read
 from missionkit.errors import Place
 from missionkit.guards import Converged, Done, Within
 

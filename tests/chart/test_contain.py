@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from missionkit.chart.contain import Containment
+from missionkit.chart.semantics.contain import Containment
 
 
 def test_the_answer_comes_in_a_box_so_that_none_is_an_answer_too():

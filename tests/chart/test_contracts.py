@@ -6,10 +6,10 @@ import pytest
 from stepping import CATALOGUE, HEAD
 
 from missionkit.behaviors import Hold
-from missionkit.chart import expressions as ex
-from missionkit.chart.contracts import HOVER_FOR, fulfilled, unmet
 from missionkit.chart.load import load, parse
-from missionkit.chart.model import Mission
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.contracts import HOVER_FOR, fulfilled, unmet
+from missionkit.chart.model.mission import Mission
 
 TARGETS = "targets: {t: {position: [1, 2, 3]}}\n"
 SERVO = "behavior: {use: servo, target: t}"

@@ -7,13 +7,13 @@ import pytest
 from documents import document
 
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.contracts import fulfilled
-from missionkit.chart.diagram import mermaid
-from missionkit.chart.expressions import All
+from missionkit.chart.drawing.diagram import mermaid
+from missionkit.chart.drawing.marks import marks
+from missionkit.chart.drawing.picture import svg
 from missionkit.chart.load import load, parse
-from missionkit.chart.marks import marks
-from missionkit.chart.model import Mission
-from missionkit.chart.picture import svg
+from missionkit.chart.model.contracts import fulfilled
+from missionkit.chart.model.expressions import All
+from missionkit.chart.model.mission import Mission
 from missionkit.errors import Level, Place, Problem
 
 TEXT = """\

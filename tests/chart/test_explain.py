@@ -8,9 +8,9 @@ import pytest
 from documents import document
 
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.explain import explained
-from missionkit.chart.explain_state import DEMANDS
 from missionkit.chart.load import load, parse
+from missionkit.chart.prose.explain import explained
+from missionkit.chart.prose.explain_state import DEMANDS
 
 NESTED = document("docs/reference/charts.md").split("```yaml\n")[1].partition("```")[0]
 EXTRAS = """\

@@ -5,7 +5,7 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.chart.layout import Box, Link, layout
+from missionkit.chart.drawing.layout import Box, Link, layout
 
 SIZES = st.builds(Box, st.floats(20, 200), st.floats(10, 60))
 

@@ -13,11 +13,11 @@ from reference_scxml import Interpreter, UnsettledError
 from stepping import Walk
 
 from missionkit.chart.catalogue import builtin
-from missionkit.chart.compile import compile_mission
 from missionkit.chart.load import parse
-from missionkit.chart.macrostep import MOST
-from missionkit.chart.semantics import ChartMemory, Decision
-from missionkit.chart.tree import Move
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.macrostep import MOST
+from missionkit.chart.semantics.step import ChartMemory, Decision
+from missionkit.chart.semantics.tree import Move
 
 CATALOGUE = builtin()
 TICKS = 12

@@ -7,8 +7,8 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.chart.layout import Box
-from missionkit.chart.nested import Arrow, Drawing, Rectangle, nested
+from missionkit.chart.drawing.layout import Box
+from missionkit.chart.drawing.nested import Arrow, Drawing, Rectangle, nested
 
 BOX = Box(80, 40)
 LABEL = Box(60, 20)

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.chart.parameters import Expanded, expand
-from missionkit.chart.reader import read
+from missionkit.chart.text.parameters import Expanded, expand
+from missionkit.chart.text.reader import read
 from missionkit.errors import Place
 
 

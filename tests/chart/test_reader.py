@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from missionkit.chart import reader
-from missionkit.chart.located import place_at
-from missionkit.chart.reader import MAX_BYTES, MAX_DEPTH, read, read_file
+from missionkit.chart.text import reader
+from missionkit.chart.text.located import place_at
+from missionkit.chart.text.reader import MAX_BYTES, MAX_DEPTH, read, read_file
 from missionkit.errors import FileError, Place
 
 TEXT = """\

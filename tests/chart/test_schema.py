@@ -13,8 +13,8 @@ import jsonschema
 import pytest
 
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.reader import read, read_file
-from missionkit.chart.schema import dumps, mission_schema, model_schema
+from missionkit.chart.model.schema import dumps, mission_schema, model_schema
+from missionkit.chart.text.reader import read, read_file
 from missionkit.sim.world import World
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ import pytest
 from samples import calm
 from stepping import Walk, chart_of
 
-from missionkit.chart.semantics import ABORT
+from missionkit.chart.semantics.step import ABORT
 from missionkit.messages import VehicleStatus
 
 STATES = """\

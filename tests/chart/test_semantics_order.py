@@ -7,8 +7,8 @@ from itertools import product
 import pytest
 from stepping import Walk, chart_of
 
-from missionkit.chart.macrostep import MOST
-from missionkit.chart.semantics import ABORT
+from missionkit.chart.semantics.macrostep import MOST
+from missionkit.chart.semantics.step import ABORT
 
 CHART = """\
 initial: x

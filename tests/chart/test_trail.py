@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.chart.trail import trail
+from missionkit.chart.text.trail import trail
 
 DATA = {
     "states": {"gps": {"transitions": [{"when": {"all": ["a", {"not": {"use": "b"}}]}}]}},

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from stepping import Walk
 
-from missionkit.chart.compiled import Output
-from missionkit.chart.outputs import assigned, in_words, matches
-from missionkit.chart.variables import Variable
+from missionkit.chart.model.variables import Variable
+from missionkit.chart.semantics.compiled import Output
+from missionkit.chart.semantics.outputs import assigned, in_words, matches
 
 CHART = """\
 initial: x

@@ -11,11 +11,11 @@ from typing_extensions import override
 
 from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.checks import findings
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.contain import Containment
 from missionkit.chart.load import parse
-from missionkit.chart.model import Mission
-from missionkit.chart.semantics import begin, decide
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.step import begin, decide
 from missionkit.messages import Battery, Estimate, Verdict
 from missionkit.plugin import Guard
 

@@ -8,7 +8,7 @@ from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import findings
 from missionkit.chart.checks.escapes import escapes
 from missionkit.chart.load import parse
-from missionkit.chart.model import Mission
+from missionkit.chart.model.mission import Mission
 
 HEAD = """\
 missionkit: 1

@@ -9,8 +9,8 @@ from samples import calm
 from typing_extensions import override
 
 from missionkit.chart.catalogue import builtin
-from missionkit.chart.contain import Containment
-from missionkit.chart.semantics import decide
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.flight import begin, prepare
 from missionkit.engine.handover import handed_over

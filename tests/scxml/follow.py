@@ -10,11 +10,11 @@ from convert import SENT, Converted
 from samples import calm
 
 from missionkit.chart.catalogue import builtin
-from missionkit.chart.compile import compile_mission
-from missionkit.chart.compiled import LEAVES
-from missionkit.chart.contain import Containment
 from missionkit.chart.load import parse
-from missionkit.chart.semantics import begin, decide
+from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.compiled import LEAVES
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.step import begin, decide
 
 CATALOGUE = builtin()
 

@@ -16,8 +16,8 @@ from missionkit.chart.checks import (
     transitions,
 )
 from missionkit.chart.checks.ways import Chart
-from missionkit.chart.contracts import fulfilled
-from missionkit.chart.model import Mission
+from missionkit.chart.model.contracts import fulfilled
+from missionkit.chart.model.mission import Mission
 from missionkit.errors import Problem
 
 CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (

@@ -18,8 +18,8 @@ from missionkit.chart.checks.boxes import covered, intersection
 from missionkit.chart.checks.dangers import EVER, Danger, dangers
 from missionkit.chart.checks.needs import SEEING
 from missionkit.chart.checks.ways import Chart
-from missionkit.chart.contracts import fulfilled
-from missionkit.chart.model import Mission
+from missionkit.chart.model.contracts import fulfilled
+from missionkit.chart.model.mission import Mission
 from missionkit.errors import Level, Problem
 from missionkit.guards.converged import ON_TARGET
 from missionkit.guards.progress import TIME

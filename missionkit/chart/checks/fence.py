@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 
-from missionkit.chart import expressions as ex
 from missionkit.chart.checks.path import Leg, Point3, legs
 from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.ways import Chart
-from missionkit.chart.model import Failsafe
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.mission import Failsafe
 from missionkit.errors import Level, Problem
 from missionkit.guards.fence import InsideFence
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from missionkit.chart import expressions as ex
 from missionkit.chart.checks.boxes import WHOLE, within
 from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.truth import region_of
 from missionkit.chart.checks.ways import Chart, shortened
+from missionkit.chart.model import expressions as ex
 from missionkit.errors import Level, Problem
 from missionkit.messages.region import Interval, Quantity
 

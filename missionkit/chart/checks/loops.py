@@ -6,11 +6,11 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import takewhile
 
-from missionkit.chart.actions import Assign, Raise
 from missionkit.chart.checks.boxes import intersection, remains
 from missionkit.chart.checks.say import at, example
 from missionkit.chart.checks.ways import Chart, Way
-from missionkit.chart.outputs import matches
+from missionkit.chart.model.actions import Assign, Raise
+from missionkit.chart.semantics.outputs import matches
 from missionkit.errors import Level, Problem
 from missionkit.messages.region import Box, Boxes, Interval, Quantity
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart import expressions as ex
 from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.truth import region_of
 from missionkit.chart.checks.ways import Chart
+from missionkit.chart.model import expressions as ex
 from missionkit.errors import Level, Place, Problem
 
 SEEING = ("servo", "inject", "spiral")  # behaviours that work on what the camera sees

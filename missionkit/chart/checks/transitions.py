@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from missionkit.chart.checks.boxes import covered, intersection
 from missionkit.chart.checks.say import at, example
 from missionkit.chart.checks.ways import Chart, Guarded, Way
-from missionkit.chart.outputs import matches
+from missionkit.chart.semantics.outputs import matches
 from missionkit.errors import Level, Problem
 from missionkit.guards.progress import TIME
 

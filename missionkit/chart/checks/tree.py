@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 
-from missionkit.chart import expressions as ex
-from missionkit.chart.actions import Act
 from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.model import Mission, Placed, Start
-from missionkit.chart.stance import SAFETY
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.actions import Act
+from missionkit.chart.model.mission import Mission, Placed, Start
+from missionkit.chart.semantics.stance import SAFETY
 from missionkit.errors import Place
 
 

@@ -10,8 +10,6 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from missionkit.chart import expressions as ex
-from missionkit.chart.actions import Assign
 from missionkit.chart.checks.boxes import (
     EVERYWHERE,
     NOWHERE,
@@ -21,7 +19,9 @@ from missionkit.chart.checks.boxes import (
     union,
 )
 from missionkit.chart.checks.tree import Tree
-from missionkit.chart.variables import Variable, is_number
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.actions import Assign
+from missionkit.chart.model.variables import Variable, is_number
 from missionkit.guards.progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Guard, Plugin, WindowGuard

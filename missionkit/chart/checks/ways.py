@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
-from missionkit.chart import expressions as ex
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks.boxes import intersection, remains
 from missionkit.chart.checks.tree import Tree
 from missionkit.chart.checks.truth import Reader, Truth
-from missionkit.chart.model import Failsafe, Mission, Transition
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.mission import Failsafe, Mission, Transition
 from missionkit.errors import Place
 from missionkit.guards.progress import TIME
 from missionkit.messages.region import Boxes, Interval, Quantity

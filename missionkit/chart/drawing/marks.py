@@ -1,0 +1,111 @@
+"""Which states and transitions a drawing marks: those that problems were found with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.mission import Mission, State, Transition
+from missionkit.chart.model.part import Part
+from missionkit.errors import Place, Problem
+
+Way = tuple[str, int]  # a transition: its state's name, its number in the list
+Numbers = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """The numbers of the problems with each state and each transition, and all of them in words."""
+
+    states: Mapping[str, Numbers] = field(default_factory=dict)
+    ways: Mapping[Way, Numbers] = field(default_factory=dict)
+    lines: tuple[str, ...] = ()
+
+
+UNMARKED = Marks()
+
+
+def marks(mission: Mission, problems: Sequence[Problem]) -> Marks:
+    """Return what to mark; problems that belong to no state are only told."""
+    owners = list(_owners(mission))
+    exact = {place: owner for owner, places in reversed(owners) for place in places}
+    states: dict[str, Numbers] = {}
+    ways: dict[Way, Numbers] = {}
+    for number, problem in enumerate(problems, 1):
+        owner = exact.get(problem.place) or _on_the_line(owners, problem.place)
+        if isinstance(owner, str):
+            states[owner] = (*states.get(owner, ()), number)
+        elif owner is not None:
+            ways[owner] = (*ways.get(owner, ()), number)
+    return Marks(states, ways, tuple(_line(number, it) for number, it in enumerate(problems, 1)))
+
+
+def numbered(numbers: Numbers) -> str:
+    """Return the numbers as a drawing shows them.
+
+    >>> numbered((1, 3))
+    '[1, 3]'
+    """
+    return f"[{', '.join(map(str, numbers))}]" if numbers else ""
+
+
+def _line(number: int, problem: Problem) -> str:
+    place = problem.place
+    return f"[{number}] {problem.level}, line {place.line}: {problem.message}"
+
+
+def _owners(mission: Mission) -> Iterator[tuple[str | Way, list[Place]]]:
+    """Yield every state and transition with the places it is written at, its beginning first."""
+    for name, state, _ in mission.walk():
+        yield name, list(_of_state(state))
+        for number, way in enumerate(state.transitions):
+            yield (name, number), list(_of_way(way))
+
+
+def _of_state(state: State) -> Iterator[Place]:
+    yield from _of_part(state, set(State.model_fields) - {"transitions", "states"})
+    yield from _of_part(state.invariant, set(type(state.invariant).model_fields))
+    yield from (act.place for act in (*state.entry, *state.exit))
+    if state.invariant.holds is not None:
+        yield from _of_guard(state.invariant.holds)
+
+
+def _of_way(way: Transition) -> Iterator[Place]:
+    yield from _of_part(way, {field.alias or name for name, field in _WAY_FIELDS.items()})
+    yield from (act.place for act in way.do)
+    if way.when is not None:
+        yield from _of_guard(way.when)
+
+
+_WAY_FIELDS = Transition.model_fields
+
+
+def _of_part(part: Part, keys: set[str]) -> Iterator[Place]:
+    if part.place().file:  # what a contract added stands nowhere
+        yield part.place()
+        yield from (part.place(key) for key in sorted(keys))
+
+
+def _of_guard(guard: ex.Expression) -> Iterator[Place]:
+    yield guard.place
+    match guard:
+        case ex.All(parts=parts) | ex.Any(parts=parts):
+            for part in parts:
+                yield from _of_guard(part)
+        case ex.Not(part=part) | ex.Hysteresis(part=part):
+            yield from _of_guard(part)
+        case _:
+            return
+
+
+def _on_the_line(owners: Sequence[tuple[str | Way, list[Place]]], place: Place) -> str | Way | None:
+    """Return the last state or transition that begins before a place on its line."""
+    before = [
+        (places[0].column, at)
+        for at, (_, places) in enumerate(owners)
+        if places
+        and (places[0].file, places[0].line) == (place.file, place.line)
+        and places[0].column <= place.column
+    ]
+    return owners[max(before)[1]][0] if before else None

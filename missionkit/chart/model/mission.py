@@ -1,0 +1,299 @@
+"""The mission as a model: exactly what a mission file may say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    WithJsonSchema,
+    model_validator,
+)
+
+from missionkit.chart.model.actions import Action
+from missionkit.chart.model.conditions import Condition
+from missionkit.chart.model.expressions import Use
+from missionkit.chart.model.part import (
+    Event,
+    GuardName,
+    KindName,
+    Name,
+    NodeName,
+    Part,
+    Plain,
+    Short,
+    StateName,
+    TargetName,
+    scope_of,
+)
+from missionkit.chart.model.references import Reference
+from missionkit.chart.model.variables import Variable
+from missionkit.chart.text.located import Row, Table, Text, place_of
+from missionkit.chart.text.sentence import sentence, sentences
+from missionkit.control.controller import Control
+from missionkit.perception.camera import Camera
+from missionkit.plugin import Behavior, Plugin
+from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
+
+Actions = Annotated[tuple[Action, ...], Field(strict=False)]
+Place3 = Annotated[Point, Field(strict=False)]
+GROUP_KIND = "logic"
+SHAPES = ("states", "parallel", "final", "history")
+
+
+def _listed(data: object) -> object:
+    if not isinstance(data, str):
+        return data
+    row = Row(place_of(data))
+    row.put(data, place_of(data))
+    return row
+
+
+_SCALAR = ({"type": ["number", "string", "boolean"]},)
+_ONE_OR_MORE: dict[str, list[dict[str, Any]]] = {
+    "anyOf": [
+        {"type": "string"},
+        {"type": "array", "items": {"type": "string"}, "minItems": 1},
+    ]
+}
+StateNames = Annotated[
+    tuple[StateName, ...],
+    Field(strict=False, min_length=1),
+    BeforeValidator(_listed),
+    WithJsonSchema(_ONE_OR_MORE),
+]
+Events = Annotated[
+    tuple[Event, ...],
+    Field(strict=False, min_length=1),
+    BeforeValidator(_listed),
+    WithJsonSchema(_ONE_OR_MORE),
+]
+_NO_TIME = "'for' needs 'when': it says how long the guard must hold"
+
+
+class Vehicle(Part):
+    """What flies; `--vehicle` replaces it."""
+
+    use: Literal["sim"] = "sim"
+
+
+class TargetPlace(Part):
+    """Where a target is, as surveyed: north, east, down of the take-off point."""
+
+    position: Place3
+    position_sd: Metres = Field(default=1.0, ge=0, description="standard deviation, one axis")
+    facing_deg: Degrees | None = Field(
+        default=None, description="compass direction in which its marker looks"
+    )
+
+
+class Transition(Part):
+    """A way out of a state: taken when all that it names is fulfilled."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": ["to"]}, {"required": ["do"]}]}
+    )
+
+    to: StateNames | None = Field(
+        default=None, description="state to go to, one for each region; absent: only `do`"
+    )
+    when: Condition | None = Field(default=None, description="guard that must hold")
+    for_: Seconds = Field(default=0.0, alias="for", description="how long it must hold")
+    after: Seconds | None = Field(default=None, description="time since entry to the state")
+    event: Events | None = Field(
+        default=None, description="event that must have come; `a` also means `a.b`, `*` any"
+    )
+    do: Actions = ()
+    name: Name | None = None
+    internal: bool = Field(default=False, description="does not leave a state around its target")
+    emergency: bool = Field(default=False, description="does not wait for the dwell time")
+
+    @model_validator(mode="after")
+    def _has_reason(self) -> Self:
+        if "for_" in self.model_fields_set and self.when is None:
+            raise sentences(sentence(_NO_TIME, "for", at_key=True))
+        if self.when is None and self.after is None and self.event is None:
+            raise sentences(sentence("needs at least one of 'when', 'after', 'event'"))
+        if self.to is None and not self.do:
+            raise sentences(sentence("needs 'to', 'do' or both: it would do nothing", "to"))
+        return self
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The states it names, none if it goes nowhere."""
+        return self.to or ()
+
+
+class Failsafe(Part):
+    """A transition out of every flying state, tried before the states' own."""
+
+    name: Name
+    when: Condition
+    for_: Seconds = Field(default=0.0, alias="for", description="how long the guard must hold")
+    unknown: Literal["take", "ignore"] = Field(
+        default="take", description="what to do when the guard cannot tell"
+    )
+    to: StateName
+    do: Actions = ()
+
+
+class Invariant(Part):
+    """What must hold while the state is active, besides what its kind demands."""
+
+    holds: Condition | None = None
+    exit: StateName | None = Field(default=None, description="where to go when it is violated")
+
+
+class Start(Part):
+    """Where a state begins: the name of a state inside it, or one for each region."""
+
+    to: StateNames
+    do: Actions = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _written_short(cls, data: object) -> object:
+        if isinstance(data, str | Row):
+            return Table(place_of(data)).extended("to", data, place_of(data))
+        return data
+
+
+Begins = Annotated[Start, Short("the name of a state", tuple(_ONE_OR_MORE["anyOf"]))]
+
+
+class State(Part):
+    """One state: its kind's contract, what it does, the states inside it, the ways out of it."""
+
+    kind: KindName
+    summary: str = ""
+    behavior: Annotated[Use[Behavior], Reference("behaviors")] | None = None
+    transitions: Annotated[tuple[Transition, ...], Field(strict=False)] = ()
+    entry: Actions = ()
+    exit: Actions = ()
+    dwell: Seconds | None = Field(default=None, description="instead of the mission's")
+    invariant: Invariant = Invariant()
+    states: dict[NodeName, State] = Field(default={}, description="the states inside")
+    initial: Begins | None = Field(default=None, description="the first one of them")
+    parallel: bool = Field(default=False, description="the states inside are active together")
+    final: bool = Field(default=False, description="the state around is done here")
+    history: Literal["shallow", "deep"] | None = Field(
+        default=None, description="leads to where the state around was left"
+    )
+    default: Begins | None = Field(default=None, description="history: where if never entered")
+    stays: bool = Field(default=False, description="may last for ever on purpose")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _defaults(cls, data: object, info: ValidationInfo) -> object:
+        if not isinstance(data, Table):
+            return data
+        if "kind" not in data and any(shape in data for shape in SHAPES):
+            data = data.extended("kind", Text(GROUP_KIND, data.place), data.place)
+        if "behavior" in data or "states" in data:
+            return data
+        kind = scope_of(info).catalogue.kinds.get(str(data.get("kind")))
+        if kind is None or kind.default_behavior is None:
+            return data
+        place = data.place_of("kind")
+        return data.extended("behavior", Text(kind.default_behavior, place), place)
+
+    @model_validator(mode="after")
+    def _commanded(self) -> Self:
+        if self.behavior is None and self.kind != GROUP_KIND and not self.states:
+            raise sentences(sentence("missing key 'behavior': a behaviour, {use: ...}"))
+        return self
+
+
+class Placed(NamedTuple):
+    """One state of the tree, and the one around it."""
+
+    name: str
+    state: State
+    parent: str | None
+
+
+def walk(states: Mapping[str, State], parent: str | None = None) -> Iterator[Placed]:
+    """Yield every state of a tree in document order."""
+    for name, state in states.items():
+        yield Placed(name, state, parent)
+        yield from walk(state.states, name)
+
+
+class Success(Part):
+    """What counts as success, graded against the truth where it is known."""
+
+    visit: StateName
+    target: TargetName | None = None
+    standoff: Place3 = (0.0, 0.0, 0.0)
+    position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
+    yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
+
+
+class Settings(Part):
+    """How the mission is run."""
+
+    rate: Hertz = Field(default=20.0, ge=5, le=100, description="ticks per second")
+    time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
+
+
+def _use(kind: str) -> Any:
+    return {"use": kind}
+
+
+class Mission(Part):
+    """A mission file, version 1."""
+
+    version: Literal[1] = Field(alias="missionkit", description="version of the file format")
+    name: Name = Field(alias="mission")
+    summary: str = ""
+    params: dict[str, Any] = Field(default={}, description="values that $name stands for")
+    world: str | None = Field(default=None, description="for the simulator, beside this file")
+    vehicle: Vehicle = Vehicle()
+    navigation: Annotated[Use[Plugin], Reference("navigators")] = Field(
+        default=_use("visual_inertial_ekf"), validate_default=True
+    )
+    camera: Annotated[Camera, Plain] = Camera()
+    targets: dict[Name, TargetPlace] = Field(default={})
+    perception: Annotated[
+        tuple[Annotated[Use[Plugin], Reference("detectors")], ...], Field(strict=False)
+    ] = ()
+    avoid: Annotated[Use[Plugin] | None, Reference("planners", optional=True)] = Field(
+        default=_use("potential_field"), validate_default=True
+    )
+    control: Annotated[Control, Plain] = Control()
+    variables: dict[GuardName, Annotated[Variable, Short("a value", _SCALAR)]] = Field(
+        default={}, description="what the chart remembers"
+    )
+    guards: dict[GuardName, Condition] = Field(default={}, description="named once, used by name")
+    failsafes: Annotated[tuple[Failsafe, ...], Field(strict=False)] = ()
+    initial: Begins
+    states: Annotated[dict[NodeName, State], Field(min_length=1)]
+    success: Success | None = None
+    dwell: Seconds = Field(default=2.0, description="least time between two transitions")
+    settings: Settings = Settings()
+
+    _included: tuple[Path, ...] = PrivateAttr(default=())
+
+    @property
+    def included(self) -> tuple[Path, ...]:
+        """The files that were included, in the order they were read."""
+        return self._included
+
+    def with_included(self, files: tuple[Path, ...]) -> Self:
+        """Remember which files were included."""
+        self._included = files
+        return self
+
+    def walk(self) -> Iterator[Placed]:
+        """Yield every state in document order."""
+        return walk(self.states)
+
+    def by_name(self) -> dict[str, Placed]:
+        """Return every state by its name, in document order."""
+        return {placed.name: placed for placed in self.walk()}

@@ -1,0 +1,60 @@
+"""Whether guards and actions use the mission's variables as their types allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from missionkit.chart.model import expressions as ex
+from missionkit.chart.model.actions import Assign
+from missionkit.chart.model.everything import actions_of, guards_of
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.variables import Variable, alike, is_number
+from missionkit.errors import Problem
+
+Variables = Mapping[str, Variable]
+
+
+def problems_of(mission: Mission) -> Iterator[Problem]:
+    """Yield a problem for each comparison or assignment that can never be right."""
+    for action in actions_of(mission):
+        if isinstance(action, Assign):
+            wrong = _assigned(mission.variables, action)
+            if wrong:
+                yield Problem(action.place, f"assign {action.variable}: {wrong}")
+    for guard in guards_of(mission):
+        yield from _compared(mission.variables, guard)
+
+
+def _assigned(variables: Variables, action: Assign) -> str:
+    variable = variables[action.variable]
+    numeric = is_number(variable.initial)
+    operand = action.operand
+    if action.operation == "add" and not (numeric and is_number(operand)):
+        return f"only a number can be added to a number; it is {variable.type_name}"
+    if action.operation == "toggle" and not isinstance(variable.initial, bool):
+        return f"only true and false can be toggled; it is {variable.type_name}"
+    if action.operation == "copy":
+        other = variables[str(operand)]
+        if other.type_name != variable.type_name:
+            return f"it is {variable.type_name}, {operand!r} is {other.type_name}"
+    if action.operation == "set" and not variable.admits(operand):
+        return f"expected {variable.described}, got {operand!r}"
+    if isinstance(variable.initial, int) and isinstance(operand, float):
+        return "it is a whole number; write its first value with a point, 0.0"
+    return ""
+
+
+def _compared(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
+    match guard:
+        case ex.Variable(name=name, value=value, op=op, place=place):
+            variable = variables[name]
+            if not alike(variable.initial, value):
+                message = f"{name} {op.replace('_', ' ')} {value!r}: it is {variable.type_name}"
+                yield Problem(place, message)
+        case ex.All(parts=parts) | ex.Any(parts=parts):
+            for part in parts:
+                yield from _compared(variables, part)
+        case ex.Not(part=part) | ex.Hysteresis(part=part):
+            yield from _compared(variables, part)
+        case _:
+            return

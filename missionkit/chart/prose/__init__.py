@@ -1,0 +1,1 @@
+"""The chart in plain sentences."""

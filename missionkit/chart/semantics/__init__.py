@@ -1,0 +1,1 @@
+"""The chart compiled and stepped: SCXML in one pure step."""

@@ -1,0 +1,264 @@
+"""Run to completion: microsteps until the chart rests, then each event, by the SCXML algorithm.
+
+Source: "State Chart XML (SCXML)", W3C Recommendation, 1 September 2015, appendix D:
+mainEventLoop, selectTransitions, microstep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from missionkit.chart.semantics import tree
+from missionkit.chart.semantics.asking import asked
+from missionkit.chart.semantics.compiled import (
+    ROOT,
+    Chart,
+    Output,
+    Question,
+    Stance,
+    Transition,
+    Way,
+)
+from missionkit.chart.semantics.memory import ChartMemory, Decision
+from missionkit.chart.semantics.outputs import assigned, in_words, matches
+from missionkit.chart.semantics.stance import EPSILON, stance
+from missionkit.messages import Action, Fired, Verdict
+
+MOST = 1000  # microsteps in one tick: more is a chart that does not come to rest
+ERROR = "error.execution"
+_new = tuple.__new__  # quicker than the class's own
+
+
+class Macrostep:
+    """One tick in which something may happen."""
+
+    __slots__ = (
+        *("chart", "memory", "question", "now", "first_answers", "internal", "external", "here"),
+        *("fired", "moves", "orders", "problems", "pilot_entered", "stale"),
+    )
+
+    def __init__(
+        self, chart: Chart, memory: ChartMemory, question: Question, problems: tuple[str, ...]
+    ) -> None:
+        self.chart = chart
+        self.memory = memory
+        self.question = question
+        self.now = question.seen.now
+        self.first_answers = question.answers
+        self.internal: list[str] = []
+        self.external: list[str] = list(question.seen.events)
+        self.here = _here(chart, memory.active)
+        self.fired: list[Fired] = []
+        self.moves: list[tree.Move] = []
+        self.orders: tuple[Action, ...] = ()
+        self.problems = problems
+        self.pilot_entered = False
+        self.stale = False  # the guards have yet to be told of the last microstep
+
+    def run(self, forced: Transition | None, *, rested: bool) -> tuple[ChartMemory, Decision]:
+        """Take the entry of the first tick, what is forced, and all that follows.
+
+        Args:
+            forced: goes before all else; no event of this tick is heard then.
+            rested: nothing without an event is ready as yet.
+        """
+        if not self.memory.started:
+            self._start()
+            rested = False
+        if forced is not None:
+            self.external.clear()
+            self._microstep((forced,))
+            rested = False
+        chosen: Sequence[Transition] = ()
+        if not rested:
+            chosen = self._selected(self.here.ways, None)
+        while True:
+            if not chosen:
+                chosen = self._heard()
+            if not chosen or self.memory.ended:
+                break
+            if len(self.moves) >= MOST:
+                self._give_up()
+                break
+            rests = self._microstep(chosen) or not self._moving()
+            chosen = () if rests else self._selected(self.here.ways, None)
+        return self.memory, _new(
+            Decision,
+            (
+                self.first_answers,
+                tuple(self.fired),
+                tuple(self.moves),
+                self.pilot_entered,
+                self.orders,
+                self.problems,
+            ),
+        )
+
+    def _moving(self) -> bool:
+        """Say whether a transition without an event may be ready after a microstep."""
+        if self.memory.ended:
+            return False
+        self._refresh()
+        return asked(self.here, self.memory, self.question, {})
+
+    def _heard(self) -> Sequence[Transition]:
+        """Return what the next event that concerns anything leads to: internal ones first."""
+        while self.internal or self.external:
+            event = (self.internal or self.external).pop(0)
+            chosen = self._selected(self.here.heard, event)
+            if chosen:
+                return chosen
+        return ()
+
+    def _give_up(self) -> None:
+        way = " -> ".join(fired.to for fired in self.fired[-6:])
+        self.question.contain.note(f"the chart does not come to rest: ... {way}")
+
+    def _start(self) -> None:
+        """Carry out the entry of the initial states, which are active already."""
+        move = tree.beginning(self.chart)
+        self.memory = self.memory._replace(started=True, ended=move.ended)
+        self.moves.append(move)
+        self.pilot_entered = True
+        said = self._carried_out(self.chart.states[ROOT].initial.outputs)
+        for entry in move.entries:
+            said += self._carried_out(entry.outputs)
+            self.internal += entry.events
+        self.stale = True
+        if said:
+            opening = Transition(-1, (self.chart.initial,), "start", source=self.memory.state)
+            self.fired.append(self._explained(opening, said))
+
+    def _selected(
+        self, ways: tuple[tuple[Way, ...], ...], event: str | None
+    ) -> Sequence[Transition]:
+        """Return the transitions to take together: selectTransitions."""
+        if len(ways) == 1:
+            return self._first(ways[0], event)
+        enabled: dict[int, Transition] = {}
+        for each in ways:
+            for way in each:
+                transition = way[0]
+                if transition.number in enabled:
+                    break
+                if self._enabled(way, event):
+                    enabled[transition.number] = transition
+                    break
+        found = tuple(enabled.values())
+        if len(found) < 2:
+            return found
+        return tree.without_conflicts(self.chart, self.memory.active, found, self.memory.history)
+
+    def _first(self, ways: tuple[Way, ...], event: str | None) -> Sequence[Transition]:
+        for way in ways:
+            if self._enabled(way, event):
+                return (way.transition,)
+        return ()
+
+    def _enabled(self, way: Way, event: str | None) -> bool:
+        transition, wait = way
+        memory = self.memory
+        if self.now - memory.entered[transition.source] < wait:
+            return False
+        if event is not None and not matches(transition.events, event):
+            return False
+        hold = transition.hold
+        if hold and self.now - memory.held.get(transition.number, self.now) < hold - EPSILON:
+            return False
+        if transition.ask is None:
+            return True
+        if self.stale:
+            self._refresh()
+        return transition.ask(self.question)[0] is True
+
+    def _refresh(self) -> None:
+        """Ask the guards anew, with the configuration, variables and behaviour as they are now."""
+        self.stale = False
+        memory, question = self.memory, self.question
+        seen = question.seen
+        done, goal = (False, None) if self.pilot_entered else (seen.done, seen.goal)
+        question.active, question.variables = memory.active, memory.variables
+        question.seen = seen.standing(memory.state, memory.entered_at, done=done, goal=goal)
+        question.answers = {}
+
+    def _microstep(self, chosen: Sequence[Transition]) -> bool:
+        """Exit, act, enter; say whether the chart is sure to rest after that."""
+        chart, source = self.chart, self.memory.state
+        move = tree.move(chart, self.memory.active, chosen, self.memory.history)
+        if move.exited or move.entries:
+            self._stand(move)
+        self.moves.append(move)
+        said: list[str] = []
+        if move.says:
+            outputs = [each for name in move.exited for each in chart.states[name].exit]
+            outputs += [each for way in chosen for each in way.outputs]
+            said = self._carried_out(outputs)
+            for entry in move.entries:
+                said += self._carried_out(entry.outputs)
+                self.internal += entry.events
+        for way in chosen:
+            told = way if way.source != ROOT else replace(way, source=source)
+            self.fired.append(self._explained(told, said))
+            said = []
+        self.stale = True
+        return not move.kept and self.here.soonest > 0.0 and not move.ended
+
+    def _stand(self, move: tree.Move) -> None:
+        """Put the memory where a move leads; timers of what was exited end."""
+        memory = self.memory
+        here = self.here = _here(self.chart, move.active)
+        if here.pilot != memory.pilot or memory.state in move.exited:
+            self.pilot_entered = True
+        entered = dict.fromkeys(move.active, self.now)
+        for name in move.kept:
+            entered[name] = memory.entered[name]
+        held = memory.held
+        if held:
+            held = {number: since for number, since in held.items() if number not in move.gone}
+        violated = memory.violated
+        if violated:
+            exited = move.exited
+            violated = {name: since for name, since in violated.items() if name not in exited}
+        history = {**memory.history, **move.history} if move.history else memory.history
+        self.memory = _new(
+            ChartMemory,
+            (
+                *(move.active, entered, memory.windows, memory.variables, here.pilot),
+                *(history, held, violated, True, move.ended),
+            ),
+        )
+
+    def _carried_out(self, outputs: Iterable[Output]) -> list[str]:
+        """Do what outputs say, and return it in words."""
+        said = []
+        for output in outputs:
+            said.append(in_words(output))
+            if output.verb == "raise":
+                self.internal.append(output.text)
+            elif output.verb == "vehicle":
+                self.orders += (Action(output.text),)
+            elif output.verb == "assign":
+                self._assign(output)
+        return said
+
+    def _assign(self, output: Output) -> None:
+        values, wrong = assigned(self.chart.variables, self.memory.variables, output)
+        self.memory = self.memory._replace(variables=values)
+        if wrong:
+            self.problems += (wrong,)
+            self.internal.append(ERROR)
+
+    def _explained(self, way: Transition, said: Sequence[str]) -> Fired:
+        asked: tuple[tuple[str, Verdict], ...] = ()
+        if way.reads:
+            now, first = self.question.answers, self.first_answers
+            answers = now if all(name in now for name in way.reads) else first | now
+            asked = tuple([(name, answers[name]) for name in way.reads if name in answers])
+        to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
+        outputs = (self.here.mode_text, *said)
+        return _new(Fired, (way.source, to, way.text, asked, outputs))
+
+
+def _here(chart: Chart, active: tuple[str, ...]) -> Stance:
+    return chart.stances.get(active) or stance(chart, active)

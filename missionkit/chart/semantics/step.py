@@ -1,0 +1,155 @@
+"""What the chart does at one tick: one pure step.
+
+Order of precedence: the pilot, then failsafes in document order, then invariants, then the
+states' own transitions, inner states before the states around them, in document order. Failsafes
+ignore the dwell; a failsafe never leads back to something less safe than what is already
+happening (land before return before anything else).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from missionkit.chart.semantics.asking import asked, ready
+from missionkit.chart.semantics.compiled import ROOT, Chart, Question, Stance, State, Transition
+from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.macrostep import Macrostep
+from missionkit.chart.semantics.memory import ChartMemory, Decision, begin
+from missionkit.chart.semantics.stance import EPSILON, SAFETY, stance
+from missionkit.messages import Estimate, Verdict
+
+__all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
+
+ABORT = "operator: land"
+_new = tuple.__new__  # quicker than the class's own
+
+
+def decide(
+    chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
+) -> tuple[ChartMemory, Decision]:
+    """Advance the guards' windows, ask every guard, and take what is to be taken."""
+    active = memory.active
+    here = chart.stances.get(active) or stance(chart, active)
+    question = Question(seen, memory.windows, contain, active, memory.variables)
+    windows = _advanced(chart, question) if chart.slots else memory.windows
+    held: dict[int, float] = {}
+    forced = _forced(chart, memory, here, question, held)
+    moving = not memory.ended and asked(here, memory, question, held)
+    violated = memory.violated
+    problems: tuple[str, ...] = ()
+    if here.promising:
+        violated, escape, problems = _invariants(here, memory, question)
+        forced = forced or escape
+    if chart.slots or held != memory.held or violated != memory.violated:
+        memory = memory._replace(windows=windows, held=held, violated=violated)
+    if memory.started and forced is None and not moving and not seen.events:
+        return memory, _new(Decision, (question.answers, (), (), False, (), problems))
+    return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
+
+
+def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
+    """Advance every memory; one that asks another guard finds it in a slot before its own."""
+    question.windows = windows = list(question.windows)
+    for index, slot in enumerate(chart.slots):
+        windows[index] = slot.advance(windows[index], question)
+    return tuple(windows)
+
+
+def _forced(
+    chart: Chart, memory: ChartMemory, here: Stance, question: Question, held: dict[int, float]
+) -> Transition | None:
+    """Return what goes before all else: the pilot, a failsafe, the end of the chart in the air."""
+    seen = question.seen
+    failsafe = None
+    if _flying(seen, here):
+        failsafe = _failsafe(chart, memory, here, question, held)
+    if seen.events and ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
+        return Transition(-1, (chart.land,), ABORT)
+    if failsafe is None and memory.ended and chart.land and _in_air(seen):
+        return Transition(-1, (chart.land,), "the chart has ended in the air")
+    return failsafe
+
+
+def _failsafe(
+    chart: Chart, memory: ChartMemory, here: Stance, question: Question, held: dict[int, float]
+) -> Transition | None:
+    """Ask every failsafe and return the first that may lead away.
+
+    One that wants to be where the chart already is keeps those after it from leading away.
+    """
+    chosen: Transition | None = None
+    obeyed = False
+    for failsafe in chart.failsafes:
+        if failsafe.ask is None or failsafe.ask(question)[0] is False:
+            continue
+        if not ready(failsafe, memory, question, held):
+            continue
+        (to,) = failsafe.to
+        obeyed = obeyed or to in memory.active
+        rank = SAFETY.get(chart.states[to].kind.name, 0)
+        safer = rank > here.safety or (rank == here.safety == 0 and not obeyed)
+        if chosen is None and safer:
+            chosen = failsafe
+    return chosen
+
+
+def _in_air(seen: Estimate) -> bool:
+    return seen.status is not None and seen.status.in_air
+
+
+def _flying(seen: Estimate, here: Stance) -> bool:
+    """Say whether failsafes act: in the air, and with rotors turning in a state that flies."""
+    status = seen.status
+    if status is None or (status.armed and not status.in_air):
+        return here.flying
+    return status.in_air
+
+
+def _invariants(
+    here: Stance, memory: ChartMemory, question: Question
+) -> tuple[Mapping[str, float], Transition | None, tuple[str, ...]]:
+    """Return since when which invariants are broken, the first way out, and the news."""
+    violated: dict[str, float] = {}
+    escape: Transition | None = None
+    problems: list[str] = []
+    now = question.seen.now
+    for state in here.promising:
+        says, verdict = _broken(state, question)
+        if verdict is None:
+            continue
+        since = violated[state.name] = memory.violated.get(state.name, now)
+        if state.name not in memory.violated:
+            news = f"invariant of {state.name} broken: {says}; {_reason(verdict)}"
+            problems.append(news.rstrip("; "))
+        overdue = now - since >= state.tolerated - EPSILON
+        if state.violated_to is not None and overdue and escape is None:
+            escape = _escape(state, state.violated_to)
+    return violated, escape, tuple(problems)
+
+
+def _escape(state: State, to: str) -> Transition:
+    text = f"invariant broken for {state.tolerated:g} s"
+    reads = (f"I({state.name})",)
+    return Transition(-1, (to,), text, source=state.name or ROOT, reads=reads)
+
+
+def _reason(verdict: Verdict) -> str:
+    if verdict.value is None or verdict.threshold is None:
+        return verdict.why
+    return f"{verdict.why} {verdict.value:.2f} against {verdict.threshold:g}".strip()
+
+
+def _broken(state: State, question: Question) -> tuple[str, Verdict | None]:
+    """Return the first of the kind's invariant and the mission's own that does not hold."""
+    invariant = state.kind.invariant
+    if invariant is not None:
+        verdict = invariant.check(question.seen, state.target)
+        question.answers[f"I({state.name})"] = verdict
+        if verdict.holds is False:
+            return invariant.says, verdict
+    if state.promise is not None:
+        verdict = state.promise(question)
+        if verdict.holds is False:
+            return "the mission's own", verdict
+    return "", None

@@ -1,0 +1,1 @@
+"""Text to data that knows its place: YAML, parameters, includes."""

@@ -1,0 +1,206 @@
+"""`include:`: a file as a state, with parameters, so that a landing is written once.
+
+    down: {include: charts/land_on_pad.yaml, with: {pad: north-pad}, transitions: [...]}
+
+The file has the keys of a state (`initial`, `states`, …) and may have `params`, `guards` and
+`variables`. Its names get the state's name in front. A name it does not define means what the
+including file defines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from missionkit.chart.text.located import Row, Table, Text, place_of, shown
+from missionkit.chart.text.parameters import Expanded, filled
+from missionkit.chart.text.reader import Document, read_file
+from missionkit.chart.text.renaming import Renaming
+from missionkit.errors import FileError, Place, Problem
+
+KEY, WITH = "include", "with"
+SECTIONS = ("guards", "variables")
+NOTHING = "logic"  # the kind of a state whose file cannot be used
+MAX_DEPTH = 8
+MAX_FILES = 100
+
+
+def inlined(expanded: Expanded, file: str) -> Expanded:
+    """Return a document with the files it includes in place of the states that include them.
+
+    Args:
+        expanded: the document, parameters replaced.
+        file: where it stands; includes are beside it or in folders below.
+    """
+    if not isinstance(expanded.data, Table) or not _includes(expanded.data.get("states")):
+        return expanded
+    work = _Work(Path(file).parent, list(expanded.problems), dict(expanded.origins))
+    states = work.states(expanded.data.get("states"), Path(file).parent, (Path(file),))
+    data = _with(expanded.data, "states", states)
+    for section in SECTIONS:
+        data = _with(data, section, _merged(data.get(section), work.sections[section]))
+    return Expanded(data, work.origins, tuple(work.problems), tuple(work.files))
+
+
+def _includes(states: object) -> bool:
+    if not isinstance(states, Table):
+        return False
+    return any(
+        isinstance(state, Table) and (KEY in state or _includes(state.get("states")))
+        for state in states.values()
+    )
+
+
+@dataclass(slots=True)
+class _Work:
+    root: Path  # nothing outside it is read
+    problems: list[Problem]
+    origins: dict[Place, str]
+    files: list[Path] = field(default_factory=list)
+    sections: dict[str, Table] = field(
+        default_factory=lambda: {section: Table(Place("", 1, 1)) for section in SECTIONS}
+    )
+
+    def states(self, data: Any, folder: Path, chain: tuple[Path, ...]) -> Any:
+        """Return `states:` with every include in it carried out."""
+        if not isinstance(data, Table):
+            return data
+        table = Table(data.place)
+        for name, state in data.items():
+            new = self._state(name, state, folder, chain)
+            table.put(name, new, data.key_places[name], data.value_places[name])
+        return table
+
+    def _state(self, name: str, state: Any, folder: Path, chain: tuple[Path, ...]) -> Any:
+        if not isinstance(state, Table):
+            return state
+        if KEY not in state:
+            inside = self.states(state.get("states"), folder, chain)
+            return _with(state, "states", inside) if "states" in state else state
+        path = self._path(state, folder, chain)
+        document = None if path is None else self._read(path, state)
+        if path is None or document is None:
+            return _with(_without(state, (KEY, WITH)), "kind", state.get("kind", NOTHING))
+        inner = self._filled(document, state)
+        states = self.states(inner.get("states"), path.parent, (*chain, path))
+        return self._joined(name, state, _with(inner, "states", states))
+
+    def _path(self, state: Table, folder: Path, chain: tuple[Path, ...]) -> Path | None:
+        written = state[KEY]
+        wrong = _unfit(written)
+        path = folder / str(written)
+        if not wrong and path in chain:
+            wrong = "it includes itself"
+        if not wrong and (len(chain) > MAX_DEPTH or len(self.files) >= MAX_FILES):
+            wrong = f"more than {MAX_DEPTH} files deep or {MAX_FILES} in all"
+        if not wrong and not path.resolve().is_relative_to(self.root.resolve()):
+            wrong = "outside the folder of the mission"
+        if not wrong and not path.is_file():
+            wrong = "no such file beside the mission"
+        if wrong:
+            message = f"include {shown(written)}: {wrong}"
+            self.problems.append(Problem(state.place_of(KEY), message))
+            return None
+        return path
+
+    def _read(self, path: Path, state: Table) -> Document | None:
+        try:
+            document = read_file(path)
+        except FileError as error:
+            self.problems += error.problems
+            return None
+        self.files.append(path)
+        if not isinstance(document.data, Table):
+            message = f"include {path.name}: expected a mapping, got {shown(document.data)}"
+            self.problems += [*document.problems, Problem(state.place_of(KEY), message)]
+            return None
+        return document
+
+    def _filled(self, document: Document, state: Table) -> Table:
+        given = state.get(WITH)
+        if given is not None and not isinstance(given, Table):
+            message = f"'with': expected a mapping (parameter: value), got {shown(given)}"
+            self.problems.append(Problem(state.place_of(WITH), message))
+        values = given if isinstance(given, Table) else Table(state.place)
+        expanded = filled(document, values)
+        self.problems += expanded.problems
+        self.origins |= expanded.origins
+        return _without(expanded.data, ("params",))
+
+    def _joined(self, name: str, state: Table, inner: Table) -> Table:
+        """Return the state with what the file says, where it does not say it itself."""
+        names = [frozenset(_keys(inner.get(section))) for section in SECTIONS]
+        renaming = Renaming(name, frozenset(_tree(inner.get("states"))), *names)
+        for section, rename in (
+            ("guards", renaming.guard_section),
+            ("variables", renaming.variable_section),
+        ):
+            if isinstance(inner.get(section), Table):
+                self.sections[section] = _merged(self.sections[section], rename(inner[section]))
+        joined: Table = renaming.state(_without(inner, SECTIONS))
+        for key, value in _without(state, (KEY, WITH)).items():
+            both = key == "transitions" and isinstance(value, Row) and key in joined
+            new = _together(value, joined[key]) if both else value
+            joined = _with(joined, key, new, state.key_places[key], state.value_places[key])
+        return joined
+
+
+def _unfit(written: object) -> str:
+    if not isinstance(written, Text):
+        return "expected the name of a file"
+    path = PurePosixPath(written)
+    if path.is_absolute() or ".." in path.parts or "\\" in written or "\0" in written:
+        return "expected a file beside the mission or in a folder below"
+    return "" if path.suffix in {".yaml", ".yml"} else "expected a name that ends in .yaml"
+
+
+def _keys(section: object) -> list[str]:
+    return list(section) if isinstance(section, Table) else []
+
+
+def _tree(states: object) -> list[str]:
+    if not isinstance(states, Table):
+        return []
+    inner = (_tree(state.get("states")) for state in states.values() if isinstance(state, Table))
+    return [*states, *(name for names in inner for name in names)]
+
+
+def _with(
+    table: Table, key: str, value: Any, key_place: Place | None = None, at: Place | None = None
+) -> Table:
+    """Return a copy with one value replaced or added, unless there is nothing to add."""
+    if value is None and key not in table:
+        return table
+    copy = _without(table, ())
+    key_place = key_place or table.key_places.get(key, table.place)
+    copy.put(key, value, key_place, at or table.value_places.get(key, place_of(value)))
+    return copy
+
+
+def _without(table: Table, keys: tuple[str, ...]) -> Table:
+    copy = Table(table.place)
+    for key, value in table.items():
+        if key not in keys:
+            copy.put(key, value, table.key_places[key], table.value_places[key])
+    return copy
+
+
+def _merged(one: Any, other: Mapping[str, Any]) -> Any:
+    """Return a mapping with the entries of another added; what is no mapping stays as it is."""
+    if not other or not (one is None or isinstance(one, Table)):
+        return one
+    table = Table(place_of(other)) if one is None else _without(one, ())
+    if isinstance(other, Table):
+        for key, value in other.items():
+            table.put(key, value, other.key_places[key], other.value_places[key])
+    return table
+
+
+def _together(one: Row, other: Any) -> Any:
+    row = Row(one.place)
+    for each in (one, other if isinstance(other, Row) else Row(one.place)):
+        for item, place in zip(each, each.value_places, strict=True):
+            row.put(item, place)
+    return row
