@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import load
@@ -14,6 +15,9 @@ from missionkit.chart.model.mission import Mission
 from missionkit.cli import report
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest
+
+if TYPE_CHECKING:
+    from missionkit.sim.world import World
 
 FORMATS = ("text", "json", "sarif")
 
@@ -57,14 +61,16 @@ def _checked(
         mission = load(path, catalogue, values)
     except FileError as error:
         return None, list(error.problems)
-    return mission, [*_found(mission, catalogue), *_of_world(path, mission)]
+    world, problems = _world_of(path, mission)
+    endurance = None if world is None else _endurance(world)
+    return mission, [*_found(mission, catalogue, endurance), *problems]
 
 
-def _found(mission: Mission, catalogue: Catalogue) -> list[Problem]:
+def _found(mission: Mission, catalogue: Catalogue, endurance: float | None = None) -> list[Problem]:
     """Return what is wrong with the chart of a mission, in the order of its files."""
     from missionkit.chart.checks import findings  # noqa: PLC0415
 
-    found = {*unmet(mission, catalogue), *findings(mission, catalogue)}
+    found = {*unmet(mission, catalogue), *findings(mission, catalogue, endurance=endurance)}
     return sorted(found, key=_order)
 
 
@@ -73,17 +79,22 @@ def _order(problem: Problem) -> tuple[str, int, int, str, str]:
     return place.file, place.line, place.column, problem.code, problem.message
 
 
-def _of_world(path: Path, mission: Mission) -> Sequence[Problem]:
+def _world_of(path: Path, mission: Mission) -> tuple[World | None, Sequence[Problem]]:
     if mission.world is None:
-        return ()
+        return None, ()
     from missionkit.chart.load import load_model  # noqa: PLC0415
     from missionkit.sim.world import World  # noqa: PLC0415
 
     try:
-        load_model(path.parent / mission.world, World)
+        return load_model(path.parent / mission.world, World), ()
     except FileError as error:
-        return error.problems
-    return ()
+        return None, error.problems
+
+
+def _endurance(world: World) -> float:
+    """Return how long (s) the simulated vehicle hovers on the battery it starts with."""
+    joules = 3600.0 * world.battery.capacity * world.battery.charge
+    return joules / world.quadrotor.hover_power
 
 
 def _tell(

@@ -15,6 +15,7 @@ from missionkit.chart.checks import findings
 from missionkit.chart.load import load
 from missionkit.errors import Problem
 
+ENDURANCE = 450.0  # s, that of the simulated vehicle
 FOLDER = Path(__file__).parent
 FILES = sorted(path.name for path in FOLDER.glob("*.yaml"))
 
@@ -27,7 +28,8 @@ def told(problem: Problem) -> str:
 @pytest.mark.parametrize("name", FILES)
 def test_findings(name: str, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch, update_refs):
     monkeypatch.chdir(FOLDER)
-    report = "".join(map(told, findings(load(Path(name), catalogue), catalogue)))
+    found = findings(load(Path(name), catalogue), catalogue, endurance=ENDURANCE)
+    report = "".join(map(told, found))
     if update_refs:
         Path(name).with_suffix(".txt").write_text(report)
     assert report == Path(name).with_suffix(".txt").read_text()

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import (
+    energy,
     escapes,
     fence,
     latches,
@@ -35,15 +36,20 @@ CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (
 )
 
 
-def findings(mission: Mission, catalogue: Catalogue) -> list[Problem]:
+def findings(
+    mission: Mission, catalogue: Catalogue, *, endurance: float | None = None
+) -> list[Problem]:
     """Return everything that the checks find, in the order of the file.
 
     Args:
         mission: as loaded without problems; its contracts are carried out here.
         catalogue: what it was loaded with.
+        endurance: time (s) that the vehicle hovers on a full battery, if that is known.
     """
     chart = Chart(fulfilled(mission, catalogue), catalogue)
     found = {problem for check in CHECKS for problem in check(chart)}
+    if endurance is not None:
+        found |= set(energy.problems_of(chart, endurance))
     return sorted(found, key=_order)
 
 
