@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.cli import run as command
+from missionkit.cli import rehearsed as command
 from missionkit.errors import VehicleError
 from missionkit.recorder.reading import read
 

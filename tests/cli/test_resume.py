@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.cli import run as command
+from missionkit.cli import rehearsed as command
 from missionkit.recorder import checkpoint
 from missionkit.recorder.checkpoint import BEFORE, NEWEST, load
 from missionkit.recorder.reading import read

@@ -15,7 +15,7 @@ def found(monkeypatch):
     """Let the proof find what a test says about the first transition of `idle`."""
 
     def find(level: Level) -> None:
-        def findings(mission, catalogue):
+        def findings(mission, catalogue, **_):
             way = mission.states["idle"].transitions[0]
             return [Problem(way.place("when"), "never", level, "dead", "say when")]
 

@@ -1,0 +1,82 @@
+"""The person at the terminal while a mission flies: what is shown, what the keys do."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from typing import NamedTuple
+
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.keys import Keys, Planned, offered
+from missionkit.cli.live import LiveView, live_view
+from missionkit.cli.order import Order
+from missionkit.engine.clock import stopwatch
+from missionkit.engine.loop import Observer, Operator
+from missionkit.messages import Observation, Record
+from missionkit.recorder.flight import FlightRecorder
+from missionkit.sim.truth import Truth
+
+
+class Cockpit(NamedTuple):
+    """Where the person sits."""
+
+    operator: Operator
+    observers: tuple[Observer, ...]  # to be called after every tick
+
+
+@contextmanager
+def cockpit(
+    order: Order,
+    mission: Mission,
+    recorder: FlightRecorder,
+    truth: Callable[[], Truth | None] = lambda: None,
+) -> Iterator[Cockpit]:
+    """Record and show a flight, and listen to the keys, while this context is open."""
+    operator, view = Operator(), None
+    events: dict[str, str] = {}
+    if not (order.headless or order.as_json):
+        events = offered(mission)
+        view = live_view(sys.stdout, stopwatch, _title(mission.name, events))
+    keys = Keys(sys.stdin, operator, events)
+    watch = _Watch(recorder, view, truth)
+    with recorder, view or nullcontext(), keys, _landing_on_interrupt(operator):
+        yield Cockpit(operator, (watch, keys, Planned(order.events, operator)))
+
+
+class _Watch:
+    """Passes every tick on to the recorder and the view."""
+
+    def __init__(
+        self, recorder: FlightRecorder, view: LiveView | None, truth: Callable[[], Truth | None]
+    ) -> None:
+        self._recorder = recorder
+        self._view = view
+        self._truth = truth
+
+    def __call__(self, record: Record, observation: Observation) -> None:
+        self._recorder.write(record, observation.frame, self._truth())
+        if self._view is not None:
+            self._view.update(record)
+
+
+def _title(mission: str, events: Mapping[str, str]) -> str:
+    """Return what stands above the live page: the mission, and which key sends which event."""
+    keys = ", ".join(f"{key} {event}" for key, event in events.items())
+    return f"{mission} — keys: {keys}" if keys else mission
+
+
+@contextmanager
+def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
+    """Let the first Ctrl-C land the vehicle and the second one stop the program."""
+
+    def land(*_: object) -> None:
+        operator.land()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    before = signal.signal(signal.SIGINT, land)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
