@@ -29,21 +29,24 @@ def decide(
     chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
 ) -> tuple[ChartMemory, Decision]:
     """Advance the guards' windows, ask every guard, and take what is to be taken."""
-    active = memory.active
+    active, _, windows, variables, _, _, was_held, was_violated, started, ended = memory
     here = chart.stances.get(active) or stance(chart, active)
-    question = Question(seen, memory.windows, contain, active, memory.variables)
-    windows = _advanced(chart, question) if chart.slots else memory.windows
+    question = Question(seen, windows, contain, active, variables)
+    if chart.slots:
+        windows = _advanced(chart, question)
     held: dict[int, float] = {}
-    forced = _forced(chart, memory, here, question, held)
-    moving = not memory.ended and asked(here, memory, question, held)
-    violated = memory.violated
+    forced = None
+    if ended or seen.events or _flying(seen, here):
+        forced = _forced(chart, memory, here, question, held)
+    moving = not ended and asked(here, memory, question, held)
+    violated = was_violated
     problems: tuple[str, ...] = ()
     if here.promising:
         violated, escape, problems = _invariants(here, memory, question)
         forced = forced or escape
-    if chart.slots or held != memory.held or violated != memory.violated:
+    if chart.slots or held != was_held or violated != was_violated:
         memory = memory._replace(windows=windows, held=held, violated=violated)
-    if memory.started and forced is None and not moving and not seen.events:
+    if started and forced is None and not moving and not seen.events:
         return memory, _new(Decision, (question.answers, (), (), False, (), problems))
     return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
 
