@@ -212,6 +212,46 @@ def new(
     inspect.new(kind, name, to)
 
 
+@app.command()
+@told
+def sitl(
+    world: Annotated[Path | None, typer.Option(help="world file; empty without")] = None,
+    dialect: Annotated[str, typer.Option(help="px4 or ardupilot")] = "px4",
+    link: Annotated[
+        list[str] | None,
+        typer.Option(metavar="LINK", help="udpout:HOST:PORT, udpin:HOST:PORT or tcpin:HOST:PORT"),
+    ] = None,
+    control: Annotated[int, typer.Option(min=0, max=65535, help="port; 0: any free one")] = 0,
+    speed: Annotated[float, typer.Option(help="times real time, up to 10")] = 1.0,
+    seed: Annotated[int, typer.Option(min=0, help="of everything random")] = 0,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="something that goes wrong"),
+    ] = None,
+    home: Annotated[
+        str, typer.Option(metavar="LAT,LON,HEIGHT", help="of the world's origin (deg, deg, m)")
+    ] = "47.397742,8.545594,488",
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
+) -> None:
+    """Simulate an autopilot that speaks MAVLink; Ctrl-C ends it."""
+    from missionkit.cli.sitl import Wanted  # noqa: PLC0415
+    from missionkit.cli.sitl import sitl as command  # noqa: PLC0415
+
+    wanted = Wanted(
+        world,
+        dialect,
+        tuple(link or ()),
+        control,
+        speed,
+        seed,
+        tuple(fault or ()),
+        home,
+        as_json=as_json,
+    )
+    raise typer.Exit(command(wanted))
+
+
 @app.callback(invoke_without_command=True)
 def missionkit(
     *, version: Annotated[bool, typer.Option("--version", help="print the version")] = False

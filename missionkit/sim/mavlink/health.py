@@ -1,0 +1,76 @@
+"""Messages about how well sensors and estimator are.
+
+https://mavlink.io/en/messages/common.html (SYS_STATUS, ESTIMATOR_STATUS, MAV_SYS_STATUS_SENSOR);
+https://mavlink.io/en/messages/ardupilotmega.html (EKF_STATUS_REPORT).
+"""
+
+from __future__ import annotations
+
+from missionkit.sim.mavlink import rules
+from missionkit.sim.mavlink.dialect import Message, mavlink
+from missionkit.sim.mavlink.state import State
+
+SENSORS = (
+    mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    | mavlink.MAV_SYS_STATUS_SENSOR_3D_ACCEL
+    | mavlink.MAV_SYS_STATUS_SENSOR_3D_MAG
+    | mavlink.MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE
+    | mavlink.MAV_SYS_STATUS_SENSOR_GPS
+    | mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+    | mavlink.MAV_SYS_STATUS_AHRS
+    | mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
+    | mavlink.MAV_SYS_STATUS_PREARM_CHECK
+)
+WITHOUT_POSITION = (  # the bits are the same in ESTIMATOR_STATUS and EKF_STATUS_REPORT
+    mavlink.EKF_ATTITUDE
+    | mavlink.EKF_VELOCITY_VERT
+    | mavlink.EKF_POS_VERT_ABS
+    | mavlink.EKF_CONST_POS_MODE
+)
+WITH_POSITION = (
+    mavlink.EKF_ATTITUDE
+    | mavlink.EKF_VELOCITY_HORIZ
+    | mavlink.EKF_VELOCITY_VERT
+    | mavlink.EKF_POS_HORIZ_REL
+    | mavlink.EKF_POS_HORIZ_ABS
+    | mavlink.EKF_POS_VERT_ABS
+    | mavlink.EKF_PRED_POS_HORIZ_REL
+    | mavlink.EKF_PRED_POS_HORIZ_ABS
+)
+
+
+def sys_status(state: State) -> Message:
+    """Return SYS_STATUS; the bit PREARM_CHECK says whether it could be armed."""
+    health = SENSORS
+    if state.gnss_lost:
+        health &= ~mavlink.MAV_SYS_STATUS_SENSOR_GPS
+    if rules.problems(state):
+        health &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
+    reading = state.sensed.battery
+    volts = 0.0 if reading is None else reading.voltage
+    charge = -1 if reading is None else round(100.0 * reading.charge)
+    current = round(100.0 * state.body.power / volts) if volts else -1
+    return mavlink.MAVLink_sys_status_message(
+        SENSORS, SENSORS, health, 200, round(1e3 * volts), current, charge, 0, 0, 0, 0, 0, 0
+    )
+
+
+def _estimate(state: State) -> tuple[int, float]:
+    """Return the flags of the estimator, and its position innovation over what it allows."""
+    known = state.sensed.gnss is not None and not state.blind
+    return (WITH_POSITION if known else WITHOUT_POSITION), (1.5 if state.gnss_lost else 0.1)
+
+
+def estimator_status(state: State) -> Message:
+    """Return PX4's ESTIMATOR_STATUS."""
+    flags, ratio = _estimate(state)
+    away = 3.0 if state.blind else 0.5  # m
+    return mavlink.MAVLink_estimator_status_message(
+        state.micros, flags, 0.1, ratio, 0.1, 0.1, 0.0, 0.0, away, away
+    )
+
+
+def ekf_status_report(state: State) -> Message:
+    """Return ArduPilot's EKF_STATUS_REPORT."""
+    flags, ratio = _estimate(state)
+    return mavlink.MAVLink_ekf_status_report_message(flags, 0.1, ratio, 0.1, 0.1, 0.0)
