@@ -75,6 +75,13 @@ def run(
             help="something that goes wrong, such as gnss_lost@20+5 or marker_hidden@visual+6",
         ),
     ] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="MAVLink, such as udpin://0.0.0.0:14540"),
+    ] = None,
+    camera: Annotated[
+        str | None, typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL")
+    ] = None,
     event: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME@SECONDS", help="an event from the operator, such as go@12.5"),
@@ -114,6 +121,8 @@ def run(
         out,
         headless=headless,
         as_json=as_json,
+        vehicle=vehicle,
+        source=int(camera) if camera is not None and camera.isdecimal() else camera,
         events=tuple(event or ()),
         resume=resume,
         gap=gap,

@@ -20,6 +20,8 @@ class Order(NamedTuple):
     out: Path
     headless: bool
     as_json: bool
+    vehicle: str | None = None  # address; the simulator if absent
+    source: int | str | None = None  # of a real camera
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
     resume: Path | None = None  # the folder of the run that is gone on with
     gap: float = GAP  # s that the simulated vehicle flew alone

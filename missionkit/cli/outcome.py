@@ -62,11 +62,13 @@ def _unreached(success: Success, track: Track) -> str:
 def numbers(summary: Summary) -> str:
     """Return the flight in a line."""
     grade, timing = summary.grade, summary.timing
-    parts = [summary.reason, f"{summary.duration:.0f} s", f"{grade['distance']:.0f} m flown"]
-    if grade["visit"] is not None:
+    parts = [summary.reason, f"{summary.duration:.0f} s"]
+    if grade:
+        parts.append(f"{grade['distance']:.0f} m flown")
+    if grade.get("visit") is not None:
         error = 100.0 * grade["visit"]["position_error"]
         parts.append(f"{error:.1f} cm from the goal on arrival")
-    if grade["clearance"] is not None:
+    if grade.get("clearance") is not None:
         parts.append(f"clearance {grade['clearance']:.2f} m")
     if timing is not None:
         parts.append(f"cycle p99 {timing.total.p99:.1f} ms")

@@ -25,13 +25,17 @@ def run(order: Order) -> ExitCode:
     order = order if before is None else recalled(order, before)
     catalogue = assemble(order.plugins)
     mission = load(order.mission, catalogue, overrides(order.settings))
-    _refuse(mission, catalogue)
+    refuse(mission, catalogue)
+    if order.vehicle is not None:
+        from missionkit.cli.on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
+
+        return run_on_vehicle(order, mission, catalogue)
     from missionkit.cli.rehearsed import run_in_simulator  # noqa: PLC0415 quick if refused
 
     return run_in_simulator(order, mission, catalogue, before)
 
 
-def _refuse(mission: Mission, catalogue: Catalogue) -> None:
+def refuse(mission: Mission, catalogue: Catalogue) -> None:
     """Refuse a mission with errors; `missionkit validate` tells its warnings too.
 
     Raises:

@@ -1,0 +1,1 @@
+"""Vehicles over MAVLink: the port `Vehicle` on top of MAVSDK, which nothing else imports."""

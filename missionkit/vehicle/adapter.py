@@ -1,0 +1,214 @@
+"""The port `Vehicle` over MAVLink.
+
+    telemetry -> cache -> observation -> [tick] -> command -> setpoints, or one action at a time
+
+Four threads share it: the event loop (ticks), MAVSDK's (brings messages, notices the pilot), the
+streamer's and the commander's. None of the last three waits for the first.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+from missionkit.errors import VehicleError
+from missionkit.messages import Command, Observation
+from missionkit.vehicle.address import Address
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.camera import Camera, NoCamera
+from missionkit.vehicle.commands import Report
+from missionkit.vehicle.connection import Link
+from missionkit.vehicle.dialect import Dialect, dialect_of
+from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.observation import Observer
+from missionkit.vehicle.parts import Parts
+from missionkit.vehicle.pose import Pose, reported_pose
+from missionkit.vehicle.setpoints import Streamer
+from missionkit.vehicle.state import State
+from missionkit.vehicle.streams import NAMES, QUEUED, Streams
+from missionkit.vehicle.timing import MissionClock, wall
+from missionkit.vehicle.transaction import Outcome
+
+PATIENCE = 10.0  # s to wait for an answer
+WORDS_WITHIN = 3.0  # s to wait for a heartbeat through the cache, once somebody has answered
+
+T = TypeVar("T")
+
+
+class MavsdkVehicle:
+    """A PX4 or ArduPilot vehicle behind the port `Vehicle`.
+
+    Args:
+        address: where it is.
+        camera: gives frames; none by default.
+        pace: seconds of the vehicle in one of the wall, for simulated autopilots.
+        patience: s to wait for an answer.
+        lock: against a second process on the same link.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        camera: Camera | None = None,
+        pace: float = 1.0,
+        patience: float = PATIENCE,
+        lock: LinkLock | None = None,
+    ) -> None:
+        self.address = address
+        self.cache = Cache(wall, QUEUED)
+        self.reports: list[Report] = []  # of every command that has ended
+        self._camera = NoCamera() if camera is None else camera
+        self._pace = pace
+        self._patience = patience
+        self._lock = lock or LinkLock(address)
+        self._clock = MissionClock(pace)
+        self._events: list[str] = []
+        self._noting = threading.Lock()
+        self._now = 0.0
+        self._workers = ThreadPoolExecutor(2, thread_name_prefix="vehicle")
+        self._parts: Parts | None = None
+
+    @property
+    def dialect(self) -> Dialect:
+        """The autopilot's dialect."""
+        return self._joined.dialect
+
+    @property
+    def state(self) -> State:
+        """What the autopilot says about itself."""
+        return self._joined.state
+
+    @property
+    def link(self) -> Link:
+        """The link, for parameters and fences."""
+        return self._joined.link
+
+    @property
+    def observer(self) -> Observer:
+        """What turns messages into observations."""
+        return self._joined.observer
+
+    @property
+    def streamer(self) -> Streamer:
+        """What sends setpoints."""
+        return self._joined.streamer
+
+    @property
+    def streams(self) -> Streams:
+        """What keeps telemetry coming."""
+        return self._joined.streams
+
+    @property
+    def in_control(self) -> bool:
+        """Whether missionkit commands; no: a pilot, or the autopilot by itself."""
+        return self._joined.helm.ours
+
+    async def connect(self) -> None:
+        """Reach the vehicle.
+
+        Raises:
+            VehicleError: the link is in use or nobody answered; what to check is said.
+        """
+        self._lock.take()
+        try:
+            link = await Link.open(self.address, self._patience)
+            try:
+                await self._join(link)
+            except BaseException:
+                link.close()
+                raise
+        except BaseException:
+            self._lock.release()
+            raise
+
+    async def observe(self, until: float) -> Observation:
+        """Return all that was sensed since the last call, at mission time `until` (s)."""
+        parts = self._joined
+        self._clock.tick(until, wall())
+        self._now = until
+        if not self._camera.running:
+            self._camera.start(self)
+        parts.streams.tend()
+        self._take_reports(parts)
+        with self._noting:
+            events, self._events = tuple(self._events), []
+        frame = self._camera.latest(until)
+        seen = parts.observer.observe(until, frame, events)
+        parts.phase.see()
+        return seen
+
+    async def send(self, command: Command) -> None:
+        """Carry out `command`. Nothing is sent while somebody else commands."""
+        parts, at = self._joined, self._clock.wall(self._now)
+        if at is not None:
+            parts.obey(command, at)
+
+    async def close(self) -> None:
+        """Let go of the vehicle; one that follows our setpoints is told to hold."""
+        parts, self._parts = self._parts, None
+        if self._camera.running:
+            self._camera.stop()
+        if parts is not None:
+            await self.call(parts.leave)
+            parts.link.close()
+        self._workers.shutdown(wait=False)
+        self._lock.release()
+
+    def resume_control(self) -> None:
+        """Command again after a pilot's takeover. Only a person may ask for this."""
+        self._joined.helm.resume()
+
+    async def call(self, function: Callable[..., T], *args: Any) -> T:
+        """Run a blocking function of the link without stopping the event loop."""
+        return await asyncio.get_running_loop().run_in_executor(self._workers, function, *args)
+
+    async def hear(self, name: str, patience: float) -> bool:
+        """Wait until a message of a name is there; say whether it is."""
+        found = self.cache.wait
+        return await self.call(found, lambda: self.cache.latest(name) is not None, patience)
+
+    def mission_time(self, wall_time: float) -> float | None:
+        """Return the mission time (s) at a wall time, None before the first tick."""
+        return self._clock.at(wall_time)
+
+    @property
+    def _joined(self) -> Parts:
+        if self._parts is None:
+            raise VehicleError(f"{self.address.url}: not connected")
+        return self._parts
+
+    async def _join(self, link: Link) -> None:
+        link.listen(NAMES.values(), self.cache.put)
+        await self.hear("HEARTBEAT", WORDS_WITHIN)
+        beat = self.cache.latest("HEARTBEAT")
+        dialect = None if beat is None else dialect_of(int(beat["autopilot"]))
+        if dialect is None:
+            kind = "silent" if beat is None else f"of kind {beat['autopilot']} (MAV_AUTOPILOT)"
+            raise VehicleError(
+                f"{self.address.url}: the autopilot is {kind}; missionkit flies PX4 and ArduPilot"
+            )
+        self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace)
+        self._parts.start()
+
+    def _take_reports(self, parts: Parts) -> None:
+        for report in parts.commander.reports():
+            self.reports.append(report)
+            if report.result.outcome is Outcome.ABANDONED or report.result.good:
+                continue
+            ending = "refused" if report.result.outcome is Outcome.REFUSED else "unconfirmed"
+            self.note(f"{report.wish[0]}_{ending}")
+
+    def note(self, event: str) -> None:
+        """Keep an event for the next observation."""
+        with self._noting:
+            self._events.append(event)
+
+    def pose(self) -> Pose | None:
+        """Return where the vehicle says it is."""
+        parts = self._parts
+        if parts is None:
+            return None
+        return reported_pose(self.cache, parts.observer, parts.dialect.sphere)

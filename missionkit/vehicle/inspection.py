@@ -1,0 +1,91 @@
+"""Reading what the pre-flight report judges."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+
+from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.cache import Fields, Message
+from missionkit.vehicle.preflight import Findings, Report, judged
+from missionkit.vehicle.state import SENSORS
+from missionkit.vehicle.streams import boot_time
+from missionkit.vehicle.timing import unix
+
+NEEDED = ("SYS_STATUS", "HOME_POSITION", "LOCAL_POSITION_NED", "GPS_RAW_INT", "BATTERY_STATUS")
+LOOK = 0.1  # s between two looks at what has come
+SPAN = 1.0  # s over which the vehicle's clock is compared with ours
+
+
+async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1.0) -> Report:
+    """Return the pre-flight report of a vehicle that is connected.
+
+    Args:
+        vehicle: to be looked at; nothing is commanded but streams.
+        patience: s to wait for messages that have not come yet.
+        pace: seconds of the vehicle in one of the wall.
+    """
+    for _ in range(round(patience / LOOK)):
+        vehicle.streams.tend()
+        if all(vehicle.cache.latest(name) is not None for name in NEEDED):
+            break
+        await asyncio.sleep(LOOK)
+    first = vehicle.cache.latest("LOCAL_POSITION_NED")
+    parameters = await vehicle.call(_parameters, vehicle)
+    await asyncio.sleep(SPAN)
+    findings = _found(vehicle, first, parameters, pace)
+    return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
+
+
+def _parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
+    """Read what the failsafes depend on; if the autopilot does not answer once, ask no more."""
+    values: dict[str, float | None] = {}
+    for failsafe in vehicle.dialect.failsafes:
+        values[failsafe.parameter] = vehicle.link.parameter(failsafe.parameter)
+    return values
+
+
+def _found(
+    vehicle: MavsdkVehicle,
+    first: Message | None,
+    parameters: Mapping[str, float | None],
+    pace: float,
+) -> Findings:
+    state = vehicle.state
+    return Findings(
+        armed=state.armed,
+        in_air=state.in_air,
+        mode=state.mode,
+        armable=state.armable,
+        sensors={name: state.sensor(name) for name in SENSORS},
+        home=_fields(vehicle, "HOME_POSITION"),
+        local=_fields(vehicle, "LOCAL_POSITION_NED"),
+        fix=_fields(vehicle, "GPS_RAW_INT"),
+        battery=_fields(vehicle, "BATTERY_STATUS"),
+        parameters=parameters,
+        date_gap=_date_gap(vehicle),
+        clock_rate=_rate(first, vehicle.cache.latest("LOCAL_POSITION_NED")),
+        pace=pace,
+    )
+
+
+def _fields(vehicle: MavsdkVehicle, name: str) -> Fields | None:
+    message = vehicle.cache.latest(name)
+    return None if message is None else message.fields
+
+
+def _date_gap(vehicle: MavsdkVehicle) -> float | None:
+    said = vehicle.cache.latest("SYSTEM_TIME")
+    if said is None or not said["time_unix_usec"]:
+        return None
+    age = vehicle.cache.wall() - said.arrived
+    return 1e-6 * float(said["time_unix_usec"]) - (unix() - age)
+
+
+def _rate(first: Message | None, last: Message | None) -> float | None:
+    if first is None or last is None or last.arrived - first.arrived < 0.5 * SPAN:
+        return None
+    begun, ended = boot_time(first), boot_time(last)
+    if begun is None or ended is None:
+        return None
+    return (ended - begun) / (last.arrived - first.arrived)

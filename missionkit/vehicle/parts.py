@@ -1,0 +1,168 @@
+"""What there is only while connected, and how it carries out a tick's command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+from missionkit.messages import Action, Command, Setpoint
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.commands import OFFBOARD, Commander
+from missionkit.vehicle.connection import Link
+from missionkit.vehicle.dialect import LOCAL_NED, OPTIONAL, VELOCITY_MASK, Dialect
+from missionkit.vehicle.helm import Helm
+from missionkit.vehicle.observation import Observer
+from missionkit.vehicle.payload import Payload
+from missionkit.vehicle.phase import Phase
+from missionkit.vehicle.setpoints import STALE, STILL, Streamer
+from missionkit.vehicle.state import State
+from missionkit.vehicle.streams import SILENT, Streams
+from missionkit.vehicle.timing import MissionClock, wall
+
+BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
+GAP = 2.0  # s between two heartbeats: the link was gone
+
+
+class Parts:
+    """Everything that shares one link.
+
+    Args:
+        link: to the autopilot.
+        dialect: of the autopilot.
+        cache: where its messages are.
+        clock: mission time.
+        note: takes an event for the mission.
+        pace: seconds of the vehicle in one of the wall.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        dialect: Dialect,
+        cache: Cache,
+        clock: MissionClock,
+        note: Callable[[str], None],
+        pace: float,
+    ) -> None:
+        self.link = link
+        self.dialect = dialect
+        self.state = State(cache, dialect)
+        self.phase = Phase(cache, dialect)
+        self.observer = Observer(cache, self.phase, clock)
+        self.helm = Helm(dialect, self._let_go, note, self._unheard)
+        self.streamer = Streamer(self._emit, self._listens, wall, pace)
+        self.commander = Commander(link, cache, dialect, self.state, self.helm.order, pace)
+        self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, self._rebooted, pace)
+        self.payload = Payload(link, cache, pace)
+        self._cache = cache
+        self._pace = pace
+
+    def start(self) -> None:
+        """Begin."""
+        self._cache.listen(self.streams.hear)
+        self._cache.listen(self.helm.hear)
+        beat = self._cache.latest("HEARTBEAT")
+        if beat is not None:
+            self.helm.hear(beat)
+        self.streams.tend()
+        self.streamer.start()
+        self.commander.start()
+
+    def leave(self) -> None:
+        """Stop commanding. Blocks the calling thread for at most a few seconds."""
+        self.streamer.stop()
+        self.commander.stop()
+        if not self.helm.ours or not self.state.in_air:
+            return
+        if self.state.mode == self.dialect.offboard_word:
+            with suppress(RuntimeError):  # no link, no hold: its failsafe will
+                self._emit(STILL)
+                self.commander.carry_out((Action.HOLD, None))
+
+    def obey(self, command: Command, at: float) -> None:
+        """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
+        if not self.helm.ours:
+            return
+        self.payload.want(command.payload)
+        if command.action is not None:
+            self._act(command.action, command.height, at)
+        elif command.setpoint is not None:
+            self._steer(command.setpoint, at)
+        else:
+            self._rest(at)
+
+    def _act(self, action: Action, height: float | None, at: float) -> None:
+        self.streamer.tell(STILL, at)
+        if action is Action.TAKE_OFF:
+            self.phase.take_off(height)
+        elif action is not Action.ARM:
+            self.phase.end()
+        if not self._shows(action):
+            self.commander.want((action, height if action is Action.TAKE_OFF else None))
+
+    def _steer(self, setpoint: Setpoint, at: float) -> None:
+        state, dialect = self.state, self.dialect
+        self.phase.steer()
+        self.streamer.tell(setpoint, at)
+        if not state.armed or not state.in_air or state.mode == dialect.offboard_word:
+            return
+        if self.streamer.streaming(wall()) * self._pace >= dialect.warm:
+            self.commander.want((OFFBOARD, None))
+
+    def _rest(self, at: float) -> None:
+        self.streamer.tell(STILL, at)
+        if self.state.mode == "offboard":
+            self.commander.want((Action.HOLD, None))
+        self.phase.rest()
+
+    def _shows(self, action: Action) -> bool:
+        """Say whether telemetry shows already what an action would bring about."""
+        mode, armed = self.state.mode, self.state.armed
+        return {
+            Action.ARM: armed is True,
+            Action.TAKE_OFF: mode == "take_off",
+            Action.HOLD: mode == self.dialect.hold_word,
+            Action.LAND: mode == "land",
+            Action.DISARM: armed is False,
+        }[action]
+
+    def _let_go(self) -> None:
+        self.streamer.quiet()
+        self.commander.drop()
+
+    def _rebooted(self) -> None:
+        self.helm.rebooted(flying=bool(self.state.armed))
+        self.observer.forget()
+
+    def _unheard(self) -> bool:
+        """Whether setpoints had stopped, or the link was gone, before the present heartbeat."""
+        silent = (wall() - self.streamer.last) * self._pace > STALE
+        steering = self.helm.aim == "offboard"
+        return (silent and steering) or self.streams.gap > GAP
+
+    def _listens(self) -> bool:
+        """Whether a setpoint may go out now: ours to command, heard of lately, in a fit mode."""
+        state, dialect = self.state, self.dialect
+        if not self.helm.ours or not state.armed:
+            return False
+        if (wall() - state.heard) * self._pace > SILENT:
+            return False
+        if state.heard < self.streamer.woken + BACKLOG:
+            return False  # what was heard may have waited while the process stood still
+        if dialect.early:
+            return state.mode != "land"  # ignored outside offboard, and needed to enter it
+        return state.mode == dialect.offboard_word and not self.phase.climbing
+
+    def _emit(self, setpoint: Setpoint) -> None:
+        north, east, down = setpoint.velocity.tolist()
+        self.link.send(
+            "SET_POSITION_TARGET_LOCAL_NED",
+            time_boot_ms=int(1e3 * wall()) & 0xFFFFFFFF,
+            coordinate_frame=LOCAL_NED,
+            type_mask=VELOCITY_MASK,
+            **dict.fromkeys(("x", "y", "z", "afx", "afy", "afz", "yaw"), 0.0),
+            vx=north,
+            vy=east,
+            vz=down,
+            yaw_rate=setpoint.yaw_rate,
+        )

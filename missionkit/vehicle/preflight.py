@@ -1,0 +1,190 @@
+"""Before a flight: what the vehicle says about itself, judged.
+
+Everything is read first (`Findings`), then judged by plain functions; the report is data and text.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from missionkit.vehicle.cache import Fields
+from missionkit.vehicle.dialect import Dialect
+from missionkit.vehicle.failsafes import Level
+
+_MARKS = {Level.GOOD: "ok  ", Level.WARNING: "warn", Level.BAD: "BAD "}
+LEAST_CHARGE, GOOD_CHARGE = 0.3, 0.6
+MOST_CLOCK, MOST_DATE = 0.02, 5.0  # share, s
+
+
+class Findings(NamedTuple):
+    """What was read; None or missing: the vehicle has not said so."""
+
+    armed: bool | None
+    in_air: bool | None
+    mode: str | None
+    armable: bool | None
+    sensors: Mapping[str, bool | None]
+    home: Fields | None
+    local: Fields | None
+    fix: Fields | None
+    battery: Fields | None
+    parameters: Mapping[str, float | None]
+    date_gap: float | None  # s, vehicle's date ahead of the computer's
+    clock_rate: float | None  # seconds of the vehicle in one of the wall
+    pace: float = 1.0
+
+
+class Check(NamedTuple):
+    """One line of the report."""
+
+    what: str
+    level: Level
+    says: str
+
+
+class Report(NamedTuple):
+    """What was found before the flight."""
+
+    vehicle: str
+    checks: tuple[Check, ...]
+
+    @property
+    def level(self) -> Level:
+        """The worst of all."""
+        return max((check.level for check in self.checks), default=Level.GOOD)
+
+    @property
+    def fit(self) -> bool:
+        """Whether nothing speaks against flying; warnings are for a person to weigh."""
+        return self.level is not Level.BAD
+
+    def text(self) -> str:
+        """Return the report for people."""
+        width = max(len(check.what) for check in self.checks)
+        lines = [f"{_MARKS[c.level]} {c.what:{width}}  {c.says}" for c in self.checks]
+        verdict = {
+            Level.GOOD: "ready to fly",
+            Level.WARNING: "can fly, but read the warnings",
+            Level.BAD: "not fit to fly",
+        }[self.level]
+        return "\n".join([f"{self.vehicle}: {verdict}", *lines])
+
+    def json(self) -> str:
+        """Return the report for programs."""
+        checks = [
+            {"what": c.what, "level": c.level.name.lower(), "says": c.says} for c in self.checks
+        ]
+        whole = {"vehicle": self.vehicle, "level": self.level.name.lower(), "checks": checks}
+        return json.dumps(whole, indent=2)
+
+
+def judged(vehicle: str, dialect: Dialect, found: Findings) -> Report:
+    """Return the report on what was found."""
+    checks = (
+        _state(found),
+        _health(found),
+        _home(found),
+        _estimator(found),
+        _gnss(found),
+        _battery(found),
+        *_parameters(dialect, found),
+        *_clock(found),
+    )
+    return Report(vehicle, checks)
+
+
+def _state(found: Findings) -> Check:
+    if found.armed is None:
+        return Check("state", Level.BAD, "no heartbeat")
+    says = f"{'armed' if found.armed else 'disarmed'}, mode {found.mode}"
+    if found.in_air:
+        return Check("state", Level.WARNING, f"already in the air, {says}")
+    return Check("state", Level.WARNING if found.armed else Level.GOOD, f"on the ground, {says}")
+
+
+def _health(found: Findings) -> Check:
+    ill = [name for name, good in found.sensors.items() if good is False]
+    missing = [name for name, good in found.sensors.items() if good is None]
+    if ill:
+        return Check("health", Level.BAD, f"unhealthy: {', '.join(ill)}")
+    if found.armable is False:
+        return Check("health", Level.BAD, "its own arming checks fail; see its status texts")
+    if found.armable is None:
+        return Check("health", Level.WARNING, "it does not say whether it can be armed")
+    if missing:
+        return Check("health", Level.WARNING, f"not reported: {', '.join(missing)}")
+    return Check("health", Level.GOOD, "sensors healthy, arming checks pass")
+
+
+def _home(found: Findings) -> Check:
+    home = found.home
+    if home is None:
+        return Check("home", Level.BAD, "no home position: wait for a fix")
+    place = f"{1e-7 * home['latitude']:.6f}, {1e-7 * home['longitude']:.6f}"
+    return Check("home", Level.GOOD, f"{place}, {1e-3 * home['altitude']:.0f} m")
+
+
+def _estimator(found: Findings) -> Check:
+    local = found.local
+    if local is None:
+        return Check("estimator", Level.BAD, "no local position")
+    values = [local[name] for name in ("x", "y", "z", "vx", "vy", "vz")]
+    if any(value is None or not math.isfinite(value) for value in values):
+        return Check("estimator", Level.BAD, "the local position is not a number")
+    speed = math.sqrt(sum(float(v) ** 2 for v in values[3:]))
+    if speed > 0.5 and not found.in_air:
+        return Check(
+            "estimator", Level.BAD, f"it believes to move at {speed:.1f} m/s on the ground"
+        )
+    return Check("estimator", Level.GOOD, f"local position, {speed:.2f} m/s at rest")
+
+
+def _gnss(found: Findings) -> Check:
+    fix = found.fix
+    if fix is None:
+        return Check("gnss", Level.BAD, "no GNSS messages")
+    kind, seen = int(fix["fix_type"]), int(fix["satellites_visible"])
+    said = fix.get("h_acc", 0)
+    accuracy = f", {1e-3 * said:.1f} m" if said else ""
+    says = f"fix {kind}, {'?' if seen == 255 else seen} satellites{accuracy}"
+    if kind < 3:
+        return Check("gnss", Level.BAD, f"{says}: no 3D fix")
+    weak = seen < 8 or (said and said > 3000)
+    return Check("gnss", Level.WARNING if weak else Level.GOOD, says)
+
+
+def _battery(found: Findings) -> Check:
+    battery = found.battery
+    if battery is None or int(battery["battery_remaining"]) < 0:
+        return Check("battery", Level.WARNING, "the charge is not known")
+    charge = 0.01 * int(battery["battery_remaining"])
+    level = Level.GOOD if charge >= GOOD_CHARGE else Level.WARNING
+    return Check("battery", level if charge >= LEAST_CHARGE else Level.BAD, f"{charge:.0%}")
+
+
+def _parameters(dialect: Dialect, found: Findings) -> list[Check]:
+    checks = []
+    for failsafe in dialect.failsafes:
+        value = found.parameters.get(failsafe.parameter)
+        if value is None:
+            says = "could not be read: look at it by hand"
+            checks.append(Check(failsafe.parameter, Level.WARNING, says))
+            continue
+        level, why = failsafe.judge(value)
+        checks.append(Check(failsafe.parameter, level, f"{value:g}{': ' if why else ''}{why}"))
+    return checks
+
+
+def _clock(found: Findings) -> list[Check]:
+    checks = []
+    if found.clock_rate is not None:
+        off = found.clock_rate / found.pace - 1.0
+        level = Level.GOOD if abs(off) <= MOST_CLOCK else Level.WARNING
+        checks.append(Check("clock", level, f"runs at {found.clock_rate / found.pace:.3f} of ours"))
+    if found.date_gap is not None:
+        level = Level.GOOD if abs(found.date_gap) <= MOST_DATE else Level.WARNING
+        checks.append(Check("date", level, f"{found.date_gap:+.1f} s from ours"))
+    return checks

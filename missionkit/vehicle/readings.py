@@ -1,0 +1,115 @@
+"""From single MAVLink messages to what missionkit calls the same thing; None where it says nothing.
+
+Sources: MAVLink common.xml, messages 24, 105, 147, 330.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from missionkit.geometry import Quat, Vec3, from_euler, norm, to_matrix, vec, yaw_of
+from missionkit.messages import Baro, Battery, Gnss, Imu, Magnetometer, Scan
+from missionkit.vehicle.cache import Fields
+from missionkit.vehicle.origin import Origin
+
+_MAG, _PRESSURE_ALT = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
+_FIX_3D = 3
+_UNKNOWN = 65535
+_LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not believed
+_COARSE = (2.5, 4.0, 0.3)  # m, m, m/s of receivers that do not say
+_BODY_FRD = 12
+
+
+def triple(fields: Fields, *names: str) -> Vec3 | None:
+    """Return three fields as a vector, None unless all are finite."""
+    values = [fields[name] for name in names]
+    if any(value is None or not math.isfinite(value) for value in values):
+        return None
+    return np.array(values, dtype=np.float64)
+
+
+def imu(fields: Fields, at: float) -> Imu | None:
+    """Return a sample of HIGHRES_IMU."""
+    accel = triple(fields, "xacc", "yacc", "zacc")
+    gyro = triple(fields, "xgyro", "ygyro", "zgyro")
+    return None if accel is None or gyro is None else Imu(at, accel, gyro)
+
+
+def magnetometer(fields: Fields, at: float) -> Magnetometer | None:
+    """Return the field of HIGHRES_IMU, if the sensor has a new one."""
+    field = triple(fields, "xmag", "ymag", "zmag")
+    if field is None or int(fields["fields_updated"]) & _MAG != _MAG:
+        return None
+    size = norm(field)
+    return Magnetometer(at, field / size) if size > 0.0 else None
+
+
+def pressure_height(fields: Fields) -> float | None:
+    """Return the pressure altitude (m) of HIGHRES_IMU, if the sensor has a new one."""
+    height = fields["pressure_alt"]
+    if height is None or not int(fields["fields_updated"]) & _PRESSURE_ALT:
+        return None
+    return float(height)
+
+
+def baro(fields: Fields, at: float, ground: float) -> Baro | None:
+    """Return the height above a pressure altitude `ground` (m)."""
+    height = pressure_height(fields)
+    return None if height is None else Baro(at, height - ground)
+
+
+def gnss(fields: Fields, at: float, origin: Origin, climb: float) -> Gnss | None:
+    """Return the fix of GPS_RAW_INT; its vertical speed (m/s, up) comes from elsewhere."""
+    if int(fields["fix_type"]) < _FIX_3D:
+        return None
+    place = origin.local(1e-7 * fields["lat"], 1e-7 * fields["lon"], 1e-3 * fields["alt"])
+    speed, course = fields["vel"], fields["cog"]
+    if _UNKNOWN in (speed, course):
+        return None
+    angle = math.radians(0.01 * course)
+    velocity = 0.01 * speed * vec(math.cos(angle), math.sin(angle), 0.0) - vec(0.0, 0.0, climb)
+    flat = _accuracy(fields, "h_acc", _COARSE[0])
+    position_sd = np.maximum(vec(flat, flat, _accuracy(fields, "v_acc", _COARSE[1])), _LEAST_SD)
+    return Gnss(at, place, velocity, position_sd, _accuracy(fields, "vel_acc", _COARSE[2]))
+
+
+def _accuracy(fields: Fields, name: str, otherwise: float) -> float:
+    said = fields.get(name, 0)
+    return 1e-3 * float(said) if said else otherwise
+
+
+def battery(fields: Fields, at: float) -> Battery | None:
+    """Return the state of BATTERY_STATUS, if it estimates the charge."""
+    remaining = int(fields["battery_remaining"])
+    if remaining < 0:
+        return None
+    cells = [value for value in fields["voltages"] if value != _UNKNOWN]
+    return Battery(at, 0.01 * remaining, 1e-3 * sum(cells))
+
+
+def scan(fields: Fields, at: float, attitude: Quat) -> Scan | None:
+    """Return the points of OBSTACLE_DISTANCE, a levelled ring around the vehicle, in FRD.
+
+    Only rings that turn with the vehicle are understood (MAV_FRAME_BODY_FRD).
+    """
+    if int(fields["frame"]) != _BODY_FRD:
+        return None
+    distances = np.asarray(fields["distances"], dtype=np.float64)
+    step = float(fields["increment_f"] or fields["increment"])
+    hit = (distances >= fields["min_distance"]) & (distances <= fields["max_distance"])
+    hit &= distances != _UNKNOWN
+    angles = np.radians(float(fields["angle_offset"]) + step * np.flatnonzero(hit))
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    level = to_matrix(from_euler(0.0, 0.0, yaw_of(attitude)))
+    points = (0.01 * distances[hit, None] * ring) @ level.T @ to_matrix(attitude)
+    return Scan(at, points)
+
+
+def attitude(q: Sequence[float]) -> Quat | None:
+    """Return a unit quaternion, None for one that is not sound."""
+    found = np.array(q, dtype=np.float64)
+    size = float(np.sqrt(found @ found))
+    return found / size if 0.9 < size < 1.1 else None

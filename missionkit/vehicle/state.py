@@ -1,0 +1,95 @@
+"""What the autopilot says about itself, read from the newest messages."""
+
+from __future__ import annotations
+
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.dialect import Dialect, word
+
+_ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
+_GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
+_ON_GROUND, _IN_AIR, _TAKING_OFF, _LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
+_ACTIVE = 4  # MAV_STATE
+
+SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
+
+
+class State:
+    """The autopilot's own words. None: it has not said so.
+
+    Args:
+        cache: the newest messages.
+        dialect: of the autopilot.
+    """
+
+    def __init__(self, cache: Cache, dialect: Dialect) -> None:
+        self._cache = cache
+        self._dialect = dialect
+
+    @property
+    def mode(self) -> str | None:
+        """Its mode."""
+        beat = self._cache.latest("HEARTBEAT")
+        return None if beat is None else word(self._dialect, int(beat["custom_mode"]))
+
+    @property
+    def armed(self) -> bool | None:
+        """Whether the rotors may turn."""
+        beat = self._cache.latest("HEARTBEAT")
+        return None if beat is None else bool(int(beat["base_mode"]) & _ARMED)
+
+    @property
+    def in_air(self) -> bool | None:
+        """Whether it flies; armed and active counts as flying where it does not say."""
+        landed = self._cache.latest("EXTENDED_SYS_STATE")
+        if landed is not None and int(landed["landed_state"]) != 0:
+            return int(landed["landed_state"]) in {_IN_AIR, _TAKING_OFF, _LANDING}
+        beat = self._cache.latest("HEARTBEAT")
+        if beat is None:
+            return None
+        return bool(self.armed) and int(beat["system_status"]) == _ACTIVE
+
+    @property
+    def heard(self) -> float:
+        """When the last heartbeat came (s, wall)."""
+        beat = self._cache.latest("HEARTBEAT")
+        return float("-inf") if beat is None else beat.arrived
+
+    @property
+    def armable(self) -> bool | None:
+        """Whether its own arming checks pass."""
+        return self._healthy(_PREARM)
+
+    def sensor(self, name: str) -> bool | None:
+        """Return whether one of SENSORS is healthy."""
+        return self._healthy(SENSORS[name])
+
+    @property
+    def placed(self) -> bool:
+        """Whether it knows where it is: home, and a position of its own."""
+        return all(
+            self._cache.latest(name, 2.0 if age else None) is not None
+            for name, age in (("HOME_POSITION", False), ("LOCAL_POSITION_NED", True))
+        )
+
+    @property
+    def ready(self) -> bool:
+        """Whether it may be armed: its checks pass, and it knows where it is.
+
+        ArduCopter says armable before its estimator has a position, so both are asked for.
+        """
+        return bool(self.armable) and self.placed
+
+    @property
+    def height(self) -> float | None:
+        """Height above home (m)."""
+        local, home = self._cache.latest("LOCAL_POSITION_NED"), self._cache.latest("HOME_POSITION")
+        if local is None or local["z"] is None:
+            return None
+        base = 0.0 if home is None or home["z"] is None else float(home["z"])
+        return base - float(local["z"])
+
+    def _healthy(self, bit: int) -> bool | None:
+        said = self._cache.latest("SYS_STATUS")
+        if said is None or not int(said["onboard_control_sensors_present"]) & bit:
+            return None
+        return bool(int(said["onboard_control_sensors_health"]) & bit)

@@ -1,0 +1,155 @@
+"""Telemetry streams: what is listened to, how often it is asked for, and when it must be again.
+
+An autopilot forgets the rates when it reboots, and says nothing about it if that was quick.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+
+from missionkit.vehicle.cache import Cache, Message
+from missionkit.vehicle.wire import Wire
+
+SET_INTERVAL = 511  # MAV_CMD_SET_MESSAGE_INTERVAL
+REQUEST = 512  # MAV_CMD_REQUEST_MESSAGE
+HOME = 242  # HOME_POSITION
+REBOOTED = "autopilot_rebooted"
+SILENT = 3.0  # s without a heartbeat: the link is lost
+BACKWARDS = 1.0  # s that the time since boot may run backwards on a link that reorders
+RETRY = 1.0  # s until a stream that does not come is asked for again
+SPAN = 2.0  # s over which rates are measured
+
+NAMES: Mapping[int, str] = {
+    0: "HEARTBEAT",
+    1: "SYS_STATUS",
+    2: "SYSTEM_TIME",
+    24: "GPS_RAW_INT",
+    31: "ATTITUDE_QUATERNION",
+    32: "LOCAL_POSITION_NED",
+    77: "COMMAND_ACK",
+    105: "HIGHRES_IMU",
+    115: "HIL_STATE_QUATERNION",
+    147: "BATTERY_STATUS",
+    242: "HOME_POSITION",
+    245: "EXTENDED_SYS_STATE",
+    253: "STATUSTEXT",
+    330: "OBSTACLE_DISTANCE",
+    331: "ODOMETRY",
+}
+QUEUED = frozenset(("HIGHRES_IMU", "GPS_RAW_INT", "OBSTACLE_DISTANCE", "STATUSTEXT"))
+CLOCKED = frozenset(("HIGHRES_IMU", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED"))
+
+
+def boot_time(message: Message) -> float | None:
+    """Return when a message was stamped (s since boot), None if it is not."""
+    fields = message.fields
+    if "time_boot_ms" in fields:
+        return 1e-3 * float(fields["time_boot_ms"])
+    if "time_usec" in fields and float(fields["time_usec"]) < 1e15:  # else: since 1970
+        return 1e-6 * float(fields["time_usec"])
+    return None
+
+
+class Streams:
+    """Keeps the streams coming.
+
+    Args:
+        wire: the link.
+        cache: where the messages are.
+        intervals: message id -> Hz wanted.
+        optional: ids that not every vehicle has; they are asked for once.
+        rebooted: called when the autopilot has started anew.
+        pace: seconds of the vehicle in one of the wall.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        cache: Cache,
+        intervals: Mapping[int, float],
+        optional: frozenset[int],
+        rebooted: Callable[[], None],
+        pace: float = 1.0,
+    ) -> None:
+        self._wire = wire
+        self._cache = cache
+        self._intervals = intervals
+        self._optional = optional
+        self._rebooted = rebooted
+        self._pace = pace
+        self._boot: float | None = None
+        self._heard: float | None = None
+        self.gap = 0.0  # s (of the vehicle) between the last two heartbeats
+        self._all_due = threading.Event()
+        self._all_due.set()
+        self._asked: dict[int, float] = {}
+        self._counts: dict[str, int] = {}
+        self._counted_at = cache.wall()
+        self._slow: set[int] = set()
+
+    def hear(self, message: Message) -> None:
+        """Watch one message, on the thread that brings it."""
+        self._counts[message.name] = self._counts.get(message.name, 0) + 1
+        if message.name == "HEARTBEAT":
+            heard, self._heard = self._heard, message.arrived
+            self.gap = 0.0 if heard is None else (message.arrived - heard) * self._pace
+            if self.gap > SILENT:
+                self._all_due.set()
+        boot = boot_time(message) if message.name in CLOCKED else None
+        if boot is None:
+            return
+        before, self._boot = self._boot, boot
+        if before is not None and boot < before - BACKWARDS:
+            self._all_due.set()
+            self._rebooted()
+        elif before is not None:
+            self._boot = max(boot, before)
+
+    def tend(self) -> int:
+        """Ask for what is missing; return how many requests that took. Call it now and then."""
+        now = self._cache.wall()
+        everything = self._all_due.is_set()
+        self._all_due.clear()
+        self._measure(now)
+        wanted = [ident for ident in self._intervals if everything or self._missing(ident, now)]
+        for ident in wanted:
+            if ident == HOME and ident in self._asked:  # not a stream everywhere
+                self._ask(REQUEST, ident, 0.0)
+            self._asked[ident] = now
+            self._ask(SET_INTERVAL, ident, 1e6 / self._intervals[ident])
+        return len(wanted)
+
+    def _ask(self, command: int, ident: int, interval: float) -> None:
+        rest = {f"param{n}": 0.0 for n in range(3, 8)}
+        with suppress(RuntimeError):  # no link: asked again when it is back
+            self._wire.send(
+                "COMMAND_LONG",
+                command=command,
+                confirmation=0,
+                param1=float(ident),
+                param2=interval,
+                **rest,
+            )
+
+    def _missing(self, ident: int, now: float) -> bool:
+        if ident in self._optional or (now - self._asked.get(ident, 0.0)) * self._pace < RETRY:
+            return False
+        message = self._cache.latest(NAMES[ident])
+        patience = max(RETRY, 4.0 / self._intervals[ident])
+        late = message is None or (now - message.arrived) * self._pace > patience
+        return late or ident in self._slow
+
+    def _measure(self, now: float) -> None:
+        """Find the streams that come at less than half the rate that was asked for."""
+        span = (now - self._counted_at) * self._pace
+        if span < SPAN:
+            return
+        self._slow = {
+            ident
+            for ident, rate in self._intervals.items()
+            if self._counts.get(NAMES[ident], 0) < 0.5 * rate * span - 1.0
+        }
+        self._counts.clear()
+        self._counted_at = now

@@ -1,0 +1,81 @@
+"""Three clocks: the wall, the mission, and the vehicle's time since boot.
+
+Imported where time is needed; the wall clock is read here and nowhere else in the adapter.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+
+REMEMBERED = 300  # messages whose delay is looked at: the least of them is the link's own
+
+
+def wall() -> float:
+    """Return wall time (s) from an arbitrary start; it goes on while the process is stopped."""
+    return time.perf_counter()
+
+
+def unix() -> float:
+    """Return the computer's idea of the date (s since 1970)."""
+    return time.time()  # noqa: TID251 - compared with the vehicle's date before a flight
+
+
+class MissionClock:
+    """Mission time as a function of wall time, learnt from the ticks.
+
+    A tick comes at its mission time or later, never earlier: the earliest one seen is right.
+    """
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self.speed = speed
+        self._offset: float | None = None
+
+    def tick(self, now: float, at: float) -> None:
+        """Learn from a tick of mission time `now` (s) that came at wall time `at` (s)."""
+        offset = now - at * self.speed
+        if self._offset is None or offset > self._offset:
+            self._offset = offset
+
+    def at(self, wall_time: float) -> float | None:
+        """Return the mission time (s) at a wall time, None before the first tick."""
+        return None if self._offset is None else wall_time * self.speed + self._offset
+
+    def wall(self, mission_time: float) -> float | None:
+        """Return the wall time (s) at a mission time, None before the first tick."""
+        return None if self._offset is None else (mission_time - self._offset) / self.speed
+
+
+class BootClock:
+    """Mission time of what the vehicle stamped with its time since boot.
+
+    Each message gives an upper limit to the offset between the clocks, its delay; the smallest
+    of the last ones counts, so that jitter on the link does not become jitter of the sensors.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._least: deque[tuple[int, float]] = deque()  # (message, offset), offsets rising
+        self._lock = threading.Lock()  # cameras ask from their own threads
+
+    def hear(self, boot: float, arrived: float) -> None:
+        """Learn from a message stamped `boot` (s) that arrived at mission time `arrived` (s)."""
+        offset = arrived - boot
+        with self._lock:
+            while self._least and self._least[-1][1] >= offset:
+                self._least.pop()
+            self._least.append((self._count, offset))
+            self._count += 1
+            if self._least[0][0] <= self._count - 1 - REMEMBERED:
+                self._least.popleft()
+
+    def forget(self) -> None:
+        """Begin anew: the vehicle has rebooted."""
+        with self._lock:
+            self._least.clear()
+
+    def mission(self, boot: float) -> float | None:
+        """Return the mission time (s) of a stamp, None while nothing has been heard."""
+        with self._lock:
+            return self._least[0][1] + boot if self._least else None

@@ -1,0 +1,37 @@
+"""A client of its own process that flies north until something is done to it.
+
+usage: python -m vehicle.client URL SPEED LOCKS
+Says "flying" once it does. SIGUSR1 holds the interpreter's lock for two seconds of the vehicle.
+"""
+
+import asyncio
+import ctypes
+import signal
+import sys
+from pathlib import Path
+
+from vehicle.flying import NORTH, Flight
+
+from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.address import parse
+from missionkit.vehicle.lock import LinkLock
+
+
+async def main(url, speed, locks):
+    address = parse(url)
+    vehicle = MavsdkVehicle(address, pace=speed, lock=LinkLock(address, locks))
+    # PyDLL keeps the interpreter's lock while the C function runs
+    stall = int(2e6 / speed)
+    signal.signal(signal.SIGUSR1, lambda *_: ctypes.PyDLL(None).usleep(stall))
+    await vehicle.connect()
+    flight = Flight(vehicle, speed)
+    await flight.take_off()
+    await flight.until(lambda: flight.status.mode == "offboard", NORTH)
+    sys.stdout.write("flying\n")
+    sys.stdout.flush()
+    while True:
+        await flight.tick(NORTH)
+
+
+if __name__ == "__main__":
+    asyncio.run(main(sys.argv[1], float(sys.argv[2]), Path(sys.argv[3])))

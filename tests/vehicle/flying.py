@@ -1,0 +1,148 @@
+"""Flying a simulated autopilot over the wire, tick by tick, with the truth at hand."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import time
+from contextlib import asynccontextmanager, contextmanager
+
+import numpy as np
+
+from missionkit.geometry import vec
+from missionkit.messages import Action, Command, Setpoint
+from missionkit.sim.mavlink.server import Setup, serving
+from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.address import parse
+from missionkit.vehicle.lock import LinkLock
+
+SPEED = 5.0
+PERIOD = 0.05
+STILL = Command()
+NORTH = Command(Setpoint(vec(2.0, 0.0, 0.0), 0.0))
+CLIMB = Command(action=Action.TAKE_OFF, height=2.5)
+LAND = Command(action=Action.LAND)
+ARM = Command(action=Action.ARM)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Sitl:
+    """The control socket of a simulated autopilot."""
+
+    def __init__(self, server, port, speed):
+        self.url, self.speed = f"udpin://127.0.0.1:{port}", speed
+        self._socket = socket.create_connection(("127.0.0.1", server.control_port))
+        self._file = self._socket.makefile("rw")
+
+    def ask(self, **request):
+        self._file.write(json.dumps(request) + "\n")
+        self._file.flush()
+        return json.loads(self._file.readline())
+
+    @property
+    def truth(self):
+        return self.ask(truth=True)
+
+    @property
+    def now(self):
+        return self.ask(time=True)["time"]
+
+    def notes(self, what, since=0.0):
+        return self.ask(journal=what, since=since)["notes"]
+
+    def speeds(self, since):
+        """Return (time, speed over ground) of the truth."""
+        rows = np.array(self.ask(track=True, since=since)["rows"], dtype=float)
+        return rows[:, 0], np.hypot(rows[:, 4], rows[:, 5])
+
+    def patient(self, seconds):
+        """Let PX4 wait that long for setpoints: a busy machine is no fault of the client."""
+        self.ask(parameter="COM_OF_LOSS_T", value=seconds)
+
+    def close(self):
+        self._file.close()
+        self._socket.close()
+
+
+@contextmanager
+def sitl(dialect="px4", speed=SPEED, **setup):
+    port = free_port()
+    links = (f"udpout:127.0.0.1:{port}",)
+    with serving(Setup(dialect=dialect, links=links, speed=speed, **setup)) as server:
+        control = Sitl(server, port, speed)
+        if dialect == "px4":
+            control.patient(5.0)
+        try:
+            yield control
+        finally:
+            control.close()
+
+
+class Flight:
+    """A vehicle that is ticked at 20 Hz of its own time."""
+
+    def __init__(self, vehicle, speed):
+        self.vehicle, self.speed = vehicle, speed
+        self.now, self.status, self.events, self.seen = 0.0, None, [], []
+        self._start = None
+
+    async def tick(self, command=STILL):
+        if self._start is None:
+            self._start = time.perf_counter()
+        self.now += PERIOD
+        due = self._start + self.now / self.speed
+        await asyncio.sleep(max(0.0, due - time.perf_counter()))
+        seen = await self.vehicle.observe(self.now)
+        self.status = seen.status or self.status
+        self.events += seen.events
+        self.seen.append(seen)
+        await self.vehicle.send(command)
+
+    async def run(self, seconds, command=STILL):
+        for _ in range(round(seconds / PERIOD)):
+            await self.tick(command)
+
+    async def until(self, holds, command=STILL, limit=30.0):
+        end = self.now + limit
+        while not holds():
+            assert self.now < end, f"{self.status}, {self.events}, {self.vehicle.reports}"
+            await self.tick(command)
+
+    async def ready(self):
+        await self.until(lambda: self.status is not None and self.status.ready)
+
+    async def arm(self):
+        await self.ready()
+        await self.until(lambda: self.status.armed, ARM)
+
+    async def take_off(self):
+        await self.arm()
+        climbing = lambda: self.status.in_air and self.status.mode == "take_off"  # noqa: E731
+        await self.until(climbing, CLIMB)
+        await self.until(lambda: self.status.mode != "take_off")
+
+    async def cruise(self, sitl):
+        """Take off and fly north until it really does."""
+        await self.take_off()
+        await self.until(lambda: sitl.truth["velocity"][0] > 1.8, NORTH)
+
+    async def land(self):
+        await self.until(lambda: not self.status.armed, LAND)
+
+
+@asynccontextmanager
+async def flying(sitl, tmp_path, **options):
+    address = parse(sitl.url)
+    lock = LinkLock(address, tmp_path)
+    vehicle = MavsdkVehicle(address, pace=sitl.speed, lock=lock, **options)
+    await vehicle.connect()
+    try:
+        yield Flight(vehicle, sitl.speed)
+    finally:
+        await vehicle.close()

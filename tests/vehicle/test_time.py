@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.streams import Streams, boot_time
+from missionkit.vehicle.timing import BootClock, MissionClock
+
+
+class Wall:
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_mission_time_is_that_of_the_most_punctual_tick():
+    clock = MissionClock(speed=2.0)
+    assert clock.at(5.0) is None
+    for now, late in ((0.05, 0.03), (0.10, 0.0), (0.15, 0.2)):
+        clock.tick(now, 100.0 + now / 2.0 + late)
+    assert clock.at(101.0) == pytest.approx(2.0)
+    assert clock.wall(2.0) == pytest.approx(101.0)
+
+
+def test_jitter_of_the_link_does_not_become_jitter_of_the_sensors():
+    rng, clock, errors = np.random.default_rng(1), BootClock(), []
+    for n in range(2000):
+        boot = 30.0 + 0.01 * n
+        clock.hear(boot, boot - 20.0 + 0.004 + rng.exponential(0.02))
+        errors.append(clock.mission(boot) - (boot - 20.0))
+    assert np.ptp(errors[200:]) < 0.002
+    assert max(errors[200:]) < 0.008
+
+
+def test_a_clock_that_drifts_is_followed():
+    clock = BootClock()
+    for n in range(3000):
+        clock.hear(0.01 * n, 0.01 * n * 1.01)
+    assert clock.mission(30.0) == pytest.approx(30.3, abs=0.15)
+
+
+def test_messages_are_kept_with_their_time_and_grow_old():
+    wall = Wall()
+    cache = Cache(wall, frozenset(("STATUSTEXT",)))
+    cache.put("HEARTBEAT", {"type": 2})
+    cache.put("STATUSTEXT", {"text": "a"})
+    cache.put("STATUSTEXT", {"text": "b"})
+    wall.now += 2.0
+    assert cache.latest("HEARTBEAT").arrived == 1000.0
+    assert cache.latest("HEARTBEAT", max_age=1.0) is None
+    assert [message["text"] for message in cache.drain("STATUSTEXT")] == ["a", "b"]
+    assert cache.drain("STATUSTEXT") == []
+
+
+def test_stamps_since_1970_are_not_taken_for_time_since_boot():
+    cache = Cache(Wall())
+    cache.put("A", {"time_usec": 2_500_000})
+    cache.put("B", {"time_usec": 1_790_000_000_000_000})
+    cache.put("C", {"time_boot_ms": 1500})
+    assert [boot_time(cache.latest(name)) for name in "ABC"] == [2.5, None, 1.5]
+
+
+class Asked:
+    """A wire that remembers for which streams it was asked."""
+
+    def __init__(self):
+        self.ids = []
+
+    def send(self, name, **fields):
+        self.ids.append(int(fields["param1"]))
+
+
+def streams(rates=None, optional=frozenset()):
+    wall, wire, reboots = Wall(), Asked(), []
+    cache = Cache(wall)
+    made = Streams(wire, cache, rates or {32: 20.0}, optional, lambda: reboots.append(wall.now))
+    cache.listen(made.hear)
+    return made, cache, wall, wire, reboots
+
+
+def run(made, cache, wall, seconds, rate=20.0, boot=0.0):
+    for n in range(round(seconds * rate)):
+        wall.now += 1.0 / rate
+        cache.put("LOCAL_POSITION_NED", {"time_boot_ms": int(1e3 * (boot + n / rate))})
+        if n % rate == 0:
+            cache.put("HEARTBEAT", {})
+        made.tend()
+
+
+def test_streams_are_asked_for_once_and_then_only_if_they_do_not_come():
+    made, cache, wall, wire, _ = streams()
+    run(made, cache, wall, 10.0)
+    assert wire.ids == [32]
+    for _ in range(60):
+        wall.now += 0.05
+        made.tend()
+    assert wire.ids.count(32) in {3, 4}
+
+
+def test_a_stream_that_comes_too_slowly_is_asked_for_again():
+    made, cache, wall, wire, _ = streams()
+    run(made, cache, wall, 10.0, rate=4.0)
+    assert wire.ids.count(32) >= 4
+
+
+def test_rates_are_sent_again_after_a_reboot_that_nobody_noticed():
+    made, cache, wall, wire, reboots = streams()
+    run(made, cache, wall, 5.0, boot=100.0)
+    run(made, cache, wall, 2.0, boot=0.3)
+    assert len(reboots) == 1
+    assert wire.ids == [32, 32]
+
+
+def test_a_late_message_is_no_reboot():
+    made, cache, _, _, reboots = streams()
+    for boot in (5000, 5900, 5100, 6000):
+        cache.put("LOCAL_POSITION_NED", {"time_boot_ms": boot})
+    assert reboots == []
+    assert made.tend() == 1
+
+
+def test_rates_are_sent_again_when_the_link_comes_back():
+    made, cache, wall, wire, _ = streams({115: 50.0}, frozenset((115,)))
+    cache.put("HEARTBEAT", {})
+    made.tend()
+    wall.now += 4.0
+    made.tend()
+    assert wire.ids == [115]
+    cache.put("HEARTBEAT", {})
+    made.tend()
+    assert wire.ids == [115, 115]

@@ -1,0 +1,71 @@
+"""A mission file flown over the wire, unchanged."""
+
+import numpy as np
+import pytest
+from vehicle.flying import sitl
+
+from missionkit.chart.catalogue import builtin
+from missionkit.chart.load import parse
+from missionkit.cli.fly import fly_vehicle, preflight, vehicle_of
+from missionkit.engine.flight import prepare
+from missionkit.engine.loop import End
+from missionkit.errors import ExitCode, UsageError
+
+TRIP = """
+missionkit: 1
+mission: trip
+camera: {use: none}
+dwell: 0.5
+targets: {tree: {position: [8.0, 3.0, -3.0]}}
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: 3.0}
+    transitions: [{to: out, when: done}]
+  out:
+    kind: gps
+    behavior: {use: go_to, target: tree, speed: 3.0}
+    transitions: [{to: land, when: done}, {to: land, after: 30}]
+  land:
+    kind: land
+"""
+
+
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    mission = parse(TRIP, "trip", builtin())
+    states, plan = [], prepare(mission, builtin())
+    with sitl(dialect) as autopilot:
+        vehicle = vehicle_of(autopilot.url, mission, speed=autopilot.speed)
+        flown = fly_vehicle(
+            plan,
+            vehicle,
+            (lambda record, _: states.append(record.state),),
+            speed=autopilot.speed,
+        )
+        truth = autopilot.truth
+    assert flown.end is End.LANDED
+    assert not flown.aborted
+    assert list(dict.fromkeys(states)) == ["idle", "out", "land"]
+    assert np.hypot(truth["position"][0] - 8.0, truth["position"][1] - 3.0) < 3.0
+    assert not truth["armed"]
+
+
+def test_the_preflight_command_prints_and_says_by_its_exit_code(capsys, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with sitl(speed=1.0) as autopilot:
+        assert preflight(autopilot.url) is ExitCode.SUCCESS
+        text = capsys.readouterr().out
+        autopilot.ask(parameter="COM_OBL_RC_ACT", value=7)
+        assert preflight(autopilot.url, as_json=True) is ExitCode.ENDED_SAFELY
+    assert "PX4 at udpin://" in text
+    assert "COM_OF_LOSS_T" in text
+    assert '"level": "bad"' in capsys.readouterr().out
+
+
+def test_a_drawn_camera_needs_a_world():
+    mission = parse(TRIP.replace("use: none", "use: corners"), "trip", builtin())
+    with pytest.raises(UsageError, match="needs a world"):
+        vehicle_of("udpin://127.0.0.1:14540", mission)
