@@ -47,6 +47,23 @@ def local_position_ned(state: State) -> Message:
     )
 
 
+def hil_state_quaternion(state: State) -> Message:
+    """Return HIL_STATE_QUATERNION: the truth, which PX4 streams where it simulates the vehicle."""
+    truth = state.body.truth
+    spot = state.earth.spot(truth.position)
+    velocity = [round(100.0 * float(each)) for each in truth.velocity]  # cm/s
+    return mavlink.MAVLink_hil_state_quaternion_message(
+        state.micros,
+        list(truth.attitude),
+        *truth.rates,
+        e7(spot.latitude),
+        e7(spot.longitude),
+        round(1e3 * spot.height),
+        *velocity,
+        *(0, 0, 0, 0, 0),
+    )
+
+
 def _heading(state: State) -> float:
     return math.degrees(to_euler(state.body.attitude)[2]) % 360.0
 

@@ -39,6 +39,7 @@ BUILDERS: Mapping[int, Builder] = {
     mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: sensing.global_position_int,
     mavlink.MAVLINK_MSG_ID_ALTITUDE: sensing.altitude,
     mavlink.MAVLINK_MSG_ID_ODOMETRY: sensing.odometry,
+    mavlink.MAVLINK_MSG_ID_HIL_STATE_QUATERNION: sensing.hil_state_quaternion,
     mavlink.MAVLINK_MSG_ID_HIGHRES_IMU: sensing.highres_imu,
     mavlink.MAVLINK_MSG_ID_RAW_IMU: sensing.raw_imu,
     mavlink.MAVLINK_MSG_ID_SCALED_IMU: sensing.scaled_imu,
