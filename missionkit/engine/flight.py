@@ -15,14 +15,14 @@ from missionkit.chart.semantics.compiled import Chart
 from missionkit.chart.semantics.memory import begin as begin_chart
 from missionkit.control.controller import Control
 from missionkit.engine.memory import Hands, Memory, Senses
-from missionkit.estimation.navigator import Navigator
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.navigating import Navigates, Navigation
 from missionkit.estimation.warm_up import warm_up
 from missionkit.geometry import Quat
-from missionkit.messages import CameraModel
+from missionkit.messages import CameraModel, Occupancy
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.eye import Eye
 from missionkit.perception.goal import facing
+from missionkit.planning import warm_up as planning
 from missionkit.planning.potential_field import PotentialField
 
 
@@ -30,18 +30,21 @@ class Plan(NamedTuple):
     """What flies."""
 
     chart: Chart
-    navigator: Navigator
+    navigator: Navigates
     eye: Eye
     camera: CameraModel
     control: Control
     field: PotentialField | None
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
+    map: Occupancy | None = None
 
 
 def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
     """Build what flies from a mission that was loaded without problems, ready to tick in time."""
     warm_up()
+    if mission.known is not None:
+        planning.warm_up()
     camera = mission.camera.model()
     surveyed = {
         name: (np.array(target.position), target.position_sd)
@@ -52,7 +55,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         for name, target in mission.targets.items()
         if target.facing_deg is not None
     }
-    navigation = cast(VisualInertialEkf, mission.navigation.plugin)
+    navigation = cast(Navigation, mission.navigation.plugin)
     markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
     return Plan(
         chart=compile_mission(mission, catalogue),
@@ -63,6 +66,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         field=None if mission.avoid is None else cast(PotentialField, mission.avoid.plugin),
         facing=turned,
         period=1.0 / mission.settings.rate,
+        map=mission.known,
     )
 
 

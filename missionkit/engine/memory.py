@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 from missionkit.chart.semantics.memory import ChartMemory
 from missionkit.control.controller import ControlMemory
-from missionkit.estimation.memory import NavMemory
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Scan, VehicleStatus
 from missionkit.perception.eye import EyeMemory
@@ -17,7 +16,7 @@ from missionkit.planning.potential_field import FieldMemory
 class Senses(NamedTuple):
     """What was sensed last, and the filters' memories."""
 
-    navigation: NavMemory
+    navigation: Any  # the navigator's memory
     eye: EyeMemory
     battery: Battery | None = None
     status: VehicleStatus | None = None

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Memory, Senses
-from missionkit.estimation.memory import NavMemory, NavState
+from missionkit.estimation.memory import NavState
 from missionkit.geometry import to_matrix
 from missionkit.messages import Estimate, Look, Observation, Points, Scan, Sighting, Target
 from missionkit.perception.eye import EyeMemory, Priors
@@ -42,7 +44,7 @@ def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estima
 
 
 def _look(
-    plan: Plan, memory: Memory, navigation: NavMemory, state: NavState, seen: Observation
+    plan: Plan, memory: Memory, navigation: Any, state: NavState, seen: Observation
 ) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
     goal = memory.hands.goal
     priors = Priors(
@@ -79,6 +81,7 @@ def _estimate(
         obstacles=_around(senses.scan, state, seen.now),
         events=seen.events + hands.events,
         cycle=seen.cycle,
+        map=plan.map,
         failing=hands.failing,
         state=chart.state,
         entered_at=chart.entered_at,

@@ -21,6 +21,8 @@ LEAST_SD, MOST_SD = 1e-3, 1e3
 LARGEST = 1e6
 """No place or sensor reading is larger than this, in SI units."""
 NOWHERE = (math.nan, math.nan, math.nan)
+STANDING_SD = 0.02
+"""How still a vehicle stands on the ground (m/s)."""
 AHEAD = 0.05
 """Clocks may disagree by this much (s); a measurement from further in the future is refused."""
 
@@ -69,7 +71,35 @@ def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3
         noise = np.square(settings.mag_sd)
         north = math.radians(settings.declination_deg)
         rows.append(row(layout.HEADING, mag.at, mag.field, noise, extra=north))
+    return rows + ground(observation, settings) if settings.flow else rows
+
+
+def ground(observation: Observation, settings: VisualInertialEkf) -> list[Vec3]:
+    """Return the log rows of what looks down, and of standing on the ground."""
+    rows, status = [], observation.status
+    if status is not None and not status.in_air:
+        rows.append(row(layout.STILL, status.at, (0.0, 0.0, 0.0), np.square(STANDING_SD)))
+    if (reach := observation.range) is None:
+        return rows
+    noise = np.square(settings.range_sd)
+    rows.append(row(layout.RANGE, reach.at, (reach.distance, 0.0, 0.0), noise))
+    flow, rates = observation.flow, _turning(observation)
+    if flow is not None and rates is not None and flow.quality >= settings.flow_quality:
+        d = reach.distance
+        z = (-d * (flow.flow[0] + rates[1]), -d * (flow.flow[1] - rates[0]), 0.0)
+        at = flow.at - 0.5 * flow.over  # a mean is the value in the middle
+        rows.append(row(layout.FLOW, at, z, np.square(settings.flow_sd * d), extra=d))
     return rows
+
+
+def _turning(observation: Observation) -> Vec3 | None:
+    """Return the mean turn rate (3,) over the interval of the flow, None if it was not measured."""
+    flow = observation.flow
+    if flow is None:
+        return None
+    since = flow.at - flow.over
+    rates = [sample.gyro for sample in observation.imu if since < sample.at <= flow.at + 1e-9]
+    return np.mean(rates, axis=0) if rates else None
 
 
 def _variance(sd: Vec3 | float) -> Mat:

@@ -13,15 +13,20 @@ from missionkit.compiled import compiled
 from missionkit.estimation.algebra import rotate, to_matrix, wrap
 from missionkit.estimation.layout import (
     D_ANGLE,
+    D_GYRO_BIAS,
     D_LANDMARKS,
     EXTRA,
     FIX,
     FIX_VELOCITY,
+    FLOW,
+    GYRO_BIAS,
     HEADING,
     HEIGHT,
     INDEX,
     KIND,
     LANDMARKS,
+    RANGE,
+    STILL,
     Z,
 )
 from missionkit.geometry import Mat, Vec3
@@ -67,13 +72,50 @@ def predict_sight(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> None:
 
 
 @compiled
+def predict_flow(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> None:
+    """Fill two rows of H and r of optical flow at the distance d = row[EXTRA].
+
+    The measured velocity z (`flow_velocity.across`) had its turns taken out by the gyroscope, bias
+    and all: with w = R(q)ᵀ v,  h = (w_x - d b_y, w_y + d b_x),  ∂w = R(q)ᵀ δv + [w]× δθ.
+    """
+    R, d = to_matrix(x[6:10]), row[EXTRA]
+    w = np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            w[i] += R[j, i] * x[3 + j]
+    for i in range(2):
+        for j in range(3):
+            H[i, 3 + j] = R[j, i]
+    H[0, D_ANGLE + 1], H[0, D_ANGLE + 2] = -w[2], w[1]
+    H[1, D_ANGLE], H[1, D_ANGLE + 2] = w[2], -w[0]
+    H[0, D_GYRO_BIAS + 1], H[1, D_GYRO_BIAS] = -d, d
+    r[0] = row[Z] - (w[0] - d * x[GYRO_BIAS + 1])
+    r[1] = row[Z + 1] - (w[1] + d * x[GYRO_BIAS])
+
+
+@compiled
+def predict_range(x: Vec3, row: Vec3, H: Mat) -> float:
+    """Fill the first row of H and return how far the range is from h = -p_z / R_33.
+
+    ∂h = -δp_z / R_33 + p_z / R_33² (R_31 δθ_y - R_32 δθ_x).
+    """
+    R = to_matrix(x[6:10])
+    cosine = max(R[2, 2], 0.1)
+    H[0, 2] = -1.0 / cosine
+    H[0, D_ANGLE] = -x[2] / cosine**2 * R[2, 1]
+    H[0, D_ANGLE + 1] = x[2] / cosine**2 * R[2, 0]
+    miss: float = row[Z] + x[2] / cosine
+    return miss
+
+
+@compiled
 def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
     """Fill the Jacobian H (3, n) and innovation r = z - h(x) (3,); return how many rows are used.
 
-    Fix: h = p. Velocity: h = v. Height: h = -p_z. Heading and sight: see their own functions.
+    Fix: h = p. Velocity, standing still: h = v. Height: h = -p_z. The others: their own functions.
     """
     kind = int(row[KIND])
-    if kind in {FIX, FIX_VELOCITY}:
+    if kind in {FIX, FIX_VELOCITY, STILL}:
         part = 0 if kind == FIX else 3
         for i in range(3):
             H[i, part + i] = 1.0
@@ -86,5 +128,11 @@ def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
     if kind == HEADING:
         r[0] = predict_heading(x, row, H)
         return 1
+    if kind == RANGE:
+        r[0] = predict_range(x, row, H)
+        return 1
+    if kind == FLOW:
+        predict_flow(x, row, H, r)
+        return 2
     predict_sight(x, row, H, r)
     return 3

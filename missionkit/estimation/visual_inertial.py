@@ -19,7 +19,8 @@ class VisualInertialEkf(Plugin):
     """Error-state EKF over position, velocity, attitude and inertial biases, and every target.
 
     Inertial samples carry the state forward; satellite fixes, barometer, magnetometer and
-    sightings of the targets' markers correct it, each at the time it was measured. A target
+    sightings of the targets' markers correct it, and with `flow` also optical flow and range finder
+    over flat ground, each at the time it was measured. A target
     begins where the mission file says and is corrected together with the vehicle. The defaults
     suit a consumer drone whose inertial unit gives 100 samples a second.
 
@@ -47,6 +48,10 @@ class VisualInertialEkf(Plugin):
         default=0.5, ge=0, description="slow error that all fixes share; adds to absolute sds only"
     )
     bearing_sd: Number = Field(default=0.002, gt=0, description="rad, of the line to a marker")
+    flow: bool = Field(default=False, description="use optical flow and range finder")
+    flow_sd: Number = Field(default=0.045, gt=0, description="rad/s, of a sample")
+    flow_quality: Fraction = Field(default=0.3, description="flow below it is not used")
+    range_sd: Metres = Field(default=0.05, gt=0)
     declination_deg: Degrees = 0.0
     gate: Fraction = Field(default=0.9999, gt=0, lt=1, description="share of good data accepted")
 

@@ -19,10 +19,13 @@ from missionkit.messages.observation import (
     Imu,
     Magnetometer,
     Observation,
+    OpticalFlow,
     Points,
+    Range,
     Scan,
     VehicleStatus,
 )
+from missionkit.messages.occupancy import Occupancy, Spot
 from missionkit.messages.record import Fired, Record
 from missionkit.messages.verdict import Verdict
 from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
@@ -49,11 +52,15 @@ __all__ = [
     "Magnetometer",
     "Mode",
     "Observation",
+    "Occupancy",
+    "OpticalFlow",
     "Points",
+    "Range",
     "Record",
     "Scan",
     "Setpoint",
     "Sighting",
+    "Spot",
     "Step",
     "Target",
     "VehicleStatus",

@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 
 from missionkit.geometry import Quat, Vec3, yaw_of
 from missionkit.messages.observation import NO_CYCLE, Battery, Cycle, Points, VehicleStatus
+from missionkit.messages.occupancy import Occupancy
 from missionkit.messages.vision import Look, Sighting
 
 _new = tuple.__new__
@@ -62,6 +63,7 @@ class Estimate(NamedTuple):
     obstacles: Points | None = None  # (N, 3), m, NED; None: no fresh scan
     events: tuple[str, ...] = ()
     cycle: Cycle = NO_CYCLE
+    map: Occupancy | None = None  # the mission's
     failing: tuple[str, ...] = ()  # plug-ins that misbehaved at the last tick, and how
     # where the chart stands, as of the last tick:
     state: str = ""

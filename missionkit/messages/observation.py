@@ -46,6 +46,28 @@ class Magnetometer(NamedTuple):
     field: Vec3  # (3,), unit length, FRD
 
 
+class OpticalFlow(NamedTuple):
+    """How fast the ground passes below, as MAVLink's OPTICAL_FLOW_RAD gives it.
+
+    Means over the interval that ends `at`. A point of the ground on the sensor's axis, down in the
+    body, moves in the picture by `flow`, turns of the vehicle included; the sensor's own
+    gyroscope says what it makes of those.
+    """
+
+    at: float  # s
+    flow: npt.NDArray[np.float64]  # (2,), rad/s, of the image towards the body's x and y
+    rates: Vec3  # (3,), rad/s, FRD, bias included
+    over: float  # s, length of the interval
+    quality: float  # 0 to 1; 0: nothing was measured
+
+
+class Range(NamedTuple):
+    """Distance to the ground."""
+
+    at: float  # s
+    distance: float  # m, along the body's z
+
+
 class Frame(NamedTuple):
     """One camera frame; `at` is the middle of the exposure, which is before it arrived.
 
@@ -115,3 +137,5 @@ class Observation:
     status: VehicleStatus | None = None
     events: tuple[str, ...] = ()  # from the operator or the vehicle
     cycle: Cycle = NO_CYCLE  # of the tick before
+    flow: OpticalFlow | None = None
+    range: Range | None = None

@@ -6,7 +6,10 @@ import numpy as np
 
 from missionkit.geometry import Mat
 
-STREAMS = ("wind", "autopilot", "imu", "gnss", "baro", "magnetometer", "scan", "link", "camera")
+STREAMS = (
+    *("wind", "autopilot", "imu", "gnss", "baro", "magnetometer", "scan", "link", "camera"),
+    *("flow", "range"),
+)
 
 
 class Normals:

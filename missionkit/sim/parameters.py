@@ -121,6 +121,35 @@ class ScanModel(Frozen):
     sd: Metres = Field(default=0.03, ge=0)
 
 
+class FlowModel(Frozen):
+    """Optical flow of flat ground, mean over the sampling interval, as a PX4Flow measures it.
+
+    The noise is P2's, 0.006017 and 0.00995 m²/s² at 2 m. Its gyroscope is its own.
+    """
+
+    rate: Hertz = 20.0
+    sd: tuple[Number, Number] = Field(
+        default=(0.0388, 0.0499), description="rad/s, of a sample, along the body's x and y"
+    )
+    scale: Number = Field(default=0.01, ge=0, description="1 sigma, of the focal length")
+    gyro_sd: RadiansPerSecond = Field(default=0.003, ge=0, description="of a sample")
+    gyro_bias: RadiansPerSecond = Field(default=0.003, ge=0, description="1 sigma at power-up")
+    lost: Fraction = Field(default=0.02, lt=1, description="share of samples without texture")
+    lost_for: Seconds = Field(default=0.2, gt=0, description="mean length of such a hole")
+    least: Metres = Field(default=0.3, ge=0, description="blind below this distance")
+    most: Metres = Field(default=10.0, gt=0, description="blind above this distance")
+    fastest: RadiansPerSecond = Field(default=5.0, gt=0, description="blind above this flow")
+
+
+class RangeModel(Frozen):
+    """Range finder along the body's z, over flat ground."""
+
+    rate: Hertz = 20.0
+    sd: Metres = Field(default=0.03, ge=0)
+    least: Metres = Field(default=0.2, ge=0, description="nothing below this distance")
+    most: Metres = Field(default=12.0, gt=0, description="nothing above this distance")
+
+
 class Sensors(Frozen):
     """All sensors except the camera, which the mission file describes."""
 
@@ -129,6 +158,8 @@ class Sensors(Frozen):
     baro: BaroModel = BaroModel()
     magnetometer: MagnetometerModel = MagnetometerModel()
     scan: ScanModel = ScanModel()
+    flow: FlowModel = FlowModel()
+    range: RangeModel = RangeModel()
 
 
 class BatteryModel(Frozen):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from missionkit.sim.feed import Feed
+from missionkit.sim.flow import FlowSensor, RangeSensor
 from missionkit.sim.noise import Normals
 from missionkit.sim.optics import Sensor
 from missionkit.sim.plant import Plant
@@ -28,6 +29,7 @@ Snapshot = Mapping[str, Any]
 PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_mishaps", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
+        *("_flow", "_range"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle"),
     ),
     Plant: ("step", "state", "memory", "_wind", "_own", "_imu"),
@@ -38,6 +40,8 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     GnssSensor: ("beat", "_noise", "_drift"),
     BaroSensor: ("beat", "_noise", "_drift"),
     MagnetometerSensor: ("beat", "_noise"),
+    FlowSensor: ("beat", "_noise", "_lost", "_before", "_since"),
+    RangeSensor: ("beat", "_noise"),
     BatteryGauge: ("beat", "sag"),
     Beat: ("_next",),
 }

@@ -23,12 +23,15 @@ from missionkit.messages import (
     Imu,
     Magnetometer,
     Observation,
+    OpticalFlow,
+    Range,
     Scan,
     VehicleStatus,
 )
 from missionkit.sim import layout
 from missionkit.sim.faults import Fault, Mishaps
 from missionkit.sim.feed import Feed
+from missionkit.sim.flow import FlowSensor, RangeSensor
 from missionkit.sim.noise import Normals, streams
 from missionkit.sim.obstacles import ring
 from missionkit.sim.plant import Plant
@@ -54,6 +57,8 @@ class Inbox:
     mag: Magnetometer | None = None
     frame: Frame | None = None
     scan: Scan | None = None
+    flow: OpticalFlow | None = None
+    range: Range | None = None
     battery: Battery | None = None
     status: VehicleStatus | None = None
     events: list[str] = field(default_factory=list)
@@ -85,6 +90,8 @@ class SimulatedVehicle:
         self._gnss = GnssSensor(world.sensors.gnss, rngs["gnss"])
         self._baro = BaroSensor(world.sensors.baro, rngs["baro"])
         self._mag = MagnetometerSensor(world.sensors.magnetometer, rngs["magnetometer"])
+        self._flow = FlowSensor(world.sensors.flow, rngs["flow"])
+        self._range = RangeSensor(world.sensors.range, rngs["range"])
         self._gauge = BatteryGauge(world.battery)
         self._scan = Beat(world.sensors.scan.rate)
         self._heartbeat = Beat(5.0)
@@ -95,6 +102,7 @@ class SimulatedVehicle:
         self._cycle = NO_CYCLE
         self._ids = frozenset(marker.id for marker in world.markers)
         self._inbox = Inbox()
+        self._flow.start(self.now, self._plant.state)
         self._remember()
 
     @property
@@ -178,6 +186,8 @@ class SimulatedVehicle:
             status=box.status,
             events=tuple(box.events),
             cycle=self._load(until),
+            flow=box.flow,
+            range=box.range,
         )
 
     def _load(self, now: float) -> Cycle:
@@ -241,6 +251,10 @@ class SimulatedVehicle:
             box.baro = self._baro.measure(now, x)
         if self._mag.beat.due(step):
             box.mag = self._mag.measure(now, x)
+        if self._flow.beat.due(step):
+            box.flow = self._flow.measure(now, x)
+        if self._range.beat.due(step):
+            box.range = self._range.measure(now, x)
         if self._scan.due(step):
             box.scan = self._look_around(now)
         if step == self._feed.next_step:

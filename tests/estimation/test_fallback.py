@@ -38,7 +38,7 @@ def a_flight():
     imu[7, layout.GAP] = 0.05
     log = np.array(
         [
-            row(kind, 0.012 * (kind + 1), rng.normal(size=3), np.full(3, 0.5), extra=0.5)
+            row(kind, 0.008 * (kind + 1), rng.normal(size=3), np.full(3, 0.5), extra=0.5)
             for kind in range(layout.KINDS)
         ]
         + [row(layout.FIX, 0.09, vec(np.nan, 0, 0), np.full(3, 0.5))]

@@ -1,0 +1,131 @@
+"""One hover of five minutes, and where each navigator thought it was."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from typing import NamedTuple
+
+import numpy as np
+
+from missionkit.estimation import flow_alone
+from missionkit.estimation.flow_alone import Reckoning
+from missionkit.estimation.flow_kalman import FlowKalman
+from missionkit.estimation.navigating import Navigates
+from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, vec
+from missionkit.messages import Action, Command, Observation
+from missionkit.perception.camera import Camera
+from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.sim.world import World
+
+PERIOD = 0.05  # s
+HEIGHT = 2.0  # m
+REST, SETTLED = 6.0, 14.0  # s: when it arms, when the hover begins
+EVERY = 100  # ticks between two samples
+ESTIMATING = FlowKalman()
+PRINTED = FlowKalman(bias_gain=0.0)
+EKF = VisualInertialEkf(flow=True, align_for=ESTIMATING.align_for, origin_sd=0.1)
+P2, BIASED, WHOLE, COMPENSATED, ALONE = range(5)
+METHODS = (
+    "P2's filter",
+    "the same, gyroscope's bias estimated",
+    "`visual_inertial_ekf` with flow",
+    "compensated flow, not fused",
+    "flow alone",
+)
+"""In the order of the arrays below."""
+
+
+class Hover(NamedTuple):
+    """What one flight gave; errors are estimate less truth, 0 at the hover's beginning."""
+
+    seed: int
+    errors: Mat  # (methods, samples, 2), m, north and east
+    wander: Mat  # (methods, 2), m, standard deviation of the estimate over the flight
+    velocity: Mat  # (methods, 2), m/s, root mean square
+    claimed: Vec3  # (methods,), m, `position_sd` at the end, NaN where nothing is claimed
+
+
+class _Reckoned(NamedTuple):
+    """The two that only sum up velocities."""
+
+    summed: Vec3  # (2,), m, compensated flow
+    at: float  # s, of its last good sample
+    velocity: Vec3  # (2,), m/s
+    alone: Reckoning
+
+
+def hover(order: tuple[int, float]) -> Hover:
+    """Fly one hover of a seed and a length (s)."""
+    seed, length = order
+    vehicle = SimulatedVehicle(World(world="hall"), Camera(use="none"), seed)
+    navigators = _navigators()
+    memories = [it.begin() for it in navigators]
+    reckoned: _Reckoned | None = None
+    places, speeds = [], []
+    for tick in range(1, round((SETTLED + length) / PERIOD) + 1):
+        seen = _observed(vehicle, tick)
+        memories = [it.propagate(m, seen) for it, m in zip(navigators, memories, strict=True)]
+        truth = vehicle.truth
+        if reckoned is None and seen.now > SETTLED - 0.5 * PERIOD:
+            place = truth.position[:2]
+            reckoned = _Reckoned(place, seen.now, np.zeros(2), flow_alone.begin(place, 0.0))
+        elif reckoned is not None:
+            reckoned = _summed(reckoned, memories[BIASED].measured, seen)
+        if reckoned is not None:
+            states = [it.read(m) for it, m in zip(navigators, memories, strict=True)]
+            sums = (reckoned.summed, reckoned.alone.position)
+            places.append([*(s.position[:2] for s in states), *sums, truth.position[:2]])
+            rates = (reckoned.velocity, reckoned.alone.velocity)
+            speeds.append([*(s.velocity[:2] for s in states), *rates, truth.velocity[:2]])
+    ends = [it.read(m).health.position_sd for it, m in zip(navigators, memories, strict=True)]
+    return _judged(seed, np.array(places), np.array(speeds), ends)
+
+
+def _navigators() -> list[Navigates]:
+    still = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
+    return [settings.build({}, still) for settings in (PRINTED, ESTIMATING, EKF)]
+
+
+def _observed(vehicle: SimulatedVehicle, tick: int) -> Observation:
+    """Fly one tick; return what was seen, satellites left out."""
+    if tick == round(REST / PERIOD):
+        vehicle.apply(Command(action=Action.ARM))
+    if tick == round(REST / PERIOD) + 2:
+        vehicle.apply(Command(action=Action.TAKE_OFF, height=HEIGHT))
+    return replace(vehicle.advance(tick * PERIOD), gnss=None)
+
+
+def _summed(known: _Reckoned, measured: Vec3 | None, seen: Observation) -> _Reckoned:
+    alone = flow_alone.reckoned(known.alone, seen)
+    if measured is None:
+        return known._replace(alone=alone)
+    place = known.summed + (seen.now - known.at) * measured
+    return _Reckoned(place, seen.now, measured, alone)
+
+
+def _judged(seed: int, places: Mat, speeds: Mat, ends: list[float]) -> Hover:
+    """Compare with the truth, which is the last of (ticks, methods + 1, 2)."""
+    errors = places[:, :-1] - places[:, -1:]
+    errors -= errors[0]
+    missed = np.square(speeds[1:, :-1] - speeds[1:, -1:]).mean(axis=0)
+    return Hover(
+        seed,
+        errors[::EVERY].transpose(1, 0, 2).copy(),
+        places[:, :-1].std(axis=0),
+        np.sqrt(missed),
+        np.array([*ends, *[np.nan] * (len(METHODS) - len(ends))]),
+    )
+
+
+def hover_all(seeds: int, length: float, workers: int) -> Iterator[Hover]:
+    """Fly every seed on `workers` processes; yield in the order of seeds."""
+    orders = [(seed, length) for seed in range(seeds)]
+    if workers == 1:
+        yield from map(hover, orders)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        yield from pool.map(hover, orders, chunksize=2)
