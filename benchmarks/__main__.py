@@ -6,7 +6,16 @@ import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from benchmarks import command_line, cycle, engine, estimation, perception, recording, speed
+from benchmarks import (
+    command_line,
+    cycle,
+    engine,
+    estimation,
+    perception,
+    planning,
+    recording,
+    speed,
+)
 from benchmarks.measure import Table, machine
 from studies.markdown import table
 
@@ -18,6 +27,7 @@ TOPICS: dict[str, Callable[[], list[Table]]] = {
     "perception": perception.tables,
     "estimation": estimation.tables,
     "recording": recording.tables,
+    "planning": planning.tables,
 }
 PAGE = Path("docs/benchmarks.md")
 INTRODUCTION = """# Benchmarks

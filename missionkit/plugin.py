@@ -8,11 +8,12 @@ a clock, draws random numbers or does I/O, so that a flight replays bit for bit.
 from __future__ import annotations
 
 import abc
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from missionkit.messages import Estimate, Step, Verdict
+from missionkit.messages import Estimate, Occupancy, Spot, Step, Verdict
 from missionkit.messages.region import Region
 
 
@@ -70,3 +71,12 @@ class Behavior(Plugin):
     def targets(self) -> tuple[str, ...]:
         """Name the targets this behaviour needs, for checks before flight."""
         return ()
+
+    def unfit(self, known: Occupancy | None, targets: Mapping[str, Spot]) -> str:  # noqa: ARG002
+        """Say before flight why this cannot be done on the mission's map; "": nothing against it.
+
+        Args:
+            known: the map, if the mission has one.
+            targets: where the targets are (m).
+        """
+        return ""

@@ -25,6 +25,8 @@ from missionkit.control.pid import Gains
 from missionkit.control.yaw import YawLaw
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.camera import Camera, Mount
+from missionkit.planning.known_map import KnownMap, Weight
+from missionkit.planning.map_server import MapFile
 from missionkit.recorder.schemas import TOPICS
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim import parameters, world
@@ -86,6 +88,7 @@ def test_links_lead_somewhere(path):
     [
         (MISSION, "The whole file", model.Mission),
         (MISSION, "Camera", Camera),
+        (MISSION, "Map", KnownMap),
         (MISSION, "States", model.State),
         (MISSION, "Transitions", model.Transition),
         (MISSION, "Failsafes", model.Failsafe),
@@ -116,7 +119,7 @@ def test_the_table_of_sensors_is_complete():
     "part",
     [
         *(model.TargetPlace, model.Invariant, model.Settings, Aruco, Mount),
-        *(Control, Gains, YawLaw, Limits),
+        *(Control, Gains, YawLaw, Limits, MapFile, Weight),
     ],
 )
 def test_keys_without_a_table_are_told_too(part):

@@ -1,5 +1,6 @@
 """Behaviours: what a state does, as guidance for the controller or a request to the autopilot."""
 
+from missionkit.behaviors.follow_path import FollowPath
 from missionkit.behaviors.go_to import GoTo
 from missionkit.behaviors.hold import Hold
 from missionkit.behaviors.inject import Inject
@@ -8,4 +9,4 @@ from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
-ALL = (GoTo, Hold, Inject, Land, Servo, Spiral, TakeOff)
+ALL = (FollowPath, GoTo, Hold, Inject, Land, Servo, Spiral, TakeOff)

@@ -14,6 +14,7 @@ from typing import Any, cast
 from missionkit.behaviors import ALL as BEHAVIORS
 from missionkit.chart.plugin_file import plugins_of
 from missionkit.errors import UsageError
+from missionkit.estimation.flow_kalman import FlowKalman
 from missionkit.estimation.visual_inertial import VisualInertialEkf
 from missionkit.guards import ALL as GUARDS
 from missionkit.perception.aruco import Aruco
@@ -93,7 +94,7 @@ def builtin() -> Catalogue:
     return Catalogue(
         guards=_by_kind(GUARDS),
         behaviors=_by_kind(BEHAVIORS),
-        navigators=_by_kind((VisualInertialEkf,)),
+        navigators=_by_kind((FlowKalman, VisualInertialEkf)),
         detectors=_by_kind((Aruco,)),
         planners=_by_kind((PotentialField,)),
         kinds=KINDS,

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from missionkit.chart import known_map
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model import named_guards, structure, variable_uses
 from missionkit.chart.model.mission import Mission
@@ -76,7 +77,11 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     )
     if wrong:
         raise _refusal(wrong, expanded)
-    return mission.with_included(expanded.files)
+    known, files = known_map.read(mission, Path(document.file).parent)
+    mission.with_files((*expanded.files, *files), known)
+    if unfit := list(known_map.problems_of(mission)):
+        raise _refusal(unfit, expanded)
+    return mission
 
 
 def load_model(path: Path, model: type[M]) -> M:

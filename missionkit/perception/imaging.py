@@ -45,8 +45,8 @@ def encode_jpeg(image: Image, quality: int = 80) -> bytes:
     return bytes(data)
 
 
-def decode_jpeg(data: bytes) -> Image:
-    """Return the grey image (height, width) in a JPEG file.
+def decode_grey(data: bytes) -> Image:
+    """Return the grey image (height, width) in a JPEG, PNG or PGM file.
 
     Raises:
         ValueError: the data are not an image.

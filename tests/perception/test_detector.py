@@ -7,7 +7,7 @@ import pytest
 from scenes import DICTIONARY, corners_of, render, tilted
 
 from missionkit.perception.detector import Detector
-from missionkit.perception.imaging import decode_jpeg
+from missionkit.perception.imaging import decode_grey
 
 PHOTO = Path(__file__).resolve().parents[3] / "shared/data/aruco/single_markers.jpg"
 SIX = [23, 40, 62, 98, 124, 203]
@@ -16,7 +16,7 @@ SIZE = 0.4
 
 @pytest.fixture(scope="module")
 def photo():
-    return decode_jpeg(PHOTO.read_bytes())
+    return decode_grey(PHOTO.read_bytes())
 
 
 @pytest.fixture(scope="module")

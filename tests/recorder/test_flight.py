@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 
 from missionkit.geometry import Transform, rotate, vec
 from missionkit.messages import Detection, Frame, Sighting, Verdict
-from missionkit.perception.imaging import decode_jpeg
+from missionkit.perception.imaging import decode_grey
 from missionkit.recorder.digest import hash_of
 from missionkit.recorder.encode import UPRIGHT
 from missionkit.recorder.flight import FlightRecorder
@@ -169,7 +169,7 @@ def test_images_come_at_their_rate_with_the_markers_found_in_them(tmp_path, flig
     images = list(read(path, "/camera/image"))
     assert len(images) == 12
     sent = a_frame_at(0.0)[0].image
-    back = decode_jpeg(base64.b64decode(images[0].data["data"]))
+    back = decode_grey(base64.b64decode(images[0].data["data"]))
     assert np.abs(back.astype(int) - sent).mean() < 3.0
     markers = [entry.data for entry in read(path, "/camera/markers")]
     assert markers[3]["points"][0]["points"][2] == {"x": 30.0, "y": 30.0}

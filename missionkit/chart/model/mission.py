@@ -33,16 +33,18 @@ from missionkit.chart.model.part import (
     scope_of,
 )
 from missionkit.chart.model.references import Reference
+from missionkit.chart.model.sections import Place3, Settings, TargetPlace, Vehicle
 from missionkit.chart.model.variables import Variable
 from missionkit.chart.text.located import Row, Table, Text, place_of
 from missionkit.chart.text.sentence import sentence, sentences
 from missionkit.control.controller import Control
+from missionkit.messages import Occupancy
 from missionkit.perception.camera import Camera
+from missionkit.planning.known_map import KnownMap
 from missionkit.plugin import Behavior, Plugin
-from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
+from missionkit.units import Degrees, Metres, Seconds
 
 Actions = Annotated[tuple[Action, ...], Field(strict=False)]
-Place3 = Annotated[Point, Field(strict=False)]
 GROUP_KIND = "logic"
 SHAPES = ("states", "parallel", "final", "history")
 
@@ -75,22 +77,6 @@ Events = Annotated[
     WithJsonSchema(_ONE_OR_MORE),
 ]
 _NO_TIME = "'for' needs 'when': it says how long the guard must hold"
-
-
-class Vehicle(Part):
-    """What flies; `--vehicle` replaces it."""
-
-    use: Literal["sim"] = "sim"
-
-
-class TargetPlace(Part):
-    """Where a target is, as surveyed: north, east, down of the take-off point."""
-
-    position: Place3
-    position_sd: Metres = Field(default=1.0, ge=0, description="standard deviation, one axis")
-    facing_deg: Degrees | None = Field(
-        default=None, description="compass direction in which its marker looks"
-    )
 
 
 class Transition(Part):
@@ -235,13 +221,6 @@ class Success(Part):
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
 
 
-class Settings(Part):
-    """How the mission is run."""
-
-    rate: Hertz = Field(default=20.0, ge=5, le=100, description="ticks per second")
-    time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
-
-
 def _use(kind: str) -> Any:
     return {"use": kind}
 
@@ -259,6 +238,7 @@ class Mission(Part):
         default=_use("visual_inertial_ekf"), validate_default=True
     )
     camera: Annotated[Camera, Plain] = Camera()
+    map: Annotated[KnownMap, Plain] | None = None
     targets: dict[Name, TargetPlace] = Field(default={})
     perception: Annotated[
         tuple[Annotated[Use[Plugin], Reference("detectors")], ...], Field(strict=False)
@@ -279,15 +259,21 @@ class Mission(Part):
     settings: Settings = Settings()
 
     _included: tuple[Path, ...] = PrivateAttr(default=())
+    _known: Occupancy | None = PrivateAttr(default=None)
 
     @property
     def included(self) -> tuple[Path, ...]:
-        """The files that were included, in the order they were read."""
+        """The files that were included, in the order they were read, then those of the map."""
         return self._included
 
-    def with_included(self, files: tuple[Path, ...]) -> Self:
-        """Remember which files were included."""
-        self._included = files
+    @property
+    def known(self) -> Occupancy | None:
+        """The map that was read, if there is one."""
+        return self._known
+
+    def with_files(self, files: tuple[Path, ...], known: Occupancy | None) -> Self:
+        """Remember which files were read besides the mission's own, and the map in them."""
+        self._included, self._known = files, known
         return self
 
     def walk(self) -> Iterator[Placed]:
