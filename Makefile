@@ -32,6 +32,8 @@ studies: .venv/ready
 	$(BIN)/python -m studies.precision_task
 	$(BIN)/python -m studies.resume
 	$(BIN)/python -m studies.fuzz
+	$(BIN)/python -m studies.hover
+	$(BIN)/python -m studies.over_the_wire
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from functools import wraps
 from pathlib import Path
-from typing import Annotated, ParamSpec, TypeVar
+from typing import Annotated
 
 import typer
 
-from missionkit.errors import ExitCode, MissionkitError, UsageError
-
-P = ParamSpec("P")
-R = TypeVar("R")
+from missionkit.cli.campaign_commands import campaign, report
+from missionkit.cli.options import Json, MissionFile, Plugins, Settings, told
+from missionkit.errors import ExitCode, UsageError
 
 app = typer.Typer(
     name="missionkit",
@@ -27,35 +23,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-MissionFile = Annotated[Path, typer.Argument(help="mission file", metavar="MISSION.yaml")]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="value of a parameter")
-]
-Plugins = Annotated[
-    list[Path] | None,
-    typer.Option("--plugin", metavar="FILE.py", help="file that defines guards or behaviours"),
-]
-Json = Annotated[bool, typer.Option("--json", help="answer as JSON")]
-
-
-def told(command: Callable[P, R]) -> Callable[P, R]:
-    """Turn expected errors into a sentence on stderr and their exit code."""
-
-    @wraps(command)
-    def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        try:
-            return command(*args, **kwargs)
-        except MissionkitError as error:
-            print(error, file=sys.stderr)  # noqa: T201
-            raise typer.Exit(error.exit_code) from error
-        except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
-            raise
-        except OSError as error:
-            print(f"{error.filename or error}: {error.strerror}", file=sys.stderr)  # noqa: T201
-            raise typer.Exit(ExitCode.BAD_FILE) from error
-
-    return run
 
 
 @app.command()
@@ -223,6 +190,19 @@ def new(
 
 @app.command()
 @told
+def preflight(
+    address: Annotated[str, typer.Argument(metavar="ADDRESS", help="udpin://0.0.0.0:14540")],
+    *,
+    as_json: Json = False,
+) -> None:
+    """Look at a MAVLink vehicle and say whether it is fit to fly; nothing is commanded."""
+    from missionkit.cli.fly import preflight as command  # noqa: PLC0415
+
+    raise typer.Exit(command(address, as_json=as_json))
+
+
+@app.command()
+@told
 def sitl(
     world: Annotated[Path | None, typer.Option(help="world file; empty without")] = None,
     dialect: Annotated[str, typer.Option(help="px4 or ardupilot")] = "px4",
@@ -259,6 +239,10 @@ def sitl(
         as_json=as_json,
     )
     raise typer.Exit(command(wanted))
+
+
+app.command()(told(campaign))
+app.command()(told(report))
 
 
 @app.callback(invoke_without_command=True)

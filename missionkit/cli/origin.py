@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import hashlib
+import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -45,7 +46,7 @@ def origin_of(order: Order, mission: Mission) -> Origin:
         tuple(str(path.resolve()) for path in order.plugins),
         order.seed,
         order.faults,
-        dict(mission.params),
+        json.loads(json.dumps(mission.params)),  # without the places of texts and lists
         tuple(mission.targets),
         {os.path.relpath(path.resolve(), root): _text(path) for path in files},
         __version__,
@@ -135,4 +136,9 @@ def differences(before: Origin, now: Origin) -> Iterator[str]:
 
 
 def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
+    """Return the text of a file; of one that is no text, such as a map's image, its digest."""
+    data = path.read_bytes()
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        return f"{len(data)} bytes, SHA-256 {hashlib.sha256(data).hexdigest()}"

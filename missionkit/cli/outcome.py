@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
-from missionkit.chart.model.mission import Mission, Success
+from missionkit.campaign.ending import outcome, reason
+from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
-from missionkit.engine.loop import End
 from missionkit.errors import ExitCode
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.summary import Summary, summarise
-from missionkit.recorder.track import Track
 from missionkit.rehearsal import Rehearsal
 
 
@@ -20,43 +18,18 @@ def summed_up(
     order: Order, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
 ) -> Summary:
     """Return the summary of a flight that has ended."""
+    visited = {visit.state for visit in recorder.track.visits}
     return summarise(
         recorder.track,
         mission=mission.name,
-        outcome="success" if result.succeeded else _failure(result),
-        reason=_reason(mission, result, recorder.track, asked=asked),
+        outcome=outcome(result),
+        reason=reason(mission, result, visited, asked=asked),
         seed=order.seed,
         faults=order.faults,
         parameters=mission.params,  # with --set
         grade=result.grade.as_dict(),
         record_hash=recorder.close(),
     )
-
-
-def _failure(result: Rehearsal) -> Any:
-    never_left = result.flown.end is End.NEVER_LEFT and not result.grade.crashed
-    return "ended_safely" if result.grade.landed or never_left else "crash"
-
-
-def _reason(mission: Mission, result: Rehearsal, track: Track, *, asked: bool) -> str:
-    grade = result.grade
-    if result.succeeded:
-        return "flown as planned"
-    if grade.crashed:
-        return "hit an obstacle or the ground"
-    if result.flown.end is not End.LANDED:
-        return str(result.flown.end)
-    if result.flown.aborted:
-        return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
-    if mission.success is not None and grade.visit is None:
-        return _unreached(mission.success, track)
-    return "landed, but the goal was missed by more than allowed"
-
-
-def _unreached(success: Success, track: Track) -> str:
-    if success.visit not in {visit.state for visit in track.visits}:
-        return f"landed without reaching {success.visit}"
-    return f"landed, but the world has no marker of {success.target} to measure the goal by"
 
 
 def numbers(summary: Summary) -> str:

@@ -61,13 +61,18 @@ def run_in_simulator(
 
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
     world = world_of(mission, order.mission.parent)
-    faults = [_fault(text, mission, world) for text in order.faults]
+    faults = [fault_of(text, mission, world) for text in order.faults]
     for text in order.events:
         planned(text)
     return stage(mission, catalogue, world, order.seed, faults)
 
 
-def _fault(text: str, mission: Mission, world: World) -> Fault:
+def fault_of(text: str, mission: Mission, world: World) -> Fault:
+    """Read a fault that this mission in this world can have.
+
+    Raises:
+        UsageError: it cannot.
+    """
     fault = parse_fault(text)
     markers = {marker.id for marker in world.markers}
     if fault.name == "marker_hidden" and fault.value not in {None, *markers}:

@@ -1,0 +1,122 @@
+"""One run of a campaign: the flight that `missionkit run` flies, without its folder."""
+
+from __future__ import annotations
+
+import shutil
+import traceback
+from collections.abc import Mapping
+from contextlib import ExitStack
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.campaign.diary import Diary
+from missionkit.campaign.ending import outcome, reason
+from missionkit.campaign.row import Case, Order, Row, unflown
+from missionkit.chart.catalogue import Catalogue, builtin
+from missionkit.chart.load import load
+from missionkit.chart.model.mission import Mission
+from missionkit.engine.loop import Observer
+from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.scenery import scenery_of
+from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.sim.faults import Fault, parse_fault
+from missionkit.sim.grade import Grade
+from missionkit.sim.world import World
+
+
+class Loaded(NamedTuple):
+    """A mission with the parameters of one variant."""
+
+    mission: Mission
+    catalogue: Catalogue
+    world: World
+    faults: tuple[Fault, ...]
+
+
+def fly(order: Order, case: Case) -> Row:
+    """Fly one run and return its row; what goes wrong on the way is told in it."""
+    try:
+        return _row(order, case)
+    except Exception as error:  # noqa: BLE001 - a run that breaks is a result, not the end
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(where.filename).name}:{where.lineno}"
+        return unflown(case, "error", f"{type(error).__name__}: {error} ({place})")
+
+
+def loaded(order: Order, settings: Mapping[str, str]) -> Loaded:
+    """Return the mission of a variant; read once by each process.
+
+    Raises:
+        MissionkitError: the mission, its world, a plug-in or a fault cannot be used.
+    """
+    return _loaded(
+        order.mission, order.plugins, order.faults, tuple({**order.settings, **settings}.items())
+    )
+
+
+@lru_cache(maxsize=64)
+def _loaded(
+    path: str,
+    plugins: tuple[str, ...],
+    faults: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+) -> Loaded:
+    catalogue = builtin().with_entry_points()
+    for file in plugins:
+        catalogue = catalogue.with_file(Path(file))
+    mission = load(Path(path), catalogue, dict(settings))
+    world = world_of(mission, Path(path).parent)
+    return Loaded(mission, catalogue, world, tuple(map(parse_fault, faults)))
+
+
+def _row(order: Order, case: Case) -> Row:
+    mission, catalogue, world, faults = loaded(order, case.settings)
+    ready = stage(mission, catalogue, world, case.seed, faults)
+    diary = Diary(ready.plan.period)
+    result = _flown(ready, diary, Path(order.records, str(case.number)) if order.records else None)
+    return Row(
+        number=case.number,
+        variant=case.variant,
+        seed=case.seed,
+        settings=dict(case.settings),
+        outcome=outcome(result),
+        reason=reason(mission, result, diary.times),
+        parameters=dict(mission.params),
+        metrics={"duration": result.flown.duration, **metrics(result.grade)},
+        times=diary.times,
+        transitions=diary.transitions,
+        visits=diary.visits,
+        problems=diary.problems,
+    )
+
+
+def _flown(ready: Stage, diary: Diary, folder: Path | None) -> Rehearsal:
+    with ExitStack() as stack:
+        observers: list[Observer] = [diary]
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)  # of a campaign that was killed
+            folder.mkdir(parents=True)
+            scenery = scenery_of(ready.world)
+            recorder = FlightRecorder(folder, camera=ready.plan.camera, scenery=scenery)
+            stack.enter_context(recorder)
+            observers.append(
+                lambda record, seen: recorder.write(record, seen.frame, ready.vehicle.truth)
+            )
+        return rehearse(ready, observers)
+
+
+def metrics(grade: Grade) -> dict[str, float | None]:
+    """Return the numbers of a grade: m, s, J, rad; None where there was nothing to measure."""
+    told = grade.as_dict()
+    visit = told["visit"] or {}
+    return {
+        "clearance": told["clearance"],
+        "distance": grade.distance,
+        "armed": grade.duration,
+        "energy": grade.energy,
+        "position_error": visit.get("position_error"),
+        "yaw_error": visit.get("yaw_error"),
+        "worst_error": visit.get("worst_error"),
+        "worst_sideways": visit.get("worst_sideways"),
+    }

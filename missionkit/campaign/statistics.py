@@ -1,0 +1,122 @@
+"""What can be said of a mission from a sample of its flights, and how surely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import binomtest, norm
+
+Numbers = npt.NDArray[np.float64]
+
+RESAMPLES = 2000
+CHUNK = 1_000_000  # numbers drawn at a time
+
+
+class Interval(NamedTuple):
+    """An estimate and the bounds it lies between with the confidence asked for."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def width(self) -> float:
+        """From bound to bound."""
+        return self.high - self.low
+
+
+def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
+    """Return a success rate with Wilson's score interval.
+
+    (p + z²/2n ± z √(p(1-p)/n + z²/4n²)) / (1 + z²/n).  Source: E. B. Wilson, "Probable inference,
+    the law of succession, and statistical inference", 1927. No runs: anything is possible.
+    """
+    if n == 0:
+        return Interval(math.nan, 0.0, 1.0)
+    z = _z(confidence)
+    p, shrink = successes / n, 1.0 + z * z / n
+    middle = (p + z * z / (2 * n)) / shrink
+    half = z / shrink * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    low = 0.0 if successes == 0 else middle - half
+    return Interval(p, low, 1.0 if successes == n else middle + half)
+
+
+@cache
+def _z(confidence: float) -> float:
+    return float(norm.ppf(0.5 + confidence / 2))
+
+
+def quantile(
+    values: Sequence[float], q: float, rng: np.random.Generator, confidence: float = 0.95
+) -> Interval:
+    """Return a quantile with its percentile bootstrap interval; NaN without values."""
+    return bootstrap(values, lambda drawn: np.quantile(drawn, q, axis=-1), rng, confidence)
+
+
+def bootstrap(
+    values: Sequence[float],
+    statistic: Callable[[Numbers], Numbers],
+    rng: np.random.Generator,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+) -> Interval:
+    """Return a statistic with its percentile bootstrap interval.
+
+    Args:
+        values: the sample.
+        statistic: of the last axis of an array.
+        rng: draws the resamples.
+        confidence: of the interval.
+        resamples: how many are drawn.
+
+    Source: B. Efron, "Bootstrap methods: another look at the jackknife", 1979.
+    """
+    sample = np.asarray(values, dtype=float)
+    if len(sample) == 0:
+        return Interval(math.nan, math.nan, math.nan)
+    found, left = [], resamples
+    while left:
+        some = min(left, max(1, CHUNK // len(sample)))
+        picks = rng.integers(0, len(sample), (some, len(sample)))
+        found.append(np.atleast_1d(statistic(sample[picks])))
+        left -= some
+    tails = (0.5 - confidence / 2, 0.5 + confidence / 2)
+    low, high = np.quantile(np.concatenate(found), tails)
+    return Interval(float(statistic(sample)), float(low), float(high))
+
+
+class Paired(NamedTuple):
+    """A variant against another on the same random numbers."""
+
+    n: int  # seeds flown by both
+    only_first: int  # seeds on which only the first succeeded
+    only_second: int
+    gain: Interval  # of the second in success rate
+    p_value: float  # of McNemar's exact test: that nothing but chance makes them differ
+
+
+def compared(first: Sequence[bool], second: Sequence[bool], rng: np.random.Generator) -> Paired:
+    """Compare two variants whose runs of equal place had equal seeds.
+
+    Source: Q. McNemar, "Note on the sampling error of the difference between correlated
+    proportions", 1947; exact, by the binomial distribution of the seeds that decide.
+    """
+    gains = np.array(second, dtype=float) - np.array(first, dtype=float)
+    up, down = int((gains > 0).sum()), int((gains < 0).sum())
+    p_value = float(binomtest(up, up + down).pvalue) if up + down else 1.0
+    return Paired(len(gains), down, up, bootstrap(gains.tolist(), _mean, rng), p_value)
+
+
+def differences(first: Sequence[float | None], second: Sequence[float | None]) -> list[float]:
+    """Return second minus first where both were measured."""
+    pairs = zip(first, second, strict=True)
+    return [b - a for a, b in pairs if a is not None and b is not None]
+
+
+def _mean(drawn: Numbers) -> Numbers:
+    return np.asarray(drawn.mean(axis=-1))

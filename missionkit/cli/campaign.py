@@ -1,0 +1,184 @@
+"""`missionkit campaign` and `missionkit report`."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit import __version__
+from missionkit.campaign import cluster, pool, table
+from missionkit.campaign.analysis import Analysis, analysed
+from missionkit.campaign.conduct import Crew, conduct, counted
+from missionkit.campaign.plan import Campaign, Rule, digest_of, found, keep
+from missionkit.campaign.progress import Progress
+from missionkit.campaign.report import write_report
+from missionkit.campaign.summary import summed_up, write_summary
+from missionkit.campaign.vary import axes, variants
+from missionkit.campaign.wording import between, percent
+from missionkit.chart.load import load
+from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.rehearsed import fault_of
+from missionkit.cli.run import refuse
+from missionkit.engine.clock import stopwatch
+from missionkit.errors import ExitCode, UsageError
+from missionkit.recorder.folder import keep_mission, run_folder
+from missionkit.rehearsal import world_of
+
+RUNS = 100
+
+
+class Wanted(NamedTuple):
+    """The options of the command."""
+
+    mission: Path | None
+    runs: int | None
+    seed: int
+    settings: tuple[str, ...]
+    vary: tuple[str, ...]
+    faults: tuple[str, ...]
+    plugins: tuple[Path, ...]
+    workers: int | None
+    cluster: str | None
+    timeout: float
+    width: float | None
+    require: float | None
+    better: float | None
+    out: Path
+    resume: Path | None
+    records: bool = False
+    as_json: bool = False
+
+
+def campaign(wanted: Wanted) -> ExitCode:
+    """Fly, or go on flying; leave a folder with journal, table, summary and report.
+
+    Raises:
+        FileError: mission, world or plug-in file cannot be used.
+        UsageError: an option does not fit, or there is nothing to resume.
+        VehicleError: the cluster does not answer.
+    """
+    told, folder = _begun(wanted) if wanted.resume is None else _resumed(wanted, wanted.resume)
+    total, known = told.runs * told.variants, table.read(folder)
+    progress = Progress(sys.stderr, stopwatch, known, total)
+    try:
+        conduct(told, folder, _crew(told, folder, wanted), progress)
+    except KeyboardInterrupt:
+        progress.finish()
+        print(f"stopped; go on with: missionkit campaign --resume {folder}", file=sys.stderr)  # noqa: T201
+        return ExitCode.ENDED_SAFELY
+    progress.finish()
+    return report(folder, as_json=wanted.as_json)
+
+
+def report(folder: Path, *, as_json: bool) -> ExitCode:
+    """Write table, summary and page from the journal; say in a few lines what they say.
+
+    Raises:
+        UsageError: the folder holds no campaign, or none of its runs has ended.
+    """
+    told = found(folder)
+    rows = counted(table.read(folder), told)
+    if not rows:
+        raise UsageError(f"{folder}: no run has ended yet")
+    table.write(folder, rows)
+    said = analysed(told, rows)
+    write_summary(folder, said)
+    write_report(folder, said)
+    if as_json:
+        print(json.dumps({**summed_up(said), "folder": str(folder)}, indent=2))  # noqa: T201
+    else:
+        print("\n".join([*_lines(said), str(folder / "report.html")]))  # noqa: T201
+    return _exit_code(said)
+
+
+def _begun(wanted: Wanted) -> tuple[Campaign, Path]:
+    """Check everything that every variant needs, then make the folder."""
+    if wanted.mission is None:
+        raise UsageError("name the mission file to fly, or --resume FOLDER")
+    rule = _rule(wanted)
+    settings = overrides(wanted.settings)
+    vary = axes(wanted.vary, settings)
+    catalogue = assemble(wanted.plugins)
+    mission = None
+    for chosen in variants(vary):
+        mission = load(wanted.mission, catalogue, {**settings, **chosen})
+        refuse(mission, catalogue)
+    assert mission is not None  # noqa: S101 - there is always a variant
+    world = world_of(mission, wanted.mission.parent)
+    for text in wanted.faults:
+        fault_of(text, mission, world)
+    told = Campaign(
+        mission=str(wanted.mission.resolve()),
+        name=mission.name,
+        settings=settings,
+        plugins=tuple(str(path.resolve()) for path in wanted.plugins),
+        faults=wanted.faults,
+        vary=vary,
+        seed=wanted.seed,
+        runs=wanted.runs or RUNS,
+        timeout=wanted.timeout,
+        rule=rule,
+        digest=digest_of(mission, wanted.mission, wanted.plugins),
+        records=wanted.records,
+    )
+    folder = run_folder(wanted.out, mission.name, f"campaign-seed{wanted.seed}")
+    keep_mission(folder, wanted.mission)
+    keep(folder, told)
+    return told, folder
+
+
+def _rule(wanted: Wanted) -> Rule:
+    rule = Rule(width=wanted.width, require=wanted.require, better=wanted.better)
+    if wanted.require is not None and not wanted.require < rule.hoped < 1.0:
+        raise UsageError("--require has to be below --better, and both below 1")
+    if wanted.require is None and wanted.better is not None:
+        raise UsageError("--better says nothing without --require")
+    return rule
+
+
+def _resumed(wanted: Wanted, folder: Path) -> tuple[Campaign, Path]:
+    """Return the campaign of a folder; all it may be given anew is more runs and other workers."""
+    told = found(folder)
+    if wanted.settings or wanted.vary or wanted.faults or wanted.plugins or wanted.seed:
+        raise UsageError("--resume flies what was begun: --set, --vary, --fault, ... do not fit")
+    if told.missionkit != __version__:
+        raise UsageError(
+            f"{folder}: begun with missionkit {told.missionkit}, this is {__version__}"
+        )
+    path, plugins = Path(told.mission), tuple(map(Path, told.plugins))
+    mission = load(path, assemble(plugins), told.settings)
+    if digest_of(mission, path, plugins) != told.digest:
+        raise UsageError(f"{folder}: the files of the mission were changed since it was begun")
+    if wanted.runs is not None and wanted.runs != told.runs:
+        told = told.model_copy(update={"runs": max(wanted.runs, told.runs)})
+        keep(folder, told)
+    return told, folder
+
+
+def _crew(told: Campaign, folder: Path, wanted: Wanted) -> Crew:
+    order = told.order(folder)
+    if wanted.cluster is not None:
+        return partial(cluster.flown, order, address=wanted.cluster, timeout=told.timeout)
+    workers = wanted.workers or len(os.sched_getaffinity(0))
+    return partial(pool.flown, order, workers=workers, timeout=told.timeout)
+
+
+def _lines(said: Analysis) -> list[str]:
+    lines = []
+    for variant in said.variants:
+        outcomes = ", ".join(f"{n} {it.replace('_', ' ')}" for it, n in variant.outcomes.items())
+        rate = f"{percent(variant.success.value)}, {between(variant.success, percent)}"
+        decided = "" if variant.decision is None else f"; required: {variant.decision.verdict}"
+        lines.append(f"{variant.name}: success {rate} ({outcomes}){decided}")
+    return lines
+
+
+def _exit_code(said: Analysis) -> ExitCode:
+    """Return success, unless something was required that not every variant is shown to have."""
+    decisions = [it.decision.verdict for it in said.variants if it.decision is not None]
+    met = all(verdict == "met" for verdict in decisions)
+    return ExitCode.SUCCESS if met else ExitCode.ENDED_SAFELY

@@ -1,0 +1,45 @@
+"""What several commands have in common: options, and how errors are told."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, ParamSpec, TypeVar
+
+import typer
+
+from missionkit.errors import ExitCode, MissionkitError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+MissionFile = Annotated[Path, typer.Argument(help="mission file", metavar="MISSION.yaml")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="value of a parameter")
+]
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option("--plugin", metavar="FILE.py", help="file that defines guards or behaviours"),
+]
+Json = Annotated[bool, typer.Option("--json", help="answer as JSON")]
+
+
+def told(command: Callable[P, R]) -> Callable[P, R]:
+    """Turn expected errors into a sentence on stderr and their exit code."""
+
+    @wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return command(*args, **kwargs)
+        except MissionkitError as error:
+            print(error, file=sys.stderr)  # noqa: T201
+            raise typer.Exit(error.exit_code) from error
+        except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
+            raise
+        except OSError as error:
+            print(f"{error.filename or error}: {error.strerror}", file=sys.stderr)  # noqa: T201
+            raise typer.Exit(ExitCode.BAD_FILE) from error
+
+    return run

@@ -1,0 +1,151 @@
+"""What the page says, and what its plots show."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from io import StringIO
+
+import numpy as np
+import pytest
+import typer
+from campaigns import row
+from documents import document, table
+
+from missionkit.campaign import plots
+from missionkit.campaign.analysis import analysed, worst
+from missionkit.campaign.chain import estimate
+from missionkit.campaign.chain_picture import picture
+from missionkit.campaign.plan import Campaign, Rule
+from missionkit.campaign.progress import Progress, line, spell
+from missionkit.campaign.report import page
+from missionkit.campaign.statistics import wilson
+from missionkit.campaign.wording import number, percent
+from missionkit.cli.app import app
+
+PLAN = Campaign(mission="/m.yaml", name="m<1>", runs=20, digest="0" * 64)
+
+
+def shapes(svg, tag):
+    # the SVG is ours, made a line above
+    return [it.attrib for it in ET.fromstring(svg).iter(f"{{http://www.w3.org/2000/svg}}{tag}")]  # noqa: S314
+
+
+def mixed(count=20):
+    return [
+        row(n, "crash", visits=(("idle", 4.0), ("out", 2.0)), reason="hit <it>")
+        if n % 5 == 4
+        else row(n, metrics={"duration": 9.0 + n, "clearance": 1.0 + 0.1 * n})
+        for n in range(count)
+    ]
+
+
+def test_the_page_tells_rate_crashes_and_the_way_to_fail():
+    text = page(analysed(PLAN, mixed()))
+    assert "80.0 % of 20 flights succeeded, between 58.4 % and 91.9 %" in text
+    assert "4 crashes: 20.0 %, between 8.1 % and 41.6 %." in text
+    assert "<b>idle → out → crash in out</b>, 20.0 % of all flights by the chain; 4 of 20" in text
+    assert "m&lt;1&gt;" in text
+    assert "hit &lt;it&gt;" in text
+    assert "<it>" not in text
+
+
+@pytest.mark.parametrize(
+    ("require", "count", "said"),
+    [
+        (0.5, 20, '<b class="good">met</b>, decided after 13 runs'),
+        (0.99, 25, '<b class="bad">not met</b>, decided after 25 runs'),
+        (0.75, 20, "<b>not decided</b> after 20 runs; fly more"),
+    ],
+)
+def test_the_page_says_what_became_of_a_requirement(require, count, said):
+    plan = PLAN.model_copy(update={"rule": Rule(require=require)})
+    assert said in page(analysed(plan, mixed(count)))
+
+
+def test_a_change_beyond_chance_is_bold():
+    plan = PLAN.model_copy(update={"vary": (("height", ("2", "3")),), "runs": 30})
+    rows = [
+        row(n, seed=n // 2, variant=n % 2, metrics={"duration": 9.0 + (n % 2) + 0.01 * (n // 2)})
+        for n in range(60)
+    ]
+    text = page(analysed(plan, rows))
+    assert "<b>+1.0, between 1.0 and 1.0</b>" in text
+    assert "Against height = 2, seed by seed" in text
+
+
+def test_the_worst_come_first_and_not_all_for_the_same_reason():
+    rows = [
+        *(row(n, "crash", metrics={"clearance": -0.1 * n}) for n in range(5)),
+        row(5, "ended_safely", reason="time ran out"),
+        row(6, "hung", reason="no result"),
+        *(row(n, metrics={"clearance": float(n)}) for n in range(7, 20)),
+    ]
+    assert [it.number for it in worst(rows)] == [4, 3, 2, 6, 5, 7, 8, 9]
+
+
+def test_a_histogram_shows_every_run_once():
+    rng = np.random.default_rng(0)
+    drawn = plots.histogram(rng.normal(size=80).tolist(), rng.normal(size=20).tolist(), "n")
+    bars = shapes(drawn, "rect")
+    tall = {fill: sum(float(b["height"]) for b in bars if b["fill"] == fill)
+            for fill in (plots.GOOD, plots.BAD)}  # fmt: skip
+    assert tall[plots.GOOD] / tall[plots.BAD] == pytest.approx(4.0, rel=0.01)
+    assert shapes(plots.histogram([3.0, 3.0], [], "n"), "rect")[0]["fill"] == plots.GOOD
+
+
+def test_rates_stand_where_they_belong():
+    drawn = plots.rates([("a", wilson(10, 20)), ("b", wilson(20, 20))], goal=0.9)
+    a, b = (float(it["cx"]) for it in shapes(drawn, "circle"))
+    (goal,) = [float(it["x1"]) for it in shapes(drawn, "line") if "stroke-dasharray" in it]
+    assert (goal - a) / (b - a) == pytest.approx(0.8, abs=0.01)
+
+
+def test_the_running_rate_ends_where_the_campaign_does():
+    drawn = plots.running([True, False] * 50)
+    (curve,) = shapes(drawn, "polyline")
+    assert len(curve["points"].split()) == 100
+    assert shapes(plots.running([]), "polygon")[0]["points"] == ""
+
+
+def test_the_chart_is_drawn_with_its_shares():
+    drawn = picture(estimate(mixed()))
+    words = re.findall(r">([^<]+)</text>", drawn)
+    assert {"80 %", "20 %", "16 times", "4 times", "crash", "in out", "4.0 s a visit"} <= set(words)
+
+
+def test_progress_is_a_line_now_and_then():
+    now, stream = [0.0], StringIO()
+    progress = Progress(stream, lambda: now[0], [row(0)], 100)
+    for n in range(1, 31):
+        now[0] += 1.0
+        progress(row(n, "success" if n % 3 else "crash"))
+    progress.finish()
+    assert [it.split(",")[0] for it in stream.getvalue().splitlines()] == [
+        "11 of 100",
+        "21 of 100",
+        "31 of 100",
+        "31 of 100",
+    ]
+    assert "1.0 runs/s, 1 min 9 s left" in stream.getvalue()
+    assert line(0, 5, 0, 0, 0.0) == "0 of 5, success nan % (0.0 to 100.0), 0.0 runs/s"
+    assert [spell(42.4), spell(190), spell(7300)] == ["42 s", "3 min 10 s", "2 h 1 min"]
+
+
+def test_numbers_are_written_with_their_units():
+    assert [percent(x) for x in (0.9642, 1.0, 0.9996)] == ["96.4 %", "100 %", "99.96 %"]
+    assert number(0.0712, "position_error") == "7.1"
+    assert number(0.01, "yaw_error", sign=True) == "+0.57"
+    assert number(-0.0001, "duration", sign=True) == "+0.0"
+    assert number(float("nan"), "energy") == "—"
+
+
+def test_every_option_is_told():
+    told = {
+        option.split()[0]
+        for cells in table(document("docs/reference/campaign.md"), "Campaigns")
+        for option in cells[0].replace("`", "").split(", ")
+    }
+    command = typer.main.get_command(app).commands["campaign"]
+    options = {name for it in command.params for name in it.opts if name.startswith("--")}
+    assert told == options - {"--help"}

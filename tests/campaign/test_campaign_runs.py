@@ -1,0 +1,75 @@
+"""A row tells of the flight that `missionkit run` flies."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from types import SimpleNamespace
+
+import pytest
+from campaigns import hop
+from typer.testing import CliRunner
+
+from missionkit.campaign.analysis import command
+from missionkit.campaign.diary import Diary
+from missionkit.campaign.plan import Campaign
+from missionkit.campaign.row import Case, Order
+from missionkit.campaign.runs import fly
+from missionkit.cli.app import app
+
+
+def test_the_command_of_a_row_flies_it_again(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mission, faults = hop(tmp_path), ("gnss_drift=0.3@2",)
+    row = fly(Order(mission, {}, (), faults), Case(4, 1, 9, {"height": "3"}))
+    told = Campaign(mission=mission, name="hop", runs=9, faults=faults, digest="")
+    words = shlex.split(command(told, row))
+    result = CliRunner().invoke(app, [*words[1:], "--headless"])
+    assert result.exit_code == 0
+    summary = json.loads((tmp_path / "runs/hop-seed9/summary.json").read_text())
+    assert summary["grade"]["distance"] == row.metrics["distance"]
+    assert summary["grade"]["energy"] == row.metrics["energy"]
+    assert (summary["outcome"], summary["reason"]) == (row.outcome, row.reason)
+    assert summary["parameters"] == row.parameters
+    changes = [f"{it['source']} -> {it['to']}" for it in summary["transitions"]]
+    assert changes == list(row.transitions)
+    assert [it["state"] for it in summary["states"]] == [state for state, _ in row.visits]
+
+
+def test_times_add_up(tmp_path):
+    row = fly(Order(hop(tmp_path), {}), Case(0, 0, 0, {}))
+    assert row.times == pytest.approx(dict(row.visits))
+    assert sum(row.times.values()) == pytest.approx(row.metrics["duration"])
+
+
+def test_a_record_is_kept_when_asked_for(tmp_path):
+    order = Order(hop(tmp_path), {}, records=str(tmp_path / "records"))
+    for _ in range(2):  # a campaign that was killed flies it again
+        assert fly(order, Case(7, 0, 0, {})).succeeded
+    assert (tmp_path / "records/7/flight.mcap").stat().st_size > 10_000
+
+
+def test_a_crash_is_told_with_its_reason(tmp_path):
+    row = fly(Order(hop(tmp_path), {}, (), ("battery_sag=1@4",)), Case(0, 0, 0, {}))
+    assert (row.outcome, row.reason) == ("crash", "hit an obstacle or the ground")
+
+
+def seen(state, *fired, active=()):
+    ways = [SimpleNamespace(source=a, to=b) for a, b in fired]
+    return SimpleNamespace(state=state, active=active or (state,), fired=ways, problems=("odd",))
+
+
+def test_a_diary_tells_visits_times_and_transitions():
+    diary = Diary(0.5)
+    for record in [
+        seen("a"),
+        seen("a"),
+        seen("a", ("a", "a")),  # again: another visit
+        seen("b", ("a", "c"), ("c", "b"), active=("out", "b")),
+        seen("b", active=("out", "b")),
+    ]:
+        diary(record, None)
+    assert diary.visits == (("a", 1.0), ("a", 0.5), ("b", 1.0))
+    assert diary.times == {"a": 1.5, "b": 1.0, "out": 1.0}
+    assert diary.transitions == {"a -> a": 1, "a -> c": 1, "c -> b": 1}
+    assert diary.problems == ("odd",)

@@ -1,0 +1,36 @@
+"""A mission's map is a part of what a run stands on."""
+
+from __future__ import annotations
+
+import shutil
+
+import cv2
+import numpy as np
+from rehearsed import MISSIONS
+
+from missionkit.chart.catalogue import builtin
+from missionkit.chart.load import load
+from missionkit.cli.order import Order
+from missionkit.cli.origin import differences, origin_of, stamp
+from missionkit.recorder.checkpoint import opened, sealed
+
+
+def origin(path):
+    order = Order(path, (), (), 0, (), None, path.parent, headless=True, as_json=False)
+    return origin_of(order, load(path, builtin()))
+
+
+def test_another_map_makes_another_mission(tmp_path):
+    folder = shutil.copytree(MISSIONS, tmp_path / "missions")
+    path, image = folder / "known_map.yaml", folder / "maps" / "two_walls.png"
+    first = origin(path)
+    assert {"maps/two_walls.yaml", "maps/two_walls.png"} <= first.texts.keys()
+    assert opened(sealed(first)) == first  # texts among its parameters too
+    assert stamp(origin(path)) == stamp(first)
+    cv2.imwrite(str(image), np.full((120, 100), 254, np.uint8))
+    changed = origin(path)
+    assert stamp(changed) != stamp(first)
+    told = list(differences(first, changed))
+    assert told[0] == "--- maps/two_walls.png (as flown)"
+    assert len(told) == 5
+    assert all(line[1:].split()[1:3] == ["bytes,", "SHA-256"] for line in told[3:])
