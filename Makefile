@@ -33,6 +33,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.resume
 	$(BIN)/python -m studies.fuzz
 	$(BIN)/python -m studies.hover
+	$(BIN)/python -m studies.known_map
 	$(BIN)/python -m studies.over_the_wire
 
 schema: .venv/ready
