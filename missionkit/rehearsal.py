@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +12,7 @@ from missionkit.chart.load import load_model
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
-from missionkit.engine.keeping import keepable
+from missionkit.engine.keeping import now_and_then
 from missionkit.engine.loop import End, Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.memory import Course
 from missionkit.engine.waking import Resumption
@@ -27,8 +26,6 @@ from missionkit.sim.snapshot import Snapshot, restore, taken
 from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
-
-EVERY = 1.0 - 1e-6  # s of mission time between two checkpoints
 
 
 class Stage(NamedTuple):
@@ -121,19 +118,24 @@ def rehearse(
     visits = _Visits(ready.vehicle)
     resume = None if again is None else _restored(ready, visits, again)
     keeper = keep_nothing if save is None else _keeping(ready, visits, save)
-    flown = asyncio.run(
-        fly(
-            ready.plan,
-            ready.vehicle,
-            (visits, *observers),
-            operator=operator,
-            pace=pace,
-            time_limit=ready.mission.settings.time_limit,
-            keeper=keeper,
-            resume=resume,
+    flown: list[Flown] = []
+
+    async def flight() -> None:  # returns nothing: asyncio would write it all out as text
+        flown.append(
+            await fly(
+                ready.plan,
+                ready.vehicle,
+                (visits, *observers),
+                operator=operator,
+                pace=pace,
+                time_limit=ready.mission.settings.time_limit,
+                keeper=keeper,
+                resume=resume,
+            )
         )
-    )
-    return Rehearsal(flown, _graded(ready, visits))
+
+    asyncio.run(flight())
+    return Rehearsal(flown[0], _graded(ready, visits))
 
 
 def _restored(ready: Stage, visits: _Visits, again: Again) -> Resumption:
@@ -147,19 +149,12 @@ def _restored(ready: Stage, visits: _Visits, again: Again) -> Resumption:
 
 
 def _keeping(ready: Stage, visits: _Visits, save: Callable[[Kept], None]) -> Keeper:
-    """Return what saves at every transition and once a second."""
-    last = -math.inf
+    """Return what saves it together with the simulated vehicle."""
 
-    def keep(course: Course, record: Record) -> None:
-        nonlocal last
-        if not record.fired and record.now - last < EVERY:
-            return
-        last = record.now
-        memory, lost = keepable(ready.plan.chart, course.memory, is_plain)
-        course = course._replace(memory=memory)
+    def keep(course: Course, lost: tuple[str, ...]) -> None:
         save(Kept(course, taken(ready.vehicle), dict(visits.spans), lost))
 
-    return keep
+    return now_and_then(ready.plan.chart, is_plain, keep)
 
 
 class _Visits:

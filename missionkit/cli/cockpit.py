@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from typing import NamedTuple
 
@@ -17,6 +17,9 @@ from missionkit.engine.loop import Observer, Operator
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.sim.truth import Truth
+
+
+GIVE_BACK = "r"  # the key
 
 
 class Cockpit(NamedTuple):
@@ -32,14 +35,25 @@ def cockpit(
     mission: Mission,
     recorder: FlightRecorder,
     truth: Callable[[], Truth | None] = lambda: None,
+    give_back: Callable[[], None] | None = None,
 ) -> Iterator[Cockpit]:
-    """Record and show a flight, and listen to the keys, while this context is open."""
+    """Record and show a flight, and listen to the keys, while this context is open.
+
+    Args:
+        order: says whether there is a live view, and keys with it.
+        mission: that is flown.
+        recorder: takes every tick.
+        truth: of a simulated vehicle.
+        give_back: gives control back after a pilot's takeover.
+    """
     operator, view = Operator(), None
     events: dict[str, str] = {}
+    deeds: dict[str, Callable[[], None]] = {}
     if not (order.headless or order.as_json):
         events = offered(mission)
-        view = live_view(sys.stdout, stopwatch, _title(mission.name, events))
-    keys = Keys(sys.stdin, operator, events)
+        deeds = {} if give_back is None else {GIVE_BACK: give_back}
+        view = live_view(sys.stdout, stopwatch, _title(mission.name, events, deeds))
+    keys = Keys(sys.stdin, operator, events, deeds)
     watch = _Watch(recorder, view, truth)
     with recorder, view or nullcontext(), keys, _landing_on_interrupt(operator):
         yield Cockpit(operator, (watch, keys, Planned(order.events, operator)))
@@ -61,9 +75,11 @@ class _Watch:
             self._view.update(record)
 
 
-def _title(mission: str, events: Mapping[str, str]) -> str:
-    """Return what stands above the live page: the mission, and which key sends which event."""
-    keys = ", ".join(f"{key} {event}" for key, event in events.items())
+def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> str:
+    """Return what stands above the live page: the mission, and which key does what."""
+    told = [f"{key} {event}" for key, event in events.items()]
+    told += [f"{key} gives control back" for key in deeds]
+    keys = ", ".join(told)
     return f"{mission} — keys: {keys}" if keys else mission
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from missionkit.vehicle.camera import Camera, NoCamera, Painter, Rendered
 from missionkit.vehicle.device import Device, opened
 from missionkit.vehicle.inspection import inspect
 from missionkit.vehicle.pose import Pose
+from missionkit.vehicle.sharing import NOTHING, Share
 
 Source = int | str
 
@@ -34,6 +35,7 @@ def vehicle_of(
     seed: int = 0,
     speed: float = 1.0,
     source: Source | None = None,
+    share: Share = NOTHING,
 ) -> MavsdkVehicle:
     """Return the vehicle at an address, with the mission's camera.
 
@@ -44,12 +46,13 @@ def vehicle_of(
         seed: of the rendered camera's noise.
         speed: seconds of the vehicle in one of the wall; 1 for everything that is real.
         source: device number, file or URL of a real camera; None: drawn, if the mission has one.
+        share: what of the estimate the autopilot is told.
 
     Raises:
         UsageError: the address is none.
     """
     camera = _camera(mission, world, seed, speed, source)
-    return MavsdkVehicle(parse(address), camera, speed)
+    return MavsdkVehicle(parse(address), camera, speed, share=share)
 
 
 def fly_vehicle(
@@ -61,7 +64,7 @@ def fly_vehicle(
     speed: float = 1.0,
     time_limit: float = 1800.0,
     keeper: Keeper = keep_nothing,
-    resume: Resumption | None = None,
+    resume: Callable[[], Resumption] | None = None,
 ) -> Flown:
     """Fly a mission with a vehicle on MAVLink, tied to the wall clock.
 
@@ -72,7 +75,7 @@ def fly_vehicle(
         fly(
             plan,
             vehicle,
-            observers,
+            (*observers, vehicle.tell),
             operator=operator,
             pace=FromFirstTick(speed),
             time_limit=time_limit,

@@ -6,7 +6,7 @@ import os
 import select
 import termios
 import tty
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self, TextIO
 
@@ -33,16 +33,30 @@ def offered(mission: Mission) -> dict[str, str]:
 
 
 class Keys:
-    """Sends the event of each key that is pressed on a terminal; elsewhere it does nothing."""
+    """Sends the event of each key that is pressed on a terminal; elsewhere it does nothing.
 
-    def __init__(self, stream: TextIO, operator: Operator, events: dict[str, str]) -> None:
+    Args:
+        stream: where keys come from.
+        operator: takes the events.
+        events: by key.
+        deeds: what other keys do.
+    """
+
+    def __init__(
+        self,
+        stream: TextIO,
+        operator: Operator,
+        events: dict[str, str],
+        deeds: Mapping[str, Callable[[], None]] | None = None,
+    ) -> None:
         self._stream = stream
         self._operator = operator
         self._events = events
+        self._deeds = deeds or {}
         self._before: Any = None
 
     def __enter__(self) -> Self:
-        if self._events and self._stream.isatty():
+        if (self._events or self._deeds) and self._stream.isatty():
             self._before = termios.tcgetattr(self._stream)
             tty.setcbreak(self._stream)
         return self
@@ -66,6 +80,8 @@ class Keys:
                 return
             if key in self._events:
                 self._operator.send(self._events[key])
+            elif key in self._deeds:
+                self._deeds[key]()
 
 
 class Planned:

@@ -29,7 +29,7 @@ def run(order: Order) -> ExitCode:
     if order.vehicle is not None:
         from missionkit.cli.on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
 
-        return run_on_vehicle(order, mission, catalogue)
+        return run_on_vehicle(order, mission, catalogue, before)
     from missionkit.cli.rehearsed import run_in_simulator  # noqa: PLC0415 quick if refused
 
     return run_in_simulator(order, mission, catalogue, before)

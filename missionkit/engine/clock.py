@@ -33,6 +33,11 @@ class RealTime:
         await asyncio.sleep(max(0.0, self._start + at / self._speed - time.perf_counter()))
 
 
+def date() -> float:
+    """Return the computer's idea of the date (s since 1970): the one clock that outlives us."""
+    return time.time()  # noqa: TID251 - a flight goes on in another process, perhaps after a reboot
+
+
 def stopwatch() -> float:
     """Return wall time (s) from an arbitrary start."""
     return time.perf_counter()

@@ -1,21 +1,47 @@
-"""Getting a memory ready to be saved: plug-ins may remember what cannot be written down."""
+"""When a flight is saved, and what of it: plug-ins may remember what cannot be written down."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any
 
 from missionkit.chart.semantics.compiled import Chart
-from missionkit.engine.memory import Hands, Memory, Paused
+from missionkit.engine.memory import Course, Hands, Memory, Paused
+from missionkit.messages import Record
 
 Fits = Callable[[Any], bool]
+Save = Callable[[Course, tuple[str, ...]], None]  # with a sentence for each part left out
+
+EVERY = 1.0 - 1e-6  # s of mission time between two checkpoints
 
 
 class Anew(Enum):
     """Stands for a memory that was not saved."""
 
     BEGIN = "begin anew"
+
+
+def now_and_then(chart: Chart, fits: Fits, save: Save) -> Callable[[Course, Record], None]:
+    """Return what saves a flight at every transition and once a second.
+
+    Args:
+        chart: that is flown.
+        fits: says whether a value can be saved.
+        save: writes a course down, fit to be saved.
+    """
+    last = -math.inf
+
+    def keep(course: Course, record: Record) -> None:
+        nonlocal last
+        if not record.fired and record.now - last < EVERY:
+            return
+        last = record.now
+        memory, lost = keepable(chart, course.memory, fits)
+        save(course._replace(memory=memory), lost)
+
+    return keep
 
 
 def keepable(chart: Chart, memory: Memory, fits: Fits) -> tuple[Memory, tuple[str, ...]]:

@@ -121,7 +121,7 @@ async def fly(
     time_limit: float = 1800.0,
     believe_stopwatch: bool = False,
     keeper: Keeper = keep_nothing,
-    resume: Resumption | None = None,
+    resume: Resumption | Callable[[], Resumption] | None = None,
 ) -> Flown:
     """Fly the mission.
 
@@ -135,7 +135,8 @@ async def fly(
         believe_stopwatch: show the measured timing to the guards. A simulation shows them its
             own instead, so that a busy machine does not change how a mission is rehearsed.
         keeper: called after every tick but the last with all that is needed to go on from it.
-        resume: goes on with a flight under way instead of beginning one.
+        resume: goes on with a flight under way instead of beginning one; called, if time goes on
+            while the vehicle is being reached, once it is.
 
     Raises:
         VehicleError: the vehicle could not be reached, or is to be left alone.
@@ -176,11 +177,17 @@ async def fly(
     return Flown(end, aborted, memory.now, count, memory)
 
 
-async def _opening(plan: Plan, vehicle: Vehicle, pace: Pace, resume: Resumption | None) -> Woken:
+async def _opening(
+    plan: Plan,
+    vehicle: Vehicle,
+    pace: Pace,
+    resume: Resumption | Callable[[], Resumption] | None,
+) -> Woken:
     """Return with what the flight begins or goes on."""
     if resume is None:
         return Woken(Course(begin(plan)), (), ())
-    return await wake(plan, vehicle, pace, resume)
+    since = resume() if callable(resume) else resume
+    return await wake(plan, vehicle, pace, since)
 
 
 def _started(course: Course) -> Lifecycle:

@@ -72,6 +72,5 @@ def _covariance(known: FlowMemory) -> Mat:
     """Return (15, 15) with the parts that the filters have; height's are those of down."""
     P = np.zeros((D_LANDMARKS, D_LANDMARKS))
     for axis in (NORTH, EAST, UP):
-        parts = np.ix_((axis, axis + 3), (axis, axis + 3))
-        P[parts] = known.S[axis]
+        P[axis : axis + 4 : 3, axis : axis + 4 : 3] = known.S[axis]
     return P

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from missionkit.estimation.layout import GRAVITY
@@ -18,6 +20,7 @@ from missionkit.messages import (
 )
 
 
+@cache
 def warm_up() -> None:
     """Let a filter at rest align and take in a measurement of every kind.
 

@@ -5,7 +5,17 @@ Quaternions (w, x, y, z), body to world. SI units, radians, seconds on the missi
 A thing that is not known is `None`, never NaN.
 """
 
-from missionkit.messages.command import Action, Command, Guidance, Mode, Setpoint, Step
+from missionkit.messages.command import (
+    Action,
+    AnySetpoint,
+    AttitudeSetpoint,
+    Command,
+    Guidance,
+    Mode,
+    PositionSetpoint,
+    Setpoint,
+    Step,
+)
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
 from missionkit.messages.events import is_event
 from missionkit.messages.observation import (
@@ -33,6 +43,8 @@ from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
 __all__ = [
     "NO_CYCLE",
     "Action",
+    "AnySetpoint",
+    "AttitudeSetpoint",
     "Baro",
     "Battery",
     "CameraModel",
@@ -55,6 +67,7 @@ __all__ = [
     "Occupancy",
     "OpticalFlow",
     "Points",
+    "PositionSetpoint",
     "Range",
     "Record",
     "Scan",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from missionkit.geometry import Vec3
+from missionkit.geometry import Quat, Vec3
 from missionkit.messages.estimate import Goal
 
 
@@ -16,6 +16,7 @@ class Action(StrEnum):
     TAKE_OFF = "take_off"
     HOLD = "hold"
     LAND = "land"
+    RETURN = "return"  # the autopilot flies home and lands, by its own rules
     DISARM = "disarm"
 
 
@@ -26,10 +27,27 @@ class Setpoint(NamedTuple):
     yaw_rate: float  # rad/s, clockwise seen from above
 
 
+class PositionSetpoint(NamedTuple):
+    """A place to be at until the next command; the autopilot flies there by its own rules."""
+
+    position: Vec3  # (3,), m, NED, from the take-off point
+    yaw: float  # rad
+
+
+class AttitudeSetpoint(NamedTuple):
+    """An attitude to hold until the next command."""
+
+    attitude: Quat  # (4,), body to world
+    thrust: float  # 0 to 1, upwards along the body
+
+
+AnySetpoint = Setpoint | PositionSetpoint | AttitudeSetpoint
+
+
 class Command(NamedTuple):
     """What goes to the vehicle at one tick. Neither part: let the autopilot hold."""
 
-    setpoint: Setpoint | None = None
+    setpoint: AnySetpoint | None = None
     action: Action | None = None
     height: float | None = None  # m, with TAKE_OFF
     payload: str | None = None  # name of the actuator to be on during this tick

@@ -10,7 +10,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from missionkit.compiled import compiled
+from missionkit.geometry import Mat
 from missionkit.messages import Occupancy, Points, Spot
+from missionkit.messages.occupancy import Costs
 from missionkit.planning.smoothing import line_cost
 
 NEARER = 0.05  # m, more than the noise of a scan
@@ -18,12 +21,8 @@ NEARER = 0.05  # m, more than the noise of a scan
 
 def walled(known: Occupancy, pieces: Iterable[tuple[Spot, Spot]]) -> bool:
     """Say whether a piece of a path leads through a wall of the map or off it."""
-    for start, end in pieces:
-        if not (known.covers(start) and known.covers(end)):
-            return True
-        if line_cost(known.costs, *known.cell(start), *known.cell(end)) == math.inf:
-            return True
-    return False
+    lines = [(*known.cell(start), *known.cell(end)) for start, end in pieces]
+    return bool(lines) and _walled(known.costs, np.array(lines))
 
 
 def in_the_way(points: Points, pieces: Iterable[tuple[Spot, Spot]], gap: float, here: Spot) -> bool:
@@ -37,13 +36,38 @@ def in_the_way(points: Points, pieces: Iterable[tuple[Spot, Spot]], gap: float, 
         gap: to be kept (m).
         here: the vehicle.
     """
-    level = points[:, :2]
-    now = np.hypot(*(level - here).T)
-    least = np.minimum(gap, now - NEARER)
-    for start, end in pieces:
-        way = np.subtract(end, start)
-        share = np.clip((level - start) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
-        off = level - start - share[:, None] * way
-        if bool((np.hypot(*off.T) < least).any()):
+    lines = [(*start, *end) for start, end in pieces]
+    if not lines or not len(points):
+        return False
+    return _near(np.array(points, np.float64, order="C"), np.array(lines), gap, *here)
+
+
+@compiled
+def _walled(costs: Costs, lines: Mat) -> bool:
+    """Say whether one of the lines (N, 4: row and column of both ends) meets a wall or the edge."""
+    rows, columns = costs.shape
+    for r0, c0, r1, c1 in lines:
+        inside = 0.0 <= r0 < rows and 0.0 <= c0 < columns
+        inside = inside and 0.0 <= r1 < rows and 0.0 <= c1 < columns
+        if not inside or line_cost(costs, r0, c0, r1, c1) == math.inf:
             return True
+    return False
+
+
+@compiled
+def _near(points: Points, lines: Mat, gap: float, north: float, east: float) -> bool:
+    """Say whether one of the lines (N, 4: north and east of both ends) is too near to a point."""
+    least = np.empty(len(points))
+    for n in range(len(points)):
+        a, b = points[n, 0] - north, points[n, 1] - east
+        least[n] = min(gap, math.sqrt(a * a + b * b) - NEARER)
+    for line in lines:
+        up, right = line[2] - line[0], line[3] - line[1]
+        squared = max(up * up + right * right, 1e-12)
+        for n in range(len(points)):
+            a, b = points[n, 0] - line[0], points[n, 1] - line[1]
+            share = min(1.0, max(0.0, (a * up + b * right) / squared))
+            a, b = a - share * up, b - share * right
+            if math.sqrt(a * a + b * b) < least[n]:
+                return True
     return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -27,6 +28,7 @@ class Leg(NamedTuple):
         return self.start[0] + far * self.way[0], self.start[1] + far * self.way[1]
 
 
+@lru_cache(maxsize=16)  # asked at every tick
 def legs(spots: tuple[Spot, ...]) -> tuple[Leg, ...]:
     """Return the parts of a path through `spots` that have a length."""
     found: list[Leg] = []
@@ -49,6 +51,8 @@ def nearest(path: tuple[Leg, ...], along: float, spot: Spot) -> float:
     """Return how far along (m) the nearest point of the path is, from `along` to a reach ahead."""
     best, least = along, math.inf
     for leg in path:
+        if leg.begins > along + REACH:
+            break
         low, high = max(along, leg.begins), min(along + REACH, leg.begins + leg.length)
         if low > high:
             continue
@@ -72,6 +76,8 @@ def allowed_speed(path: tuple[Leg, ...], along: float, top: float, deceleration:
         ahead = before.begins + before.length - along
         if ahead < 0.0:
             continue
+        if 2.0 * deceleration * ahead >= speed * speed:
+            break  # nothing so far ahead slows it down
         slow = 0.0
         if after is not None:
             cosine = before.way[0] * after.way[0] + before.way[1] * after.way[1]
@@ -83,6 +89,8 @@ def allowed_speed(path: tuple[Leg, ...], along: float, top: float, deceleration:
 def pieces(path: tuple[Leg, ...], along: float, reach: float) -> Iterator[tuple[Spot, Spot]]:
     """Yield the straight pieces of a path from `along` to `reach` (m) further."""
     for leg in path:
+        if leg.begins > along + reach:
+            break
         low, high = max(along, leg.begins), min(along + reach, leg.begins + leg.length)
         if low < high:
             yield leg.at(low), leg.at(high)

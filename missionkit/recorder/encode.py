@@ -12,12 +12,15 @@ import numpy as np
 
 from missionkit.geometry import IDENTITY, Quat, Transform, Vec3, from_euler, from_matrix, norm, vec
 from missionkit.messages import (
+    AnySetpoint,
+    AttitudeSetpoint,
     CameraModel,
     Command,
     Cycle,
     Estimate,
     Fired,
     Goal,
+    PositionSetpoint,
     Record,
     Sighting,
     Target,
@@ -65,8 +68,7 @@ def command(at: str, sent: Command) -> str:
     """Return what was sent to the vehicle."""
     parts = [f'{{"timestamp":{at}']
     if sent.setpoint is not None:
-        velocity, yaw_rate = sent.setpoint
-        parts.append(f'"velocity":{wire.vector(velocity)},"yaw_rate":{float(yaw_rate)}')
+        parts.append(_setpoint(sent.setpoint))
     if sent.action is not None:
         parts.append(f'"action":"{sent.action.value}"')
     if sent.height is not None:
@@ -74,6 +76,16 @@ def command(at: str, sent: Command) -> str:
     if sent.payload is not None:
         parts.append(f'"payload":{wire.text(sent.payload)}')
     return ",".join(parts) + "}"
+
+
+def _setpoint(sent: AnySetpoint) -> str:
+    match sent:
+        case PositionSetpoint(position, yaw):
+            return f'"position":{wire.vector(position)},"yaw":{float(yaw)}'
+        case AttitudeSetpoint(attitude, thrust):
+            return f'"attitude":{wire.quaternion(attitude)},"thrust":{float(thrust)}'
+        case _:
+            return f'"velocity":{wire.vector(sent.velocity)},"yaw_rate":{float(sent.yaw_rate)}'
 
 
 def guards(at: str, record: Record) -> str:

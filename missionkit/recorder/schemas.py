@@ -169,11 +169,18 @@ COMMAND = _record(
         "timestamp": TIME,
         "velocity": VECTOR,
         "yaw_rate": NUMBER,
+        "position": VECTOR,
+        "yaw": NUMBER,
+        "attitude": QUATERNION,
+        "thrust": NUMBER,
         "action": TEXT,
         "height": NUMBER,
         "payload": TEXT,
     },
-    optional=("velocity", "yaw_rate", "action", "height", "payload"),
+    optional=(
+        *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust"),
+        *("action", "height", "payload"),
+    ),
 )
 VERDICT = _record(
     {

@@ -7,24 +7,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from missionkit.geometry import Vec3, norm, to_matrix, vec, yaw_of
 from missionkit.messages import (
     NO_CYCLE,
     Action,
-    Baro,
-    Battery,
     Command,
     Cycle,
-    Frame,
     Gnss,
     Imu,
-    Magnetometer,
     Observation,
-    OpticalFlow,
-    Range,
     Scan,
     VehicleStatus,
 )
@@ -32,9 +25,11 @@ from missionkit.sim import layout
 from missionkit.sim.faults import Fault, Mishaps
 from missionkit.sim.feed import Feed
 from missionkit.sim.flow import FlowSensor, RangeSensor
+from missionkit.sim.inbox import Inbox
 from missionkit.sim.noise import Normals, streams
 from missionkit.sim.obstacles import ring
 from missionkit.sim.plant import Plant
+from missionkit.sim.positions import velocity_for
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
 from missionkit.sim.truth import Track, Truth
 from missionkit.sim.world import World
@@ -45,23 +40,6 @@ if TYPE_CHECKING:
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
 BUDGET = 0.05  # s, of one tick
-
-
-@dataclass(slots=True)
-class Inbox:
-    """What arrived since the last observation."""
-
-    imu: list[Imu] = field(default_factory=list)
-    gnss: Gnss | None = None
-    baro: Baro | None = None
-    mag: Magnetometer | None = None
-    frame: Frame | None = None
-    scan: Scan | None = None
-    flow: OpticalFlow | None = None
-    range: Range | None = None
-    battery: Battery | None = None
-    status: VehicleStatus | None = None
-    events: list[str] = field(default_factory=list)
 
 
 class SimulatedVehicle:
@@ -149,7 +127,10 @@ class SimulatedVehicle:
         """Send a command; it arrives 20 to 40 ms later.
 
         Without setpoint and action a vehicle in offboard mode is told to hold; one that takes off,
-        lands or holds is left alone.
+        lands or holds is left alone. RETURN is refused, which an event says.
+
+        Raises:
+            VehicleError: the setpoint is one that is not flown here.
         """
         low, high = self.world.autopilot.latency
         due = self.now + low + (high - low) * self._link.random()
@@ -161,7 +142,7 @@ class SimulatedVehicle:
             step = max(self._plant.step + 1, round(due * layout.RATE))
             self._orders.append((step, action, command.height))
         if command.setpoint is not None:
-            self._plant.tell(command.setpoint, due)
+            self._plant.tell(velocity_for(command.setpoint, self._plant.state), due)
 
     def advance(self, until: float) -> Observation:
         """Fly to mission time `until` (s) and return all that arrived on the way."""

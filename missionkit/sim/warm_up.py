@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from missionkit.perception.camera import Camera
 from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 
+@cache
 def warm_up(*, corners: bool) -> None:
     """Stand in an empty world for a moment, with every sensor on; `corners`: the camera as well."""
     camera = Camera(use="corners" if corners else "none")

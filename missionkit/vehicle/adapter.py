@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from missionkit.errors import VehicleError
-from missionkit.messages import Command, Observation
+from missionkit.messages import Command, Observation, Record
 from missionkit.vehicle.address import Address
 from missionkit.vehicle.cache import Cache
 from missionkit.vehicle.camera import Camera, NoCamera
@@ -27,12 +27,14 @@ from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.parts import Parts
 from missionkit.vehicle.pose import Pose, reported_pose
 from missionkit.vehicle.setpoints import Streamer
+from missionkit.vehicle.sharing import NOTHING, Share, Sharing
 from missionkit.vehicle.state import State
 from missionkit.vehicle.streams import NAMES, QUEUED, Streams
 from missionkit.vehicle.timing import MissionClock, wall
 from missionkit.vehicle.transaction import Outcome
 
 PATIENCE = 10.0  # s to wait for an answer
+RESUMED = "control_resumed"  # the event when a person gave control back
 WORDS_WITHIN = 3.0  # s to wait for a heartbeat through the cache, once somebody has answered
 
 T = TypeVar("T")
@@ -47,6 +49,7 @@ class MavsdkVehicle:
         pace: seconds of the vehicle in one of the wall, for simulated autopilots.
         patience: s to wait for an answer.
         lock: against a second process on the same link.
+        share: what of the estimate the autopilot is told; nothing by default.
     """
 
     def __init__(
@@ -56,6 +59,7 @@ class MavsdkVehicle:
         pace: float = 1.0,
         patience: float = PATIENCE,
         lock: LinkLock | None = None,
+        share: Share = NOTHING,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -65,6 +69,8 @@ class MavsdkVehicle:
         self._patience = patience
         self._lock = lock or LinkLock(address)
         self._clock = MissionClock(pace)
+        self._share = share
+        self._sharing: Sharing | None = None
         self._events: list[str] = []
         self._noting = threading.Lock()
         self._now = 0.0
@@ -146,6 +152,11 @@ class MavsdkVehicle:
         if at is not None:
             parts.obey(command, at)
 
+    def tell(self, record: Record, seen: Observation) -> None:
+        """Tell the autopilot what is to be shared; an observer of the flight."""
+        if self._sharing is not None and self._parts is not None:
+            self._sharing(record, seen)
+
     async def close(self) -> None:
         """Let go of the vehicle; one that follows our setpoints is told to hold."""
         parts, self._parts = self._parts, None
@@ -159,7 +170,10 @@ class MavsdkVehicle:
 
     def resume_control(self) -> None:
         """Command again after a pilot's takeover. Only a person may ask for this."""
-        self._joined.helm.resume()
+        helm = self._joined.helm
+        if not helm.ours:
+            helm.resume()
+            self.note(RESUMED)
 
     async def call(self, function: Callable[..., T], *args: Any) -> T:
         """Run a blocking function of the link without stopping the event loop."""
@@ -191,6 +205,9 @@ class MavsdkVehicle:
                 f"{self.address.url}: the autopilot is {kind}; missionkit flies PX4 and ArduPilot"
             )
         self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace)
+        if self._share != NOTHING:
+            start, stamp = (lambda: self.observer.start), self._clock.wall
+            self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
         self._parts.start()
 
     def _take_reports(self, parts: Parts) -> None:

@@ -8,7 +8,11 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-AFTER = {"take_off": frozenset(("hold",)), "land": frozenset(("hold",))}
+AFTER = {
+    "take_off": frozenset(("hold",)),
+    "land": frozenset(("hold",)),
+    "return": frozenset(("land", "hold")),
+}
 """Modes in which the autopilot ends up by itself when what we asked for is done."""
 
 OURS = frozenset(("hold", "offboard", "take_off", "land", "guided"))

@@ -17,7 +17,7 @@ from missionkit.vehicle.state import State
 from missionkit.vehicle.transaction import Acks, Ask, Desk, Outcome, Result, transact
 from missionkit.vehicle.wire import Wire
 
-ARM, SET_MODE, NAV_TAKEOFF, NAV_LAND = 400, 176, 22, 21  # MAV_CMD
+ARM, SET_MODE, NAV_TAKEOFF, NAV_LAND, NAV_RETURN = 400, 176, 22, 21, 20  # MAV_CMD
 AGAIN = 1.0  # s (of the vehicle) until the same wish is carried out again
 CONFIRM = 1.2  # s (of the vehicle): heartbeats come once a second
 OFFBOARD = "offboard"
@@ -127,6 +127,7 @@ class Commander:
             Action.ARM: self._arm,
             Action.HOLD: self._hold,
             Action.LAND: self._land,
+            Action.RETURN: self._return,
             Action.DISARM: self._disarm,
             OFFBOARD: self._offboard,
         }
@@ -164,6 +165,11 @@ class Commander:
         if not self._order("land"):
             return Result(Outcome.ABANDONED, "somebody else commands")
         return self._ask(Ask(NAV_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
+
+    def _return(self) -> Result:
+        if not self._order("return"):
+            return Result(Outcome.ABANDONED, "somebody else commands")
+        return self._ask(Ask(NAV_RETURN, (0.0,) * 7, self._in_mode("return"), CONFIRM))
 
     def _disarm(self) -> Result:
         return self._ask(Ask(ARM, (0.0, 0.0), lambda: self._state.armed is False, CONFIRM))

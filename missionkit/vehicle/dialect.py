@@ -14,8 +14,11 @@ from missionkit.vehicle.failsafes import ARDUPILOT_FAILSAFES, PX4_FAILSAFES, Fai
 AUTOPILOT_ARDUPILOT = 3  # MAV_AUTOPILOT
 AUTOPILOT_PX4 = 12
 
-VELOCITY_MASK = 0x5C7  # POSITION_TARGET_TYPEMASK: velocity and yaw rate count, the rest does not
-LOCAL_NED = 1  # MAV_FRAME
+# POSITION_TARGET_TYPEMASK and ATTITUDE_TARGET_TYPEMASK: the bits set are ignored
+VELOCITY_MASK = 0x5C7  # velocity and yaw rate count
+POSITION_MASK = 0x9F8  # position and yaw count
+ATTITUDE_MASK = 0x07  # attitude and thrust count
+LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
 
 
 class Dialect(NamedTuple):
@@ -35,6 +38,8 @@ class Dialect(NamedTuple):
     failsafes: tuple[Failsafe, ...]
     intervals: Mapping[int, float]  # message id -> Hz
     sphere: float  # m, radius of the earth in its simulators
+    target_frame: int  # MAV_FRAME in which it takes LANDING_TARGET
+    leash: float | None  # m, how far ahead a position may be told; None: its timeout covers them
 
 
 INTERVALS: Mapping[int, float] = {
@@ -89,6 +94,8 @@ PX4 = Dialect(
     failsafes=PX4_FAILSAFES,
     intervals=INTERVALS,
     sphere=6371000.0,  # CONSTANTS_RADIUS_OF_EARTH
+    target_frame=LOCAL_NED,
+    leash=None,
 )
 
 GUIDED = "guided"  # taking off, holding and following setpoints are one mode of ArduCopter
@@ -126,6 +133,8 @@ ARDUPILOT = Dialect(
     failsafes=ARDUPILOT_FAILSAFES,
     intervals=INTERVALS,
     sphere=6378100.0,  # RADIUS_OF_EARTH, as in LOCATION_SCALING_FACTOR
+    target_frame=BODY_FRD,
+    leash=2.0,  # GUID_TIMEOUT does not count for positions: it would fly on to one unheard
 )
 
 DIALECTS: Mapping[int, Dialect] = {AUTOPILOT_PX4: PX4, AUTOPILOT_ARDUPILOT: ARDUPILOT}

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from missionkit.geometry import IDENTITY
+from missionkit.geometry import IDENTITY, Vec3
 from missionkit.messages import (
     Baro,
     Battery,
@@ -28,6 +28,13 @@ from missionkit.vehicle.words import event_of
 
 FRESH = 1.0  # s; older attitude or speed is not used to complete another reading
 RARELY = 0.1  # s between two readings of magnetometer and barometer, as the filter wants them
+
+
+class Datum(NamedTuple):
+    """What positions and heights of a flight are measured from."""
+
+    origin: Origin | None = None
+    ground: float | None = None  # m, pressure altitude of home
 
 
 class Inertial(NamedTuple):
@@ -61,6 +68,25 @@ class Observer:
         self._told: dict[str, object] = {}
         self._forget = threading.Event()
         self._rare: dict[str, float] = {}
+
+    @property
+    def start(self) -> Vec3 | None:
+        """The mission's origin in the autopilot's local frame, (3,), m; None: not known."""
+        home = self._cache.latest("HOME_POSITION")
+        if self.origin is None or home is None:
+            return None
+        base = readings.triple(home.fields, "x", "y", "z")
+        place = 1e-7 * home["latitude"], 1e-7 * home["longitude"], 1e-3 * home["altitude"]
+        return None if base is None else base - self.origin.local(*place)
+
+    @property
+    def datum(self) -> Datum:
+        """What is measured from."""
+        return Datum(self.origin, self._ground)
+
+    def settle(self, datum: Datum) -> None:
+        """Measure from where an earlier process did, wherever the autopilot's home is now."""
+        self.origin, self._ground = datum
 
     def forget(self) -> None:
         """Begin anew with the clock of an autopilot that has rebooted, at the next tick.

@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
-from missionkit.messages import Action, Command, Setpoint
+from missionkit.geometry import Vec3, vec
+from missionkit.messages import Action, AnySetpoint, Command, PositionSetpoint
 from missionkit.vehicle.cache import Cache
 from missionkit.vehicle.commands import OFFBOARD, Commander
 from missionkit.vehicle.connection import Link
-from missionkit.vehicle.dialect import LOCAL_NED, OPTIONAL, VELOCITY_MASK, Dialect
+from missionkit.vehicle.dialect import OPTIONAL, Dialect
 from missionkit.vehicle.helm import Helm
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.payload import Payload
 from missionkit.vehicle.phase import Phase
+from missionkit.vehicle.readings import triple
 from missionkit.vehicle.setpoints import STALE, STILL, Streamer
 from missionkit.vehicle.state import State
+from missionkit.vehicle.steering import leashed, message
 from missionkit.vehicle.streams import SILENT, Streams
 from missionkit.vehicle.timing import MissionClock, wall
 
 BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
+PLACED = 0.5  # s, wall, for which a reported position counts
+ORIGIN = vec(0.0, 0.0, 0.0)
 GAP = 2.0  # s between two heartbeats: the link was gone
 
 
@@ -100,7 +105,7 @@ class Parts:
         if not self._shows(action):
             self.commander.want((action, height if action is Action.TAKE_OFF else None))
 
-    def _steer(self, setpoint: Setpoint, at: float) -> None:
+    def _steer(self, setpoint: AnySetpoint, at: float) -> None:
         state, dialect = self.state, self.dialect
         self.phase.steer()
         self.streamer.tell(setpoint, at)
@@ -123,6 +128,7 @@ class Parts:
             Action.TAKE_OFF: mode == "take_off",
             Action.HOLD: mode == self.dialect.hold_word,
             Action.LAND: mode == "land",
+            Action.RETURN: mode == "return",
             Action.DISARM: armed is False,
         }[action]
 
@@ -153,16 +159,17 @@ class Parts:
             return state.mode != "land"  # ignored outside offboard, and needed to enter it
         return state.mode == dialect.offboard_word and not self.phase.climbing
 
-    def _emit(self, setpoint: Setpoint) -> None:
-        north, east, down = setpoint.velocity.tolist()
-        self.link.send(
-            "SET_POSITION_TARGET_LOCAL_NED",
-            time_boot_ms=int(1e3 * wall()) & 0xFFFFFFFF,
-            coordinate_frame=LOCAL_NED,
-            type_mask=VELOCITY_MASK,
-            **dict.fromkeys(("x", "y", "z", "afx", "afy", "afz", "yaw"), 0.0),
-            vx=north,
-            vy=east,
-            vz=down,
-            yaw_rate=setpoint.yaw_rate,
-        )
+    def _emit(self, setpoint: AnySetpoint) -> None:
+        start = self.observer.start
+        if isinstance(setpoint, PositionSetpoint):
+            setpoint = self._reachable(setpoint, start)
+        name, fields = message(setpoint, wall(), ORIGIN if start is None else start)
+        self.link.send(name, **fields)
+
+    def _reachable(self, setpoint: PositionSetpoint, start: Vec3 | None) -> AnySetpoint:
+        """Return what to send for a position; STILL while it is not known where that lies."""
+        placed = self._cache.latest("LOCAL_POSITION_NED", PLACED)
+        here = None if placed is None else triple(placed.fields, "x", "y", "z")
+        if start is None or here is None:
+            return STILL
+        return leashed(setpoint, here - start, self.dialect.leash)

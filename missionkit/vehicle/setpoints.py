@@ -5,11 +5,13 @@ with the event loop, so that a loop that hangs cannot keep the vehicle flying:
 
     age of the newest command    what goes out
     up to STALE (0.5 s)          the command, at once when it is new, and again while it is fresh
-    up to SILENT (1.5 s)         zero velocity: the vehicle holds
+    up to SILENT (1.5 s)         zero velocity, whatever it was: the vehicle holds
     older                        nothing: the autopilot's own failsafe takes over
 
 A stalled interpreter sends nothing either, which leads to the same failsafe. Once it goes on it
 waits for telemetry that is newer than its waking: the world has changed meanwhile.
+
+A setpoint with a number that is not finite is zero velocity from the start.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from missionkit.geometry import vec
-from missionkit.messages import Setpoint
+from missionkit.messages import AnySetpoint, Setpoint
+from missionkit.vehicle.steering import sound
 
 STALE = 0.5  # s
 SILENT = 1.5  # s
@@ -33,18 +36,18 @@ Gate = Callable[[], bool]
 class Emitter(Protocol):
     """Puts one setpoint on the wire."""
 
-    def __call__(self, setpoint: Setpoint) -> None:
+    def __call__(self, setpoint: AnySetpoint) -> None:
         """Send it now."""
 
 
 class Told(NamedTuple):
     """The newest command, and when the tick that gave it was due (s, wall)."""
 
-    setpoint: Setpoint
+    setpoint: AnySetpoint
     at: float
 
 
-def due(told: Told | None, now: float, pace: float = 1.0) -> Setpoint | None:
+def due(told: Told | None, now: float, pace: float = 1.0) -> AnySetpoint | None:
     """Return what to send at wall time `now` (s), None for silence.
 
     Args:
@@ -100,10 +103,10 @@ class Streamer:
         """Begin."""
         self._thread.start()
 
-    def tell(self, setpoint: Setpoint, at: float) -> None:
+    def tell(self, setpoint: AnySetpoint, at: float) -> None:
         """Take over a command whose tick was due at wall time `at` (s)."""
         with self._news:
-            self._told = Told(setpoint, at)
+            self._told = Told(setpoint if sound(setpoint) else STILL, at)
             self._fresh = True
             self._news.notify()
 

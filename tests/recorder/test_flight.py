@@ -8,14 +8,24 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from missionkit.geometry import Transform, rotate, vec
-from missionkit.messages import Detection, Frame, Sighting, Verdict
+from missionkit.geometry import IDENTITY, Transform, rotate, vec
+from missionkit.messages import (
+    AttitudeSetpoint,
+    Command,
+    Detection,
+    Frame,
+    PositionSetpoint,
+    Setpoint,
+    Sighting,
+    Verdict,
+)
 from missionkit.perception.imaging import decode_grey
+from missionkit.recorder import encode
 from missionkit.recorder.digest import hash_of
 from missionkit.recorder.encode import UPRIGHT
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.reading import read
-from missionkit.recorder.schemas import TOPICS
+from missionkit.recorder.schemas import COMMAND, TOPICS
 
 
 def fly(folder, ticks, **options):
@@ -201,3 +211,17 @@ def test_a_record_is_never_written_over(tmp_path, flight):
     fly(tmp_path, flight(0.5))
     with pytest.raises(FileExistsError):
         FlightRecorder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("setpoint", "fields"),
+    [
+        (Setpoint(vec(1.0, 2.0, 3.0), 0.5), {"velocity", "yaw_rate"}),
+        (PositionSetpoint(vec(1.0, 2.0, 3.0), 0.5), {"position", "yaw"}),
+        (AttitudeSetpoint(IDENTITY, 0.5), {"attitude", "thrust"}),
+    ],
+)
+def test_every_kind_of_setpoint_is_told_as_what_it_is(setpoint, fields):
+    told = json.loads(encode.command('{"sec":1,"nsec":0}', Command(setpoint)))
+    assert set(told) == {"timestamp", *fields}
+    conforms(told, COMMAND)

@@ -13,6 +13,7 @@ from missionkit.vehicle.state import State
 from missionkit.vehicle.transaction import Outcome
 
 LOITER, TAKEOFF, LAND, OFF = 4 << 16 | 3 << 24, 4 << 16 | 2 << 24, 4 << 16 | 6 << 24, 6 << 16
+RETURN = 4 << 16 | 5 << 24
 
 
 class Autopilot:
@@ -49,6 +50,8 @@ class Autopilot:
             self.armed = params[0] == 1.0
         elif command == 22 and self.dialect is PX4:
             self.mode = TAKEOFF
+        elif command == 20:
+            self.mode = RETURN if self.dialect is PX4 else 6
         elif command == 21:
             self.mode = LAND
         elif command == 176 and self.dialect is PX4:
@@ -122,6 +125,18 @@ def test_the_height_goes_to_px4_as_a_parameter_and_to_ardupilot_with_the_command
     commander, autopilot, _ = desk(ARDUPILOT)
     assert commander.carry_out((Action.TAKE_OFF, 6.0)).good
     assert autopilot.told[-1] == (22, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 6.0)
+
+
+@pytest.mark.parametrize("dialect", [PX4, ARDUPILOT])
+def test_a_return_counts_when_the_mode_shows_it(dialect):
+    commander, autopilot, orders = desk(dialect)
+    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.DONE
+    assert (ids(autopilot), orders) == ([20], ["return"])
+    commander, _, _ = desk(dialect, ignores=(20,))
+    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.UNCONFIRMED
+    commander, autopilot, _ = desk(dialect, ours=False)
+    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.ABANDONED
+    assert autopilot.told == []
 
 
 def test_lost_acks_do_not_matter_when_telemetry_shows_it():

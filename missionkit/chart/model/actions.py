@@ -15,7 +15,7 @@ from missionkit.chart.text.located import Table, shown
 from missionkit.chart.text.sentence import sentence, sentences
 from missionkit.errors import Place
 
-ORDERS = ("arm", "disarm", "hold", "land")
+ORDERS = ("arm", "disarm", "hold", "land", "return")
 OPERATIONS = ("set", "add", "copy", "toggle")
 
 
@@ -47,7 +47,7 @@ class Assign:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """Ask the autopilot for something: arm, disarm, hold, land."""
+    """Ask the autopilot for something: arm, disarm, hold, land, return."""
 
     action: str
     place: Place

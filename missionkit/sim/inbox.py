@@ -1,0 +1,35 @@
+"""What the simulated sensors have sent and nobody has read yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from missionkit.messages import (
+    Baro,
+    Battery,
+    Frame,
+    Gnss,
+    Imu,
+    Magnetometer,
+    OpticalFlow,
+    Range,
+    Scan,
+    VehicleStatus,
+)
+
+
+@dataclass(slots=True)
+class Inbox:
+    """What arrived since the last observation."""
+
+    imu: list[Imu] = field(default_factory=list)
+    gnss: Gnss | None = None
+    baro: Baro | None = None
+    mag: Magnetometer | None = None
+    frame: Frame | None = None
+    scan: Scan | None = None
+    flow: OpticalFlow | None = None
+    range: Range | None = None
+    battery: Battery | None = None
+    status: VehicleStatus | None = None
+    events: list[str] = field(default_factory=list)
