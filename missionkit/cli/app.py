@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from missionkit.cli.camera import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
 from missionkit.cli.options import Json, MissionFile, Plugins, Settings, told
 from missionkit.errors import ExitCode, UsageError
@@ -243,6 +244,7 @@ def sitl(
 
 app.command()(told(campaign))
 app.command()(told(report))
+app.add_typer(camera_commands, name="camera")
 
 
 @app.callback(invoke_without_command=True)

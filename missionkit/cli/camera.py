@@ -57,21 +57,22 @@ def check(
     images: Most = 30,
 ) -> None:
     """Detect markers, draw them into a PNG, and say what was seen and how fast."""
-    import cv2  # noqa: PLC0415
-
-    from missionkit.perception.imaging import dictionary as of  # noqa: PLC0415
+    from missionkit.perception import calibration  # noqa: PLC0415
 
     try:
-        detector = cv2.aruco.ArucoDetector(of(dictionary))
+        detector = calibration.detector(dictionary)
     except ValueError as error:
         raise UsageError(str(error)) from error
+    image: Any = None
+    corners: Any = ()
+    ids: Any = None
     begun, spent, count = time.perf_counter(), 0.0, 0
     for image in islice(_all([source]), images):
         before = time.perf_counter()
         corners, ids, _ = detector.detectMarkers(image)
         spent, count = spent + time.perf_counter() - before, count + 1
     rate = count / (time.perf_counter() - begun)
-    if not cv2.imwrite(str(out), cv2.aruco.drawDetectedMarkers(image.copy(), corners, ids)):
+    if not calibration.draw(out, image, corners, ids):
         raise UsageError(f"{out}: the picture could not be written")
     found = [] if ids is None else sorted(int(it) for it in ids.ravel())
     names = ", ".join(map(str, found)) or "none"
@@ -82,12 +83,11 @@ def check(
 
 def _all(sources: list[str]) -> Iterator[Any]:
     """Return the images of files, videos or devices, one after the other."""
-    import cv2  # noqa: PLC0415
-
+    from missionkit.perception.calibration import read  # noqa: PLC0415
     from missionkit.vehicle.device import opened  # noqa: PLC0415
 
     for source in sources:
-        picture = cv2.imread(source) if Path(source).is_file() else None
+        picture = read(source)
         if picture is not None:
             yield picture
             continue

@@ -18,7 +18,6 @@ from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.sim.truth import Truth
 
-
 GIVE_BACK = "r"  # the key
 
 

@@ -1,4 +1,4 @@
-"""`missionkit run --vehicle ADDRESS --resume RUN`: a vehicle that flew on while nobody commanded."""
+"""`missionkit run --vehicle ADDRESS --resume RUN`: the vehicle flew on while nobody commanded."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -95,6 +96,30 @@ def calibrate(views: Sequence[View], board: Any) -> Lens:
         np.zeros(5),
     )
     return Lens(*size, matrix, np.ravel(distortion)[:5], float(error), len(kept))
+
+
+def detector(name: str) -> Any:
+    """Return OpenCV's detector of the markers of a dictionary.
+
+    Raises:
+        ValueError: there is no such dictionary.
+    """
+    return cv2.aruco.ArucoDetector(dictionary(name))
+
+
+def read(path: str) -> Image | None:
+    """Return the image in a file, None if there is none."""
+    image = cv2.imread(path) if Path(path).is_file() else None
+    return None if image is None else np.asarray(image, np.uint8)
+
+
+def draw(path: Path, image: Image, corners: Any, ids: Any) -> bool:
+    """Write the image with the markers drawn in; False if that cannot be."""
+    try:
+        picture = cv2.aruco.drawDetectedMarkers(image.copy(), corners, ids)
+        return bool(cv2.imwrite(str(path), picture))
+    except cv2.error:  # no such kind of picture
+        return False
 
 
 def _moved(one: View, other: View) -> float:

@@ -77,3 +77,17 @@ def test_a_plan_is_sent_when_it_is_due():
 def test_a_plan_that_cannot_be_read_is_told(text):
     with pytest.raises(UsageError, match="expected NAME@SECONDS, such as"):
         Planned([text], Operator())
+
+
+def test_a_key_may_do_something_else_than_send_an_event():
+    main, terminal = pty.openpty()
+    operator, done = Operator(), []
+    with (
+        os.fdopen(terminal, "r", encoding="utf-8") as stream,
+        Keys(stream, operator, {}, {"r": lambda: done.append("given back")}) as keys,
+    ):
+        os.write(main, b"xr")
+        keys(None, Observation(0.05))
+    os.close(main)
+    assert done == ["given back"]
+    assert operator.take() == ()

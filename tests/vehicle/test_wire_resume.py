@@ -1,0 +1,65 @@
+"""A flight with a vehicle whose process is killed is gone on with by another one."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+
+from vehicle.flying import sitl
+
+STAY = """
+missionkit: 1
+mission: stay
+camera: {use: none}
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: 2.5}
+    transitions: [{to: up, when: done}]
+  up:
+    kind: custom
+    transitions: [{to: land, after: 20}]
+  land:
+    kind: land
+"""
+
+
+def command(autopilot, *arguments):
+    python = [sys.executable, "-c", "from missionkit.cli.app import app; app()"]
+    speed = str(autopilot.speed)
+    return [*python, "run", *arguments, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
+
+
+def test_a_killed_flight_is_gone_on_with_and_ends_on_the_ground(tmp_path):
+    (tmp_path / "stay.yaml").write_text(STAY)
+    env = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
+    folder = tmp_path / "runs" / "stay-vehicle"
+    with sitl() as autopilot:
+        autopilot.ask(parameter="COM_OBL_RC_ACT", value=5)
+        autopilot.patient(1.0)
+        first = command(autopilot, "stay.yaml")
+        with subprocess.Popen(first, cwd=tmp_path, env=env) as process:
+            end = time.perf_counter() + 10.0
+            while '"up"' not in saved(folder):
+                assert time.perf_counter() < end
+                threading.Event().wait(0.05)
+            process.kill()
+        assert not autopilot.truth["on_ground"]
+        rest = command(autopilot, "--resume", str(folder))
+        options = {"cwd": tmp_path, "env": env, "capture_output": True, "text": True}
+        done = subprocess.run(rest, check=False, **options)
+        truth = autopilot.truth
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert truth["on_ground"]
+    assert not truth["armed"]
+    told = json.loads((folder / "summary.json").read_text())
+    assert [it["to"] for it in told["transitions"]] == ["up", "land"]
+    assert not (folder / "checkpoint.json").exists()
+
+
+def saved(folder):
+    path = folder / "checkpoint.json"
+    return path.read_text() if path.exists() else ""
