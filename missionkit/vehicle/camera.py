@@ -5,6 +5,7 @@ Each has its own thread. The latest frame wins; a tick never waits for a camera.
 
 from __future__ import annotations
 
+import abc
 import threading
 from collections.abc import Callable
 from typing import Protocol
@@ -60,7 +61,7 @@ class NoCamera:
         """Do nothing."""
 
 
-class ThreadedCamera:
+class ThreadedCamera(abc.ABC):
     """A camera with a thread of its own, which calls `work` until it has ended."""
 
     def __init__(self) -> None:
@@ -97,9 +98,9 @@ class ThreadedCamera:
         if thread is not None:
             thread.join(2.0)
 
+    @abc.abstractmethod
     def work(self, around: Surroundings) -> None:
         """Look until `ended`."""
-        raise NotImplementedError
 
     def give(self, frame: Frame) -> None:
         """Offer a frame; one that nobody has taken is overwritten."""
