@@ -44,7 +44,8 @@ def test_a_campaign_leaves_table_summary_and_report(call, tmp_path):
     options = ["--runs", 3, "--seed", 4, "--vary", "height=2,3", "--fault", "gnss_drift=0.3@2"]
     result = call("campaign", "hop.yaml", *options)
     assert result.exit_code == 0
-    assert result.stderr.startswith("6 of 6, success 100.0 % (61.0 to 100.0), ")
+    last = result.stderr.splitlines()[-1]
+    assert last.startswith("6 of 6, success 100.0 % (61.0 to 100.0), ")
     *lines, page = result.stdout.splitlines()
     assert lines[0] == "height = 2: success 100 %, between 43.9 % and 100 % (3 success)"
     folder = tmp_path / "runs/hop-campaign-seed4"
