@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from missionkit.chart.semantics.compiled import State
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.contain import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
 from missionkit.engine.answer import fault_of
 from missionkit.engine.flight import Plan
@@ -92,11 +92,6 @@ def _stepped(
     if boxed is not None and not wrong:
         return boxed[0]
     return LANDING if state.kind.name == "land" else STILL
-
-
-def is_foreign(plugin: object) -> bool:
-    """Say whether a plug-in comes from outside the package."""
-    return not type(plugin).__module__.startswith("missionkit.")
 
 
 def _commanded(

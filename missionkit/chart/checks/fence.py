@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 
 from missionkit.chart.checks.path import Leg, Point3, legs
-from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.ways import Chart
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.model.mission import Failsafe
@@ -45,7 +44,7 @@ def _fence(
     found: list[InsideFence] = []
     waiting: list[ex.Expression] = [failsafe.when]
     while waiting:
-        for part in parts_of(waiting.pop()):
+        for part in ex.parts_of(waiting.pop()):
             if isinstance(part, ex.Named):
                 waiting.append(guards[part.name])
             elif isinstance(part, ex.Use) and isinstance(part.plugin, InsideFence):

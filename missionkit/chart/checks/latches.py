@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 
 from missionkit.chart.checks.boxes import WHOLE, within
-from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.truth import region_of
 from missionkit.chart.checks.ways import Chart, shortened
 from missionkit.chart.model import expressions as ex
@@ -20,7 +19,7 @@ def problems_of(chart: Chart) -> Iterator[Problem]:
     """Yield every latch that can never begin, never end, or holds where its guard does not."""
     guards = [*chart.mission.guards.values(), *(guard for _, guard in chart.tree.guards())]
     for guard in guards:
-        for part in parts_of(guard):
+        for part in ex.parts_of(guard):
             if isinstance(part, ex.Hysteresis):
                 yield from _contrary(chart, part)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart.checks.tree import parts_of
 from missionkit.chart.checks.truth import region_of
 from missionkit.chart.checks.ways import Chart
 from missionkit.chart.model import expressions as ex
@@ -49,7 +48,7 @@ def _guards(chart: Chart) -> Iterator[tuple[str, str, Place]]:
     waiting = [guard for _, guard in chart.tree.guards()]
     opened: set[str] = set()
     while waiting:
-        for part in parts_of(waiting.pop()):
+        for part in ex.parts_of(waiting.pop()):
             if isinstance(part, ex.Named) and part.name not in opened:
                 opened.add(part.name)
                 waiting.append(chart.mission.guards[part.name])

@@ -7,8 +7,7 @@ from functools import cached_property
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model import expressions as ex
-from missionkit.chart.model.actions import Act
-from missionkit.chart.model.mission import Mission, Placed, Start
+from missionkit.chart.model.mission import Mission, Placed, around, firsts
 from missionkit.chart.semantics.stance import SAFETY
 from missionkit.errors import Place
 
@@ -26,8 +25,7 @@ class Tree:
     def around(self, name: str) -> tuple[str, ...]:
         """Return the states around a state, the innermost first."""
         if name not in self._around:
-            parent = self.states[name].parent
-            self._around[name] = () if parent is None else (parent, *self.around(parent))
+            self._around[name] = around(self.states, self.states[name].parent)
         return self._around[name]
 
     def together(self, one: str, other: str) -> bool:
@@ -68,10 +66,7 @@ class Tree:
 
     @cached_property
     def _firsts(self) -> Mapping[str, str]:
-        firsts: dict[str, str] = {}
-        for name, (_, state, _) in self.states.items():
-            firsts.setdefault(state.kind, name)
-        return firsts
+        return firsts(self.states)
 
     def of_kind(self, kind: str) -> str | None:
         """Return the first state of a kind."""
@@ -100,12 +95,12 @@ class Tree:
                 continue
             found.add(each)
             waiting += self._inside(each)
-            for around in self.around(each):
-                if around in found:
+            for outer in self.around(each):
+                if outer in found:
                     break
-                found.add(around)
-                if self.states[around].state.parallel:
-                    waiting += self.states[around].state.states
+                found.add(outer)
+                if self.states[outer].state.parallel:
+                    waiting += self.states[outer].state.states
         return found
 
     def _inside(self, name: str) -> list[str]:
@@ -118,19 +113,6 @@ class Tree:
     def place(self, name: str) -> Place:
         """Return where a state is written; a state added by contracts is nowhere."""
         return self.states[name].state.place()
-
-    def actions(self) -> Iterator[Act]:
-        """Yield every action of the mission."""
-        starts: list[Start | None] = [self.mission.initial]
-        for failsafe in self.mission.failsafes:
-            yield from failsafe.do
-        for _, state, _ in self.states.values():
-            yield from (*state.entry, *state.exit)
-            for way in state.transitions:
-                yield from way.do
-            starts += [state.initial, state.default]
-        for start in starts:
-            yield from () if start is None else start.do
 
     def guards(self) -> Iterator[tuple[str, ex.Expression]]:
         """Yield each guard that is asked, and the state for which it is, empty for failsafes."""
@@ -147,21 +129,6 @@ class Tree:
         """Yield every comparison with a variable."""
         waiting = [*self.mission.guards.values(), *(guard for _, guard in self.guards())]
         for guard in waiting:
-            for part in parts_of(guard):
+            for part in ex.parts_of(guard):
                 if isinstance(part, ex.Variable):
                     yield part
-
-
-def parts_of(guard: ex.Expression) -> Iterator[ex.Expression]:
-    """Yield a guard and every guard inside it; named ones are not looked into."""
-    waiting = [guard]
-    while waiting:
-        part = waiting.pop()
-        yield part
-        match part:
-            case ex.All(parts=parts) | ex.Any(parts=parts):
-                waiting += reversed(parts)
-            case ex.Not(part=inner) | ex.Hysteresis(part=inner):
-                waiting.append(inner)
-            case _:
-                pass

@@ -21,6 +21,7 @@ from missionkit.chart.checks.boxes import (
 from missionkit.chart.checks.tree import Tree
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.model.actions import Assign
+from missionkit.chart.model.everything import actions_of
 from missionkit.chart.model.variables import Variable, is_number
 from missionkit.guards.progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
@@ -217,7 +218,7 @@ def _all(parts: list[Truth]) -> Truth:
 def _variables(tree: Tree) -> Iterator[tuple[str, Quantity]]:
     """Yield each variable with the values that the mission can give it."""
     given: dict[str, list[Assign]] = {}
-    for action in tree.actions():
+    for action in actions_of(tree.mission):
         if isinstance(action, Assign):
             given.setdefault(action.variable, []).append(action)
     words: dict[str, set[str]] = {}

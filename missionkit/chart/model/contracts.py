@@ -13,7 +13,7 @@ from typing import Any
 from missionkit.behaviors.hold import Hold
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model import expressions as ex
-from missionkit.chart.model.mission import Mission, Placed, State, Transition
+from missionkit.chart.model.mission import Mission, Placed, State, Transition, firsts
 from missionkit.errors import Place, Problem
 from missionkit.states.common import HOVER
 from missionkit.states.contract import Failsafe
@@ -29,25 +29,25 @@ def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
     if _needs_hover(mission, catalogue):
         mission = _with_hover(mission)
     every = mission.by_name()
-    firsts = _firsts(every)
+    by_kind = firsts(every)
     states = {
-        name: _with_defaults(state, every, firsts, catalogue)
+        name: _with_defaults(state, every, by_kind, catalogue)
         for name, state in mission.states.items()
     }
     return mission.model_copy(update={"states": states})
 
 
-def _with_defaults(state: State, every: States, firsts: Firsts, catalogue: Catalogue) -> State:
+def _with_defaults(state: State, every: States, by_kind: Firsts, catalogue: Catalogue) -> State:
     inner = {
-        name: _with_defaults(inside, every, firsts, catalogue)
+        name: _with_defaults(inside, every, by_kind, catalogue)
         for name, inside in state.states.items()
     }
-    transitions = state.transitions + _defaults(state, every, firsts, catalogue)
+    transitions = state.transitions + _defaults(state, every, by_kind, catalogue)
     return state.model_copy(update={"states": inner, "transitions": transitions})
 
 
 def _defaults(
-    state: State, every: States, firsts: Firsts, catalogue: Catalogue
+    state: State, every: States, by_kind: Firsts, catalogue: Catalogue
 ) -> tuple[Transition, ...]:
     have = {
         every[to].state.kind
@@ -57,10 +57,10 @@ def _defaults(
     }
     targets = () if state.behavior is None else state.behavior.plugin.targets()
     return tuple(
-        _transition(failsafe, firsts[failsafe.to_kind], targets, catalogue)
+        _transition(failsafe, by_kind[failsafe.to_kind], targets, catalogue)
         for failsafe in catalogue.kinds[state.kind].failsafes
         if failsafe.to_kind not in have
-        and failsafe.to_kind in firsts
+        and failsafe.to_kind in by_kind
         and (targets or not failsafe.of_target)
     )
 
@@ -89,7 +89,7 @@ def _transition(
 
 def _needs_hover(mission: Mission, catalogue: Catalogue) -> bool:
     every = mission.by_name()
-    if HOVER in _firsts(every):
+    if HOVER in firsts(every):
         return False
     kinds = [catalogue.kinds[placed.state.kind] for placed in every.values()]
     return any(failsafe.to_kind == HOVER for kind in kinds for failsafe in kind.failsafes)
@@ -97,8 +97,8 @@ def _needs_hover(mission: Mission, catalogue: Catalogue) -> bool:
 
 def _with_hover(mission: Mission) -> Mission:
     every = mission.by_name()
-    firsts = _firsts(every)
-    away = firsts.get("return") or firsts.get("land", "")
+    by_kind = firsts(every)
+    away = by_kind.get("return") or by_kind.get("land", "")
     hover = State.model_construct(
         {"kind", "behavior", "transitions"},
         kind=HOVER,
@@ -110,20 +110,13 @@ def _with_hover(mission: Mission) -> Mission:
     return mission.model_copy(update={"states": {**mission.states, name: hover}})
 
 
-def _firsts(every: States) -> Firsts:
-    firsts: dict[str, str] = {}
-    for name, placed in every.items():
-        firsts.setdefault(placed.state.kind, name)
-    return firsts
-
-
 def unmet(mission: Mission, catalogue: Catalogue) -> list[Problem]:
     """Return what the contracts of the state kinds demand and the mission does not give.
 
     Every mission needs a state of kind land; from every state the kinds that its contract names
     must be reachable by the mission's transitions, failsafes and default failsafes.
     """
-    if "land" not in _firsts(mission.by_name()):
+    if "land" not in firsts(mission.by_name()):
         return [Problem(mission.place("states"), "no state of kind 'land': where would it end?")]
     ways = _Ways(fulfilled(mission, catalogue), catalogue)
     return [

@@ -152,15 +152,19 @@ def _grouped(expression: Expression) -> str:
 
 def names_in(expression: Expression) -> Iterator[Named]:
     """Yield every reference to a named guard."""
-    match expression:
-        case Named():
-            yield expression
-        case All(parts=parts) | Any(parts=parts):
-            for part in parts:
-                yield from names_in(part)
-        case Not(part=inner):
-            yield from names_in(inner)
-        case Hysteresis(part=single):
-            yield from names_in(single)
-        case Use() | Variable() | In() | Finished():
-            return
+    yield from (part for part in parts_of(expression) if isinstance(part, Named))
+
+
+def parts_of(expression: Expression) -> Iterator[Expression]:
+    """Yield a guard and every guard inside it; named ones are not looked into."""
+    waiting = [expression]
+    while waiting:
+        part = waiting.pop()
+        yield part
+        match part:
+            case All(parts=parts) | Any(parts=parts):
+                waiting += reversed(parts)
+            case Not(part=inner) | Hysteresis(part=inner):
+                waiting.append(inner)
+            case _:
+                pass

@@ -211,6 +211,23 @@ def walk(states: Mapping[str, State], parent: str | None = None) -> Iterator[Pla
         yield from walk(state.states, name)
 
 
+def around(states: Mapping[str, Placed], parent: str | None) -> tuple[str, ...]:
+    """Return a state's parent and the states around that, the innermost first."""
+    found: list[str] = []
+    while parent is not None:
+        found.append(parent)
+        parent = states[parent].parent
+    return tuple(found)
+
+
+def firsts(states: Mapping[str, Placed]) -> dict[str, str]:
+    """Return the first state of each kind."""
+    found: dict[str, str] = {}
+    for name, state, _ in states.values():
+        found.setdefault(state.kind, name)
+    return found
+
+
 class Success(Part):
     """What counts as success, graded against the truth where it is known."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart.model.mission import Mission, Placed, Start, State
+from missionkit.chart.model.mission import Mission, Placed, Start, State, around
 from missionkit.errors import Place, Problem
 
 Tree = dict[str, Placed]
@@ -101,11 +101,11 @@ def _commands(state: State) -> bool:
     return state.behavior is not None or any(map(_commands, state.states.values()))
 
 
-def _start(tree: Tree, start: Start, place: Place, around: str | None) -> Iterator[Problem]:
+def _start(tree: Tree, start: Start, place: Place, outer: str | None) -> Iterator[Problem]:
     """Check that a beginning leads into its own state, and to one place in each region."""
     for to in start.to:
-        if around is not None and around not in _ancestors(tree, to):
-            yield Problem(place, f"state {around!r}: begins in {to!r}, which is not inside it")
+        if outer is not None and outer not in around(tree, tree[to].parent):
+            yield Problem(place, f"state {outer!r}: begins in {to!r}, which is not inside it")
     yield from _together(tree, start.to, place)
 
 
@@ -125,7 +125,7 @@ def _together(tree: Tree, names: tuple[str, ...], place: Place) -> Iterator[Prob
 
 def _orthogonal(tree: Tree, one: str, other: str) -> bool:
     one, other = _stood_for(tree, one), _stood_for(tree, other)
-    here, there = _ancestors(tree, one), _ancestors(tree, other)
+    here, there = around(tree, tree[one].parent), around(tree, tree[other].parent)
     if one == other or one in there or other in here:
         return False
     common = next((name for name in here if name in there), None)
@@ -136,16 +136,6 @@ def _stood_for(tree: Tree, name: str) -> str:
     """Return what a target enters for certain: a history the state that it is the history of."""
     placed = tree[name]
     return placed.parent or name if placed.state.history is not None else name
-
-
-def _ancestors(tree: Tree, name: str) -> list[str]:
-    """Return the states around a state, the innermost first."""
-    around = []
-    parent = tree[name].parent
-    while parent is not None:
-        around.append(parent)
-        parent = tree[parent].parent
-    return around
 
 
 def _no_history(tree: Tree, mission: Mission) -> Iterator[Problem]:

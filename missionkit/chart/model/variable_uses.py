@@ -22,7 +22,9 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
             if wrong:
                 yield Problem(action.place, f"assign {action.variable}: {wrong}")
     for guard in guards_of(mission):
-        yield from _compared(mission.variables, guard)
+        for part in ex.parts_of(guard):
+            if isinstance(part, ex.Variable):
+                yield from _compared(mission.variables, part)
 
 
 def _assigned(variables: Variables, action: Assign) -> str:
@@ -44,17 +46,8 @@ def _assigned(variables: Variables, action: Assign) -> str:
     return ""
 
 
-def _compared(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
-    match guard:
-        case ex.Variable(name=name, value=value, op=op, place=place):
-            variable = variables[name]
-            if not alike(variable.initial, value):
-                message = f"{name} {op.replace('_', ' ')} {value!r}: it is {variable.type_name}"
-                yield Problem(place, message)
-        case ex.All(parts=parts) | ex.Any(parts=parts):
-            for part in parts:
-                yield from _compared(variables, part)
-        case ex.Not(part=part) | ex.Hysteresis(part=part):
-            yield from _compared(variables, part)
-        case _:
-            return
+def _compared(variables: Variables, guard: ex.Variable) -> Iterator[Problem]:
+    variable, value = variables[guard.name], guard.value
+    if not alike(variable.initial, value):
+        said = f"{guard.name} {guard.op.replace('_', ' ')} {value!r}"
+        yield Problem(guard.place, f"{said}: it is {variable.type_name}")

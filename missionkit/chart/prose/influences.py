@@ -84,7 +84,10 @@ def path(name: str, way: Transition) -> str:
 def readers(mission: Mission) -> Told:
     """Return for each variable what compares it."""
     return _gathered(
-        (variable, who) for who, guard in _guards(mission) for variable in _variables(guard)
+        (part.name, who)
+        for who, guard in _guards(mission)
+        for part in ex.parts_of(guard)
+        if isinstance(part, ex.Variable)
     )
 
 
@@ -99,19 +102,6 @@ def _guards(mission: Mission) -> Iterator[tuple[str, ex.Expression]]:
                 yield f"the transition {path(name, way)}", way.when
         if state.invariant.holds is not None:
             yield f"the invariant of {name}", state.invariant.holds
-
-
-def _variables(guard: ex.Expression) -> Iterator[str]:
-    match guard:
-        case ex.Variable(name=name):
-            yield name
-        case ex.All(parts=parts) | ex.Any(parts=parts):
-            for part in parts:
-                yield from _variables(part)
-        case ex.Not(part=part) | ex.Hysteresis(part=part):
-            yield from _variables(part)
-        case _:
-            return
 
 
 def _gathered(pairs: Iterable[tuple[str, str]]) -> Told:

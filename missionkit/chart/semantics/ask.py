@@ -9,6 +9,7 @@ from typing import cast
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.semantics.ask_chart import of_chart
 from missionkit.chart.semantics.compiled import Ask, Question, Slot
+from missionkit.chart.semantics.contain import is_foreign
 from missionkit.chart.semantics.trust import is_sound, trusted
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, Plugin, WindowGuard
@@ -52,7 +53,7 @@ class Asker:
             expression = self._named[expression.name]
         if not isinstance(expression, ex.Use) or not isinstance(expression.plugin, Guard):
             return None
-        return None if _is_foreign(expression.plugin) else expression.plugin.check
+        return None if is_foreign(expression.plugin) else expression.plugin.check
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
@@ -87,7 +88,7 @@ class Asker:
         return _answered(name, self.ask(expression))
 
     def _plugin(self, name: str, plugin: Plugin) -> Ask:
-        foreign = _is_foreign(plugin)
+        foreign = is_foreign(plugin)
         if isinstance(plugin, WindowGuard):
             slot = self._slot(name, plugin.begin, _advancing(name, plugin, foreign=foreign))
             return _answered(name, _window(name, plugin, slot, foreign=foreign))
@@ -118,10 +119,6 @@ class Asker:
     ) -> int:
         self.slots.append(Slot(name, begin, advance))
         return len(self.slots) - 1
-
-
-def _is_foreign(plugin: Plugin) -> bool:
-    return not type(plugin).__module__.startswith("missionkit.")
 
 
 def _answered(name: str, ask: Ask) -> Ask:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from missionkit.chart.semantics.compiled import Question, Stance, Transition
 from missionkit.chart.semantics.memory import ChartMemory
 from missionkit.chart.semantics.stance import EPSILON
-
-_TRUTHS = frozenset((bool, type(None)))
+from missionkit.chart.semantics.trust import TRUTHS
 
 
 def asked(here: Stance, memory: ChartMemory, question: Question, held: dict[int, float]) -> bool:
@@ -38,7 +37,7 @@ def _asked_directly(here: Stance, memory: ChartMemory, question: Question) -> bo
             holds, _, value, _, margin = verdict
             if holds is True:
                 moving = moving or now - entered[source] >= wait
-            elif type(holds) not in _TRUTHS:
+            elif type(holds) not in TRUTHS:
                 return None
             if margin is not value:
                 odd += margin - margin  # type: ignore[operator] # None raises, as it should

@@ -6,7 +6,7 @@ from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
 from missionkit.chart.model.contracts import fulfilled
-from missionkit.chart.model.mission import GROUP_KIND, Failsafe, Mission, Placed
+from missionkit.chart.model.mission import GROUP_KIND, Failsafe, Mission, Placed, around, firsts
 from missionkit.chart.model.mission import Start as StartModel
 from missionkit.chart.model.mission import State as StateModel
 from missionkit.chart.model.mission import Transition as TransitionModel
@@ -47,9 +47,7 @@ class _Compiler:
         self.with_history = {
             placed.parent for placed in self.placed.values() if placed.state.history is not None
         }
-        self.firsts: dict[str, str] = {}
-        for placed in self.placed.values():
-            self.firsts.setdefault(placed.state.kind, placed.name)
+        self.firsts = firsts(self.placed)
         self.count = 0
 
     def chart(self) -> Chart:
@@ -88,7 +86,7 @@ class _Compiler:
         targets = () if behavior is None else behavior.targets()
         escape = kind.invariant.to_kind if kind.invariant is not None else None
         promise = state.invariant.holds
-        ancestors = self._around(parent)
+        ancestors = (*around(self.placed, parent), ROOT)
         return State(
             name=name,
             kind=kind,
@@ -109,13 +107,6 @@ class _Compiler:
             initial=_start(state.initial or state.default),
             remembered=not self.with_history.isdisjoint((name, *ancestors)),
         )
-
-    def _around(self, parent: str | None) -> tuple[str, ...]:
-        around: list[str] = []
-        while parent is not None:
-            around.append(parent)
-            parent = self.placed[parent].parent
-        return (*around, ROOT)
 
     def _transition(self, model: TransitionModel, source: Placed) -> Transition:
         when = None if model.when is None else _of_source(model.when, source)

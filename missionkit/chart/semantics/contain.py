@@ -8,6 +8,11 @@ from typing import TypeVar
 T = TypeVar("T")
 
 
+def is_foreign(plugin: object) -> bool:
+    """Say whether a plug-in comes from outside the package."""
+    return not type(plugin).__module__.startswith("missionkit.")
+
+
 class TooSlowError(Exception):
     """A plug-in was interrupted because it did not return."""
 

@@ -16,7 +16,6 @@ from missionkit.chart.semantics.compiled import (
     Chart,
     Output,
     Question,
-    Stance,
     Transition,
     Way,
 )
@@ -48,7 +47,7 @@ class Macrostep:
         self.first_answers = question.answers
         self.internal: list[str] = []
         self.external: list[str] = list(question.seen.events)
-        self.here = _here(chart, memory.active)
+        self.here = stance(chart, memory.active)
         self.fired: list[Fired] = []
         self.moves: list[tree.Move] = []
         self.orders: tuple[Action, ...] = ()
@@ -207,7 +206,7 @@ class Macrostep:
     def _stand(self, move: tree.Move) -> None:
         """Put the memory where a move leads; timers of what was exited end."""
         memory = self.memory
-        here = self.here = _here(self.chart, move.active)
+        here = self.here = stance(self.chart, move.active)
         if here.pilot != memory.pilot or memory.state in move.exited:
             self.pilot_entered = True
         entered = dict.fromkeys(move.active, self.now)
@@ -258,7 +257,3 @@ class Macrostep:
         to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
         outputs = (self.here.mode_text, *said)
         return _new(Fired, (way.source, to, way.text, asked, outputs))
-
-
-def _here(chart: Chart, active: tuple[str, ...]) -> Stance:
-    return chart.stances.get(active) or stance(chart, active)

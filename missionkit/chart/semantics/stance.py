@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import inf
 
 from missionkit.chart.semantics.compiled import (
@@ -38,11 +38,11 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Stance:
     every = tuple({way.transition.number: way for each in ways for way in each}.values())
     pilots = [state for state in states if state.behavior is not None]
     pilot = max(pilots, key=lambda state: len(state.ancestors), default=None)
-    direct = tuple(_direct(every))
+    direct, plain = _asks(every)
     mode = Mode.GPS if pilot is None else pilot.kind.mode
     return Stance(
-        direct=direct,
-        plain=tuple([each for way in every for each in _plain(way, direct)]),
+        direct=tuple(direct),
+        plain=tuple(plain),
         timed=tuple([way.transition for way in every if way.transition.hold]),
         timers=tuple([_timer(way) for way in every if _is_timer(way.transition)]),
         ways=tuple([tuple([way for way in each if not way.transition.events]) for each in ways]),
@@ -71,33 +71,23 @@ def _wait(state: State, transition: Transition) -> float:
     return max(dwell, transition.after or 0.0) - EPSILON
 
 
-def _direct(ways: Sequence[Way]) -> Iterator[Direct]:
-    """Yield the guards that can be asked without ado, each once."""
-    seen: set[str] = set()
+def _asks(ways: Sequence[Way]) -> tuple[list[Direct], list[tuple[Ask, float, str]]]:
+    """Return the guards that can be asked without ado, each once, and the rest.
+
+    One with an event is asked for the record only.
+    """
+    direct: dict[str, Direct] = {}
+    plain: list[tuple[Ask, float, str]] = []
     for transition, wait in ways:
-        if (
-            transition.check is not None
-            and not transition.hold
-            and not seen.intersection(transition.reads)
-        ):
-            seen.update(transition.reads)
-            (name,) = transition.reads
-            # one with an event is asked for the record only
-            yield Direct(
-                name, transition.check, inf if transition.events else wait, transition.source
-            )
-
-
-def _plain(way: Way, direct: Sequence[Direct]) -> list[tuple[Ask, float, str]]:
-    transition, wait = way
-    wait = inf if transition.events else wait
-    mine = transition.check is not None and any(
-        (each.check, each.wait, each.source) == (transition.check, wait, transition.source)
-        for each in direct
-    )
-    if transition.ask is None or transition.hold or mine:
-        return []
-    return [(transition.ask, wait, transition.source)]
+        if transition.ask is None or transition.hold:
+            continue
+        least, source = inf if transition.events else wait, transition.source
+        name = transition.reads[0]
+        if transition.check is not None and name not in direct:
+            direct[name] = Direct(name, transition.check, least, source)
+        else:
+            plain.append((transition.ask, least, source))
+    return list(direct.values()), plain
 
 
 def _is_timer(transition: Transition) -> bool:

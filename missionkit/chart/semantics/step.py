@@ -36,8 +36,9 @@ def decide(
         windows = _advanced(chart, question)
     held: dict[int, float] = {}
     forced = None
-    if ended or seen.events or _flying(seen, here):
-        forced = _forced(chart, memory, here, question, held)
+    flying = _flying(seen, here)
+    if ended or seen.events or flying:
+        forced = _forced(chart, memory, here, question, held, flying=flying)
     moving = not ended and asked(here, memory, question, held)
     violated = was_violated
     problems: tuple[str, ...] = ()
@@ -60,12 +61,18 @@ def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
 
 
 def _forced(
-    chart: Chart, memory: ChartMemory, here: Stance, question: Question, held: dict[int, float]
+    chart: Chart,
+    memory: ChartMemory,
+    here: Stance,
+    question: Question,
+    held: dict[int, float],
+    *,
+    flying: bool,
 ) -> Transition | None:
     """Return what goes before all else: the pilot, a failsafe, the end of the chart in the air."""
     seen = question.seen
     failsafe = None
-    if _flying(seen, here):
+    if flying:
         failsafe = _failsafe(chart, memory, here, question, held)
     if seen.events and ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
         return Transition(-1, (chart.land,), ABORT)

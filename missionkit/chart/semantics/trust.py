@@ -8,7 +8,7 @@ from numbers import Real
 from missionkit.chart.semantics.compiled import Question
 from missionkit.messages import Verdict
 
-_TRUTHS = frozenset((bool, type(None)))
+TRUTHS = frozenset((bool, type(None)))
 _NUMBERS = frozenset((float, type(None)))
 
 
@@ -19,7 +19,7 @@ def is_sound(verdict: Verdict) -> bool:
     is not.
     """
     holds, _, value, _, margin = verdict
-    if type(holds) not in _TRUTHS:
+    if type(holds) not in TRUTHS:
         return False
     if margin is None:
         return value is None
