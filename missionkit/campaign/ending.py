@@ -39,7 +39,7 @@ def reason(
     if result.flown.end is not End.LANDED:
         return str(result.flown.end)
     if result.flown.aborted:
-        return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
+        return aborted(asked=asked)
     if mission.success is not None and grade.visit is None:
         return _unreached(mission.success, visited)
     return "landed, but the goal was missed by more than allowed"
@@ -47,5 +47,15 @@ def reason(
 
 def _unreached(success: Success, visited: Container[str]) -> str:
     if success.visit not in visited:
-        return f"landed without reaching {success.visit}"
+        return unreached(success.visit)
     return f"landed, but the world has no marker of {success.target} to measure the goal by"
+
+
+def aborted(*, asked: bool) -> str:
+    """Return why a flight ended that was told to land."""
+    return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
+
+
+def unreached(visit: str) -> str:
+    """Return why a flight ended that never was in the state that counts."""
+    return f"landed without reaching {visit}"

@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.cockpit import cockpit
 from missionkit.cli.guarded import guarded
-from missionkit.cli.keys import planned
 from missionkit.cli.order import Order
-from missionkit.cli.origin import (
-    Origin,
-    check_same,
-    forget_origin,
-    keep_origin,
-    origin_of,
-    stamp,
-)
-from missionkit.cli.outcome import numbers, summed_up
+from missionkit.cli.origin import Origin
+from missionkit.cli.outcome import summed_up
 from missionkit.cli.resume import Saving, Since, since
+from missionkit.cli.run_files import Folder, folder_of
 from missionkit.engine.clock import Pace, RealTime
 from missionkit.errors import ExitCode, UsageError, nearest
-from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.folder import free_name, keep_mission, run_folder
-from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import scenery_of
-from missionkit.recorder.summary import Summary, write_summary
+from missionkit.recorder.summary import Summary
 from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import Fault, parse_fault
 from missionkit.sim.world import World
@@ -42,28 +29,20 @@ def run_in_simulator(
         FileError: the world cannot be used.
         UsageError: an option does not fit, or the mission was changed.
     """
-    origin = origin_of(order, mission)
     ready = _staged(order, mission, catalogue)
-    past = None
-    if before is None or order.resume is None:
-        folder = run_folder(order.out, mission.name, f"seed{order.seed}")
-    else:
-        folder = order.resume
-        check_same(before, origin, folder, force=order.force)
-        past = since(folder, order.gap, stamp(origin))
-        for wrong in past.loaded.wrong:
-            print(wrong, file=sys.stderr)  # noqa: T201
-    if before != origin:
-        keep_mission(folder, order.mission)
-        keep_origin(folder, origin)
-    return guarded(order, folder, lambda: _flown(order, ready, folder, stamp(origin), past))
+    folder, past = folder_of(
+        order,
+        mission,
+        before,
+        f"seed{order.seed}",
+        lambda path, stamp: since(path, order.gap, stamp),
+    )
+    return guarded(order, folder.path, lambda: _flown(order, ready, folder, past))
 
 
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
     world = world_of(mission, order.mission.parent)
     faults = [fault_of(text, mission, world) for text in order.faults]
-    for text in order.events:
-        planned(text)
     return stage(mission, catalogue, world, order.seed, faults)
 
 
@@ -85,18 +64,12 @@ def fault_of(text: str, mission: Mission, world: World) -> Fault:
     return fault
 
 
-def _flown(order: Order, ready: Stage, folder: Path, standing: str, past: Since | None) -> Summary:
+def _flown(order: Order, ready: Stage, folder: Folder, past: Since | None) -> Summary:
     scenery = scenery_of(ready.world)
-    recorder = FlightRecorder(
-        folder,
-        camera=ready.plan.camera,
-        scenery=scenery,
-        name=free_name(folder, "flight.mcap"),
-        past=None if past is None else past.track,
-    )
+    recorder = folder.recorder(ready.plan, scenery, past)
     again = None if past is None else past.again
+    save = Saving(folder.path, ready, recorder, folder.stamp, past)
     with cockpit(order, ready.mission, recorder, lambda: ready.vehicle.truth) as seat:
-        save = Saving(folder, ready, recorder, standing, past)
         result = rehearse(
             ready,
             seat.observers,
@@ -107,11 +80,8 @@ def _flown(order: Order, ready: Stage, folder: Path, standing: str, past: Since 
         )
     asked = seat.operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, asked=asked)
-    write_summary(folder, summary)
-    title = f"{summary.mission}: {summary.outcome}"
-    draw(folder / "track.png", recorder.track, scenery, title, numbers(summary))
+    folder.finish(summary, recorder.track, scenery)
     save.forget()
-    forget_origin(folder)
     return summary
 
 

@@ -8,6 +8,7 @@ from missionkit.chart.load import load
 from missionkit.chart.model.contracts import unmet
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.keys import planned
 from missionkit.cli.order import Order
 from missionkit.cli.origin import found_origin, recalled
 from missionkit.errors import ExitCode, FileError, Level
@@ -26,6 +27,8 @@ def run(order: Order) -> ExitCode:
     catalogue = assemble(order.plugins)
     mission = load(order.mission, catalogue, overrides(order.settings))
     refuse(mission, catalogue)
+    for text in order.events:
+        planned(text)
     if order.vehicle is not None:
         from missionkit.cli.on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
 
