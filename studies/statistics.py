@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
+
+from missionkit.campaign import statistics
 
 
 class Interval(NamedTuple):
@@ -40,11 +40,8 @@ def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
     """
     if not 0 <= successes <= n or n == 0:
         raise ValueError(f"{successes} successes of {n}")
-    z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
-    share, scale = successes / n, 1.0 + z * z / n
-    middle = (share + z * z / (2.0 * n)) / scale
-    half = z / scale * math.sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n))
-    return Interval(max(0.0, middle - half), min(1.0, middle + half))
+    _, low, high = statistics.wilson(successes, n, confidence)
+    return Interval(max(0.0, low), min(1.0, high))
 
 
 def spread(values: Sequence[float]) -> Spread:

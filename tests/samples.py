@@ -24,3 +24,20 @@ def calm(**changes: Any) -> Estimate:
         "home": np.zeros(3),
     }
     return Estimate(**(values | changes))
+
+
+HOP = """\
+missionkit: 1
+mission: hop
+params: {height: 2.0}
+camera: {use: none}
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: $height}
+    transitions: [{to: land, when: done}]
+  land:
+    kind: land
+"""
+"""Up and down again: ten seconds."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from missionkit.errors import UsageError, nearest
@@ -77,16 +77,30 @@ def parse_fault(text: str) -> Fault:
     Raises:
         UsageError: unknown name, or not of the form above.
     """
-    name = re.split("[=@+]", text, maxsplit=1)[0]
+    name = name_in(text)
     if name not in KINDS:
         raise UsageError(f"unknown fault {name!r}: {nearest(name, KINDS)}")
+    return fault_in(text, _value)
+
+
+def name_in(text: str) -> str:
+    """Return the name that a fault as written begins with."""
+    return re.split("[=@+]", text, maxsplit=1)[0]
+
+
+def fault_in(text: str, value: Callable[[str, str | None], float | None]) -> Fault:
+    """Read a fault whose name is known; `value` reads what stands behind "=".
+
+    Raises:
+        UsageError: not of the form above.
+    """
     match = GRAMMAR.fullmatch(text)
     if match is None:
         raise UsageError(f"cannot read the fault {text!r}; the form is {FORM}")
-    part = match.groupdict()
+    name, part = name_in(text), match.groupdict()
     return Fault(
         name,
-        _value(name, part["value"]),
+        value(name, part["value"]),
         float(part["start"] or part["delay"] or 0.0),
         part["state"],
         math.inf if part["duration"] is None else float(part["duration"]),

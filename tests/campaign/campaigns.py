@@ -4,22 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from missionkit.campaign.row import Case, Row
+from samples import HOP
 
-HOP = """\
-missionkit: 1
-mission: hop
-params: {height: 2.0}
-camera: {use: none}
-initial: idle
-states:
-  idle:
-    kind: idle
-    behavior: {use: take_off, height: $height}
-    transitions: [{to: land, when: done}]
-  land:
-    kind: land
-"""
+from missionkit.campaign.row import Case, Row
 
 BOMBED = HOP.replace("2.0}", '2.0, how: "no"}').replace(
     "when: done", "when: {all: [done, {use: bomb, how: $how}]}"

@@ -5,25 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from samples import HOP
 from typer.testing import CliRunner
 
 from missionkit.cli.app import app
-
-HOP = """\
-missionkit: 1
-mission: hop
-params: {height: 2.0}
-camera: {use: none}
-initial: idle
-states:
-  idle:
-    kind: idle
-    behavior: {use: take_off, height: $height}
-    transitions: [{to: land, when: done}]
-  land:
-    kind: land
-"""
-"""Up and down again: ten seconds."""
 
 Call = Callable[..., Any]
 

@@ -6,13 +6,12 @@ NAME[=VALUE][@WHEN][+DURATION]      as in a rehearsal; WHEN in simulated seconds
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from missionkit.errors import UsageError, nearest
-from missionkit.sim.faults import FORM, GRAMMAR, KINDS, Fault, Kind, Mishaps, parse_fault
+from missionkit.sim.faults import KINDS, Fault, Kind, Mishaps, fault_in, name_in, parse_fault
 from missionkit.sim.mavlink.modes import Dialect
 from missionkit.sim.mavlink.wire import LATE
 
@@ -42,24 +41,14 @@ def read_fault(text: str, dialect: Dialect) -> Fault:
     Raises:
         UsageError: unknown name, of another form, or of something that is not on the wire.
     """
-    name = re.split("[=@+]", text, maxsplit=1)[0]
+    name = name_in(text)
     if name in BODY:
         return parse_fault(text)
     if name not in WIRE:
         if name in KINDS:
             raise UsageError(f"fault {name!r} is none of the autopilot's: {_known(name)}")
         raise UsageError(f"unknown fault {name!r}: {_known(name)}")
-    match = GRAMMAR.fullmatch(text)
-    if match is None:
-        raise UsageError(f"cannot read the fault {text!r}; the form is {FORM}")
-    part = match.groupdict()
-    return Fault(
-        name,
-        value_of(name, part["value"], dialect),
-        float(part["start"] or part["delay"] or 0.0),
-        part["state"],
-        math.inf if part["duration"] is None else float(part["duration"]),
-    )
+    return fault_in(text, lambda name, value: value_of(name, value, dialect))
 
 
 def _known(name: str) -> str:
