@@ -123,9 +123,14 @@ class Flight:
 
     async def take_off(self):
         await self.arm()
-        climbing = lambda: self.status.in_air and self.status.mode == "take_off"  # noqa: E731
-        await self.until(climbing, CLIMB)
-        await self.until(lambda: self.status.mode != "take_off")
+        await self.until(lambda: self.status.in_air, CLIMB)
+        await self.until(lambda: self.up and self.status.mode != "take_off")
+
+    @property
+    def up(self):
+        """Whether it is nearly as high as `CLIMB` says; the mode on the way may go unheard."""
+        height = self.vehicle.state.height
+        return height is not None and height > CLIMB.height - 0.4
 
     async def cruise(self, sitl):
         """Take off and fly north until it really does."""
