@@ -148,10 +148,14 @@ class Commander:
         params: tuple[float | None, ...] = (
             (None,) * 7 if name is not None else (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, height)
         )
-        shows = None
-        if self._dialect.early:
-            shows = self._in_mode("take_off", "hold")
-        return self._ask(Ask(NAV_TAKEOFF, params, shows, CONFIRM))
+        return self._ask(
+            Ask(NAV_TAKEOFF, params, self._taken_off if self._dialect.early else None, CONFIRM)
+        )
+
+    def _taken_off(self) -> bool:
+        """Say whether it climbs, or is up already; held on the ground it has yet to begin."""
+        mode = self._state.mode
+        return mode == "take_off" or (mode == "hold" and self._state.in_air is True)
 
     def _hold(self) -> Result:
         return self._mode(self._dialect.hold, self._dialect.hold_word)

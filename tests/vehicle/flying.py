@@ -112,7 +112,7 @@ class Flight:
         end = self.now + limit
         while not holds():
             assert self.now < end, f"{self.status}, {self.events}, {self.vehicle.reports}"
-            await self.tick(command)
+            await self.tick(command() if callable(command) else command)
 
     async def ready(self):
         await self.until(lambda: self.status is not None and self.status.ready)
@@ -123,8 +123,12 @@ class Flight:
 
     async def take_off(self):
         await self.arm()
-        await self.until(lambda: self.status.in_air, CLIMB)
+        await self.until(lambda: self.status.in_air, self._off_the_ground)
         await self.until(lambda: self.up and self.status.mode != "take_off")
+
+    def _off_the_ground(self):
+        """Arm again what has disarmed itself: a take-off takes long over a bad link."""
+        return CLIMB if self.status.armed else ARM
 
     @property
     def up(self):
