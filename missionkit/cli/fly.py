@@ -45,7 +45,7 @@ def vehicle_of(
         world: what a rendered camera sees.
         seed: of the rendered camera's noise.
         speed: seconds of the vehicle in one of the wall; 1 for everything that is real.
-        source: device number, file or URL of a real camera; None: drawn, if the mission has one.
+        source: device number, file or URL of a real camera; None: the mission's own, real or drawn.
         share: what of the estimate the autopilot is told.
 
     Raises:
@@ -125,6 +125,7 @@ def _camera(
     mission: Mission, world: World | None, seed: int, speed: float, source: Source | None
 ) -> Camera:
     model, camera = mission.camera.model(), mission.camera
+    source = camera.source if source is None else source
     if source is not None:
         file = isinstance(source, str) and Path(source).is_file()
         period = model.period / speed if file else 0.0

@@ -15,6 +15,7 @@ from missionkit.units import Degrees, Hertz, Number, Pixels, Point, Seconds
 FOCAL = 554.0  # px, about 60 deg across 640 px
 _FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
+Source = Annotated[int, Field(ge=0)] | Annotated[str, Field(min_length=1)]
 Row = tuple[Pixels, Pixels, Pixels]
 Focal = Annotated[Pixels, Field(ge=1, le=100_000)]
 Side = Annotated[int, Field(ge=16, le=8192, json_schema_extra={"unit": "px"})]
@@ -38,14 +39,16 @@ class Mount(_Section):
 class Camera(_Section):
     """A camera: how it sees, how often, how late, and where it is mounted.
 
-    `use` says where its frames come from in the simulator: `rendered` images, `corners` without
-    an image (much faster, for campaigns), or `none`. The lens is given either by `focal` in
-    pixels (or `focal_x` and `focal_y`) and `centre`, or by the `matrix` of an OpenCV calibration:
+    `use` says where its frames come from: `rendered` images, `corners` without an image (much
+    faster, for campaigns), `none`, or the `source` of a real `device`: its number, a file or a
+    URL. The lens is given either by `focal` in pixels (or `focal_x` and `focal_y`) and `centre`,
+    or by the `matrix` of an OpenCV calibration:
 
         K = [f_x 0 c_x; 0 f_y c_y; 0 0 1]     distortion = [k1, k2, p1, p2, k3]
     """
 
-    use: Literal["rendered", "corners", "none"] = "rendered"
+    use: Literal["rendered", "corners", "none", "device"] = "rendered"
+    source: Source | None = None
     width: Side = 640
     height: Side = 480
     focal: Focal | None = None
@@ -58,6 +61,14 @@ class Camera(_Section):
     latency: Seconds = 0.06
     exposure: Seconds = 0.004
     mount: Mount = Mount()
+
+    @model_validator(mode="after")
+    def _source_of_a_device(self) -> Self:
+        if self.use == "device" and self.source is None:
+            raise ValueError("a device needs its source: a number, a file or a URL")
+        if self.use != "device" and self.source is not None:
+            raise ValueError("source belongs to use: device")
+        return self
 
     @model_validator(mode="after")
     def _one_lens(self) -> Self:

@@ -1,0 +1,62 @@
+"""The commands of the how-tos, run as they stand there, each against its simulated autopilot."""
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+from documents import ROOT, document
+from vehicle.flying import free_port
+
+PAGES = ("docs/how-to/fly-on-px4-sitl.md", "docs/how-to/fly-on-ardupilot-sitl.md")
+PATIENCE = 20.0  # s, with one command
+PORTS = ("14540", "5760")
+
+
+def fenced(text, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def commands(text):
+    """Return what a page tells one to type, in order."""
+    lines = [line for block in fenced(text, "sh") for line in block.splitlines()]
+    return [shlex.split(line) for line in lines]
+
+
+def missionkit(words, ports, *more):
+    """Return the command line for free ports instead of those that may be taken."""
+    moved = [re.sub("|".join(PORTS), lambda it: ports[it[0]], word) for word in words[1:]]
+    return [sys.executable, "-m", "missionkit", *moved, *more]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_command_of_a_page_does_what_it_says(page, tmp_path):
+    (first,) = fenced(document(PAGES[0]), "yaml")
+    (tmp_path / "first.yaml").write_text(first)
+    around = os.environ | {"XDG_RUNTIME_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    ports = {port: str(free_port()) for port in PORTS}
+    links = [f"udpout:127.0.0.1:{ports['14540']}", f"tcpin:127.0.0.1:{ports['5760']}"]
+    (start, *others) = commands(document(page))
+    assert start[:2] == ["missionkit", "sitl"]
+    more = ["--speed", "5", "--json", *(word for link in links for word in ("--link", link))]
+    with subprocess.Popen(
+        missionkit(start, ports, *more), stdout=subprocess.PIPE, cwd=tmp_path, env=around
+    ) as sitl:
+        try:
+            assert json.loads(sitl.stdout.readline())
+            for words in others:
+                fast = ("--speed", "5", "--headless") if words[1] == "run" else ()
+                subprocess.run(
+                    missionkit(words, ports, *fast),
+                    cwd=tmp_path,
+                    env=around,
+                    timeout=PATIENCE,
+                    check=True,
+                )
+        finally:
+            sitl.terminate()
+    runs = [json.loads(path.read_text()) for path in tmp_path.glob("runs/*/summary.json")]
+    assert [run["outcome"] for run in runs] == ["success"] * sum(it[1] == "run" for it in others)
