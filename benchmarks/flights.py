@@ -14,6 +14,7 @@ from missionkit.engine.loop import Observer
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 
 MISSION = Path("missions/precision_task.yaml")
+KNOWN_MAP = Path("missions/known_map.yaml")
 Eyes = Literal["rendered", "corners", "none"]
 
 
@@ -24,6 +25,12 @@ def ready(eyes: Eyes, seed: int = 0) -> Stage:
     if eyes == "none":
         mission = _by_gps_alone(mission)
     return stage(mission, builtin(), world_of(mission, MISSION.parent), seed)
+
+
+def past_two_walls(seed: int = 0) -> Stage:
+    """Set up one flight of the known map, which has no camera."""
+    mission = load(KNOWN_MAP, builtin())
+    return stage(mission, builtin(), world_of(mission, KNOWN_MAP.parent), seed)
 
 
 def flown(eyes: Eyes, observers: Sequence[Observer] = (), seed: int = 0) -> Rehearsal:
