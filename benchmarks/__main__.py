@@ -16,6 +16,7 @@ from benchmarks import (
     planning,
     recording,
     speed,
+    wire,
 )
 from benchmarks.measure import Table, machine
 from studies.markdown import table
@@ -30,6 +31,7 @@ TOPICS: dict[str, Callable[[], list[Table]]] = {
     "estimation": estimation.tables,
     "recording": recording.tables,
     "planning": planning.tables,
+    "wire": wire.tables,
 }
 PAGE = Path("docs/benchmarks.md")
 INTRODUCTION = """# Benchmarks
