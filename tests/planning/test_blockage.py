@@ -36,6 +36,13 @@ def test_what_is_near_is_in_the_way_unless_it_is_nearer_to_the_vehicle(seed):
     assert answers == {True, False}
 
 
+def test_a_path_that_leads_nearer_by_no_more_than_the_noise_is_free():
+    beside = np.array([[0.0, 0.30, 0.0]])
+    by = lambda nearer: [((0.0, nearer), (1.0, nearer))]  # noqa: E731
+    assert not in_the_way(beside, by(0.02), 0.5, (0.0, 0.0))
+    assert in_the_way(beside, by(0.08), 0.5, (0.0, 0.0))
+
+
 def test_nothing_sensed_or_nothing_ahead_is_free():
     assert not in_the_way(np.empty((0, 3)), [((0.0, 0.0), (1.0, 0.0))], 1.0, (0.0, 0.0))
     assert not in_the_way(np.zeros((1, 3)), [], 1.0, (2.0, 0.0))
