@@ -13,6 +13,7 @@ from missionkit.ports import Vehicle
 
 PATIENCE = 2.0  # s to wait for a heartbeat
 SETTLING = 10.0  # s to wait, in the air, until the estimate is sound again
+LATELY = 2.0  # s before the end in which a fix was taken
 CALM = 1.0  # s without a refused measurement: it is
 
 
@@ -55,7 +56,12 @@ def _enough(before: Memory, heard: Memory, *, waited: float, calm: float) -> boo
 
 
 def _sound(plan: Plan, before: Memory, heard: Memory) -> bool:
-    """Say whether the filter takes what it is told, fixes among it; until aligned it need not."""
+    """Say whether the filter takes what it is told, fixes among it; until aligned it need not.
+
+    A flight that had no fixes lately is not asked for any.
+    """
     health = plan.navigator.read(heard.senses.navigation).health
-    fixed = health.gnss_at is not None and health.gnss_at > before.now
+    last = plan.navigator.read(before.senses.navigation).health.gnss_at
+    without = last is None or before.now - last > LATELY
+    fixed = without or (health.gnss_at is not None and health.gnss_at > before.now)
     return not health.aligned or (fixed and not health.diverged and not health.rejected)

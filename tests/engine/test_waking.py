@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from missionkit.engine.loop import End, Flown, Operator, fly
 from missionkit.engine.memory import Course
-from missionkit.engine.waking import CALM, PATIENCE, Resumption
+from missionkit.engine.waking import CALM, PATIENCE, SETTLING, Resumption
 from missionkit.errors import VehicleError
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Observation, Record
@@ -97,6 +97,15 @@ def test_nothing_is_commanded_before_a_heartbeat_has_come_and_the_estimate_is_so
     assert records[0].state == "up"
     assert records[0].problems[0].startswith("resumed after 2.")
     assert not records[1].problems
+
+
+@pytest.mark.parametrize(
+    ("loss", "waited"), [("gnss_lost@2", CALM), (f"gnss_lost@{AT}", SETTLING)], ids=["long", "just"]
+)
+def test_fixes_are_waited_for_only_where_there_were_some(loss, waited):
+    ready = short_stage(STAY, loss)
+    _, records = resumed(ready, Listening(ready.vehicle), saved(ready))
+    assert records[0].now - AT - 1.0 == pytest.approx(waited, abs=0.3)
 
 
 def test_on_the_ground_a_heartbeat_is_enough():
