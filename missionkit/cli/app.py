@@ -204,6 +204,30 @@ def preflight(
 
 @app.command()
 @told
+def fence(
+    address: Annotated[str, typer.Argument(metavar="ADDRESS", help="udpin://0.0.0.0:14540")],
+    mission: MissionFile,
+    margin: Annotated[
+        float, typer.Option(min=0.0, help="m beyond the mission's own fence, which acts first")
+    ] = 5.0,
+    rally: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NORTH,EAST,HEIGHT", help="a place to return to (m, from home)"),
+    ] = None,
+    settings: Settings = None,
+    plugin: Plugins = None,
+) -> None:
+    """Give the mission's fence to the autopilot itself, and read it back."""
+    from missionkit.cli.fence import Wanted  # noqa: PLC0415
+    from missionkit.cli.fence import fence as command  # noqa: PLC0415
+
+    points = tuple(rally or ())
+    wanted = Wanted(address, mission, tuple(settings or ()), tuple(plugin or ()), margin, points)
+    raise typer.Exit(command(wanted))
+
+
+@app.command()
+@told
 def sitl(
     world: Annotated[Path | None, typer.Option(help="world file; empty without")] = None,
     dialect: Annotated[str, typer.Option(help="px4 or ardupilot")] = "px4",

@@ -8,7 +8,7 @@ from itertools import pairwise
 from missionkit.chart.checks.path import Leg, Point3, legs
 from missionkit.chart.checks.ways import Chart
 from missionkit.chart.model import expressions as ex
-from missionkit.chart.model.mission import Failsafe
+from missionkit.chart.model.mission import Failsafe, Mission
 from missionkit.errors import Level, Problem
 from missionkit.guards.fence import InsideFence
 
@@ -35,6 +35,17 @@ def problems_of(chart: Chart) -> Iterator[Problem]:
             if at is not None:
                 yield _problem(leg, failsafe, at, acts)
                 break
+
+
+def walls(mission: Mission) -> tuple[InsideFence, ...]:
+    """Return the fences at which a failsafe acts, whatever else is the case."""
+    found = (
+        fence
+        for failsafe in mission.failsafes
+        for _, fences in _fence(failsafe, mission.guards)
+        for fence in fences
+    )
+    return tuple(dict.fromkeys(found))
 
 
 def _fence(
