@@ -93,7 +93,10 @@ def _row(future: Any, case: Case) -> Row:
     if error is None:
         row: Row = future.result()
         return row
-    return unflown(case, "lost", f"the cluster gave it up: {type(error).__name__}: {error}")
+    what = type(error).__name__
+    died = what == "KilledWorker"  # its own words differ from run to run
+    why = "every worker that flew it died" if died else f"{what}: {error}"
+    return unflown(case, "lost", f"the cluster gave it up: {why}")
 
 
 def _stop(client: Any, future: Any) -> None:

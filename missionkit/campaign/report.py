@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from enum import IntEnum
 from html import escape
 from pathlib import Path
 
 from missionkit.campaign import plots
 from missionkit.campaign.analysis import Analysis, Comparison, Variant, broken, command
+from missionkit.campaign.report_chart import Drawable, drawable, never, simulated
 from missionkit.campaign.report_variant import variant_section
 from missionkit.campaign.row import Row
 from missionkit.campaign.statistics import Interval, wilson
@@ -31,31 +33,57 @@ NOTES = (
 
 def write_report(folder: Path, said: Analysis) -> Path:
     """Write `report.html`, whole or not at all, and return its path."""
-    write_whole(folder / FILE, page(said))
+    charts = [drawable(said.campaign, variant) for variant in said.variants]
+    write_whole(folder / FILE, page(said, charts))
     return folder / FILE
 
 
-def page(said: Analysis) -> str:
-    """Return the report as one HTML document."""
+def page(said: Analysis, charts: Sequence[Drawable]) -> str:
+    """Return the report as one HTML document.
+
+    Args:
+        said: what it tells.
+        charts: of the variants, one each.
+    """
     campaign = said.campaign
     seeds = f"seeds {campaign.seed} to {max((row.seed for row in said.rows), default=0)}"
     sub = f"{len(said.rows)} simulated flights, {seeds}; missionkit {campaign.missionkit}"
-    parts = [*_verdict(said), *_flown(said), *_comparisons(said), *_numbers(said), *_worst(said)]
-    body = "\n".join([*parts, *_notes()])
+    parts = [
+        *_verdict(said, charts),
+        *_flown(said, charts),
+        *_comparisons(said),
+        *_numbers(said, charts),
+    ]
+    body = "\n".join([*parts, *_worst(said), *_notes()])
     title = f"{campaign.name}: campaign"
-    colour = plots.BAD if any(_alarming(it) for it in said.variants) else plots.GOOD
+    colour = max(map(_alarm, said.variants)).colour
     return PAGE.substitute(title=escape(title), sub=escape(sub), colour=colour, body=body)
 
 
-def _alarming(variant: Variant) -> bool:
-    decided = variant.decision
+class _Alarm(IntEnum):
+    """How a variant looks at a glance."""
+
+    NONE, SOME, HIGH = range(3)
+
+    @property
+    def colour(self) -> str:
+        return (plots.GOOD, plots.FAIR, plots.BAD)[self]
+
+
+def _alarm(variant: Variant) -> _Alarm:
+    """Crashes, a requirement that is not met, or more failures than successes alarm most."""
+    verdict = None if variant.decision is None else variant.decision.verdict
+    good = sum(row.succeeded for row in variant.rows)
     crashed = variant.outcomes.get("crash", 0) > 0
-    return crashed or (decided is not None and decided.verdict == "not met")
+    if crashed or verdict == "not met" or 2 * good < len(variant.rows):
+        return _Alarm.HIGH
+    undecided = verdict == "open" or good < len(variant.rows)
+    return _Alarm.SOME if undecided else _Alarm.NONE
 
 
-def _verdict(said: Analysis) -> Iterator[str]:
+def _verdict(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
     yield '<div class="verdict">'
-    for variant in said.variants:
+    for variant, chart in zip(said.variants, charts, strict=True):
         if len(said.variants) > 1:
             yield f"<h3>{escape(variant.name)}</h3>"
         good = sum(row.succeeded for row in variant.rows)
@@ -64,6 +92,7 @@ def _verdict(said: Analysis) -> Iterator[str]:
         yield f"<p>{good} of {len(variant.rows)}. {_hurt(variant)}{_broken(variant)}</p>"
         if variant.decision is not None:
             yield f"<p>{_required(said, variant)}</p>"
+        yield f"<p>{never(variant, chart)}</p>"
     yield "</div>"
     goal = said.campaign.rule.require
     yield figure(plots.rates([(it.name, it.success) for it in said.variants], goal),
@@ -107,7 +136,7 @@ def _required(said: Analysis, variant: Variant) -> str:
     }[decided.verdict]
 
 
-def _flown(said: Analysis) -> Iterator[str]:
+def _flown(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
     campaign = said.campaign
     first = next((row for row in said.rows if row.parameters), None)
     shown = {} if first is None else first.parameters
@@ -118,10 +147,8 @@ def _flown(said: Analysis) -> Iterator[str]:
     rows = [
         ("mission", escape(campaign.mission)),
         ("parameters", escape(fixed or "—")),
-        (
-            "varied",
-            escape(varied or "—"),
-        ),
+        ("varied", escape(varied or "—")),
+        *simulated(charts[0]),
         ("faults", escape(", ".join(campaign.faults) or "none")),
         ("set by hand", escape(name_of(campaign.settings) if campaign.settings else "nothing")),
         ("files, SHA-256", f"<code>{campaign.digest[:16]}</code>"),
@@ -161,13 +188,14 @@ def _changes(said: Analysis, name: str) -> Iterator[str]:
         yield sure.format(told) if sure else told
 
 
-def _numbers(said: Analysis) -> Iterator[str]:
-    for variant in said.variants:
+def _numbers(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
+    for at, (variant, chart) in enumerate(zip(said.variants, charts, strict=True)):
+        section = variant_section(variant, chart, f"v{at}-")
         if len(said.variants) == 1:
-            yield from variant_section(variant)
+            yield from section
         else:
             yield f"<details><summary>{escape(variant.name)}</summary>"
-            yield from variant_section(variant)
+            yield from section
             yield "</details>"
 
 

@@ -7,17 +7,22 @@ from html import escape
 
 from missionkit.campaign import plots
 from missionkit.campaign.analysis import Measure, Variant
-from missionkit.campaign.chain import absorbed, passed, time_left
-from missionkit.campaign.chain_picture import picture
+from missionkit.campaign.report_chart import Drawable, chart_section
 from missionkit.campaign.wording import figure, number, percent, scaled, table, title_of
 
 
-def variant_section(variant: Variant) -> Iterator[str]:
-    """Yield the parts."""
+def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
+    """Yield the parts.
+
+    Args:
+        variant: what was flown.
+        chart: its chart.
+        key: tells its picture from others on the page.
+    """
     yield from _endings(variant)
     yield from _numbers(variant)
     if variant.chain.states:
-        yield from _chart(variant)
+        yield from chart_section(variant, chart, key)
 
 
 def _endings(variant: Variant) -> Iterator[str]:
@@ -62,41 +67,3 @@ def _quantiles(measure: Measure) -> tuple[str, ...]:
     bounds = f"{number(middle.low, name)} to {number(middle.high, name)}"
     shown = number(low.value, name), number(middle.value, name), bounds, number(high.value, name)
     return title_of(name), *shown
-
-
-def _chart(variant: Variant) -> Iterator[str]:
-    chain = variant.chain
-    yield "<h2>The chart as it was flown</h2>"
-    yield figure(picture(chain), "Of the visits to a state, the share that went each way.")
-    ends, left = absorbed(chain.inner, chain.outer), time_left(chain.inner, chain.dwell)
-    counted = passed(variant.rows)
-    good = [n for n, ending in enumerate(chain.endings) if ending.outcome == "success"]
-    hurt = [n for n, ending in enumerate(chain.endings) if ending.outcome == "crash"]
-    rows = []
-    for n, state in enumerate(chain.states):
-        runs, happy = counted[state]
-        success, crash = (float(ends[n, which].sum()) for which in (good, hurt))
-        shares = percent(happy / runs), percent(success), percent(crash)
-        times = f"{chain.dwell[n]:.1f} s", f"{left[n]:.0f} s"
-        rows.append((escape(state), str(runs), *shares, *times))
-    chances = "+of them with success", "+chain: success", "+chain: crash"
-    heads = ("from", "+runs that were there", *chances, "+a visit lasts", "+until the end")
-    yield table(heads, rows)
-    yield from _failing(variant)
-
-
-def _failing(variant: Variant) -> Iterator[str]:
-    """Yield the most likely way to failure: by the chain, and how many really went it."""
-    way = variant.failure
-    if way is None:
-        return
-    went = sum(
-        row.outcome == way.ending.outcome and tuple(s for s, _ in row.visits) == way.states
-        for row in variant.rows
-    )
-    ending = f"{way.ending.outcome.replace('_', ' ')} in {way.ending.state}"
-    path = escape(" → ".join((*way.states, ending)))
-    yield (
-        f"<p>The most likely way to fail: <b>{path}</b>, {percent(way.probability)} of all "
-        f"flights by the chain; {went} of {len(variant.rows)} went it.</p>"
-    )

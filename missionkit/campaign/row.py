@@ -46,6 +46,8 @@ class Row(BaseModel):
     metrics: dict[str, float | None] = {}
     times: dict[str, float] = {}  # s in each state, those around the active one included
     transitions: dict[str, int] = {}  # "gps -> visual": how often
+    ways: dict[str, int] = {}  # "gps -> visual: when marker-sure": how often, by its reason
+    entries: dict[str, int] = {}  # how often each state was entered, those around included
     visits: tuple[tuple[str, float], ...] = ()  # states that commanded, in order, and s in each
     problems: tuple[str, ...] = ()
 

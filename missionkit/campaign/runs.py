@@ -86,6 +86,8 @@ def _row(order: Order, case: Case) -> Row:
         metrics={"duration": result.flown.duration, **metrics(result.grade)},
         times=diary.times,
         transitions=diary.transitions,
+        ways=diary.ways,
+        entries=diary.entries,
         visits=diary.visits,
         problems=diary.problems,
     )

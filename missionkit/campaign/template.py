@@ -30,10 +30,11 @@ td.n { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .row { display: flex; flex-wrap: wrap; gap: .4rem 1rem; }
 figure { margin: .6rem 0; } figcaption { font-size: .85rem; color: #6b7785; }
 svg { max-width: 100%; height: auto; }
+.wide { overflow-x: auto; } .wide svg { max-width: none; }
 code { font-size: .82rem; background: #f5f7f9; padding: .1rem .3rem; overflow-wrap: anywhere; }
 .good { color: #007a59; } .bad { color: #b34d00; } details { margin: .8rem 0; }
 summary { cursor: pointer; font-weight: 600; }
-@media print { body { max-width: none; margin: 0; } }
+@media print { body { max-width: none; margin: 0; } .wide svg { max-width: 100%; } }
 </style>
 </head>
 <body>

@@ -55,6 +55,15 @@ def percent(rate: float, *, sign: bool = False) -> str:
     return f"{value:+.{digits}f} %" if sign else f"{value:.{digits}f} %"
 
 
+def plural(count: int, what: str) -> str:
+    """Return how many there are.
+
+    >>> plural(1, "time"), plural(3, "time")
+    ('1 time', '3 times')
+    """
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 def between(interval: Interval, shown: Callable[[float], str]) -> str:
     """Return an interval's bounds in words."""
     return f"between {shown(interval.low)} and {shown(interval.high)}"

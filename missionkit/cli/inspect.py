@@ -17,6 +17,7 @@ from missionkit.cli.catalogue import assemble, overrides
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest
 
 if TYPE_CHECKING:
+    from missionkit.cli.flown import Flown
     from missionkit.sim.world import World
 
 FORMATS = ("text", "json", "sarif")
@@ -148,24 +149,48 @@ def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
         raise UsageError(f"unknown schema {kind!r}; {nearest(kind, texts)}")
 
 
-def graph(path: Path, out: Path | None, settings: Iterable[str], plugins: Iterable[Path]) -> None:
-    """Draw a chart as Mermaid or SVG, with the problems that `validate` finds in red."""
+def graph(
+    path: Path,
+    out: Path | None,
+    settings: Iterable[str],
+    plugins: Iterable[Path],
+    campaign: Path | None = None,
+) -> None:
+    """Draw a chart as Mermaid or SVG, with the problems that `validate` finds in red.
+
+    Args:
+        path: of the mission.
+        out: file to write; Mermaid on stdout without.
+        settings: values of parameters.
+        plugins: files.
+        campaign: folder of one, whose flights are drawn over the chart.
+    """
     from missionkit.chart.drawing.diagram import mermaid  # noqa: PLC0415
     from missionkit.chart.drawing.marks import marks  # noqa: PLC0415
+    from missionkit.chart.drawing.overlay import NOTHING  # noqa: PLC0415
     from missionkit.chart.drawing.picture import svg  # noqa: PLC0415
     from missionkit.chart.model.contracts import fulfilled  # noqa: PLC0415
 
-    catalogue = assemble(plugins)
-    written = load(path, catalogue, overrides(settings))
+    flights = None if campaign is None else _flown(campaign, path, settings)
+    files = tuple(plugins) or (() if flights is None else flights.plugins)
+    catalogue = assemble(files)
+    written = load(path, catalogue, overrides(settings) if flights is None else flights.values)
+    overlay = NOTHING if flights is None else flights.overlay(path, written, catalogue)
     mission, found = fulfilled(written, catalogue), marks(written, _found(written, catalogue))
     if out is None:
-        _say(mermaid(mission, found).rstrip("\n"))
+        _say(mermaid(mission, found, overlay).rstrip("\n"))
         return
     writers = {".mmd": mermaid, ".svg": svg}
     if out.suffix not in writers:
         raise UsageError(f"--out {out}: expected a file that ends in .mmd or .svg")
-    out.write_text(writers[out.suffix](mission, found), encoding="utf-8")
+    out.write_text(writers[out.suffix](mission, found, overlay), encoding="utf-8")
     _say(str(out))
+
+
+def _flown(folder: Path, path: Path, settings: Iterable[str]) -> Flown:
+    from missionkit.cli.flown import flown  # noqa: PLC0415 - heavy
+
+    return flown(folder, path, overrides(settings))
 
 
 def new(kind: str, name: str, to: Path) -> None:

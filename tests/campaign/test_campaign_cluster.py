@@ -1,17 +1,18 @@
-"""The same rows from a Dask cluster as from processes of this machine."""
+"""The same rows from a Dask cluster as from processes of this machine; one that breaks is a row."""
 
 from __future__ import annotations
 
 import sys
 
 import pytest
-from campaigns import cases, hop
+from campaigns import bombed, cases, hop
 
 from missionkit.campaign import cluster, pool
-from missionkit.campaign.row import Order
-from missionkit.errors import UsageError
+from missionkit.campaign.row import Case, Order
+from missionkit.errors import UsageError, VehicleError
 
 ADDRESS = "tcp://127.0.0.1:1"
+PATIENCE = 60.0  # s for a run that is not to hang
 
 
 def test_without_dask_it_says_what_is_missing(monkeypatch):
@@ -20,14 +21,62 @@ def test_without_dask_it_says_what_is_missing(monkeypatch):
         next(cluster.flown(Order("m.yaml", {}), cases(1), address=ADDRESS))
 
 
+def test_an_address_without_a_scheduler_is_told(monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECTING", 0.3)
+    with pytest.raises(VehicleError, match=f"no Dask cluster answers at {ADDRESS}"):
+        next(cluster.flown(Order("m.yaml", {}), cases(1), address=ADDRESS))
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    """Two workers on the loopback; none of their processes is left behind."""
+    import dask  # noqa: PLC0415 - heavy
+    import distributed  # noqa: PLC0415
+    import psutil  # noqa: PLC0415
+
+    settings = {"distributed.scheduler.allowed-failures": 0}
+    with (
+        dask.config.set(settings),
+        distributed.LocalCluster(
+            n_workers=2,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            local_directory=str(tmp_path_factory.mktemp("dask")),
+        ) as local,
+    ):
+        yield local.scheduler_address
+        processes = [nanny.pid for nanny in local.workers.values()]
+    assert len(processes) == 2
+    assert not any(map(psutil.pid_exists, processes))
+
+
 @pytest.mark.filterwarnings("default")
-def test_two_dask_workers_give_the_rows_of_the_pool(tmp_path):
-    distributed = pytest.importorskip("distributed")
+def test_two_dask_workers_give_the_rows_of_the_pool(address, tmp_path):
     order = Order(hop(tmp_path), {})
     here = sorted(pool.flown(order, cases(6), workers=2), key=lambda it: it.number)
-    local = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)
-    )
-    with local:
-        rows = cluster.flown(order, cases(6), address=local.scheduler_address)
-        assert sorted(rows, key=lambda it: it.number) == here
+    rows = cluster.flown(order, cases(6), address=address, timeout=PATIENCE)
+    assert sorted(rows, key=lambda it: it.number) == here
+    assert [it.outcome for it in here] == ["success"] * 6
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize(
+    ("how", "timeout", "outcome", "reason"),
+    [
+        ("die", PATIENCE, "lost", "the cluster gave it up: every worker that flew it died"),
+        ("hang", 2.0, "hung", "no result within 2 s"),
+    ],
+)
+def test_a_worker_that_breaks_is_a_row_and_replaced(
+    address, tmp_path, how, timeout, outcome, reason
+):
+    mission, plugin = bombed(tmp_path)
+    order = Order(mission, {}, (plugin,))
+    bad = Case(9, 0, 0, {"how": how})
+    (row,) = cluster.flown(order, [bad], address=address, timeout=timeout)
+    assert (row.number, row.outcome) == (9, outcome)
+    assert row.reason == reason
+    assert row.visits == ()
+    rows = cluster.flown(order, cases(3), address=address, timeout=PATIENCE)
+    assert [it.outcome for it in rows] == ["success"] * 3

@@ -5,25 +5,34 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 import typer
-from campaigns import row
+from campaigns import hop, row
 from documents import document, table
 
 from missionkit.campaign import plots
 from missionkit.campaign.analysis import analysed, worst
-from missionkit.campaign.chain import estimate
-from missionkit.campaign.chain_picture import picture
-from missionkit.campaign.plan import Campaign, Rule
+from missionkit.campaign.plan import Campaign, Rule, digest_of
 from missionkit.campaign.progress import Progress, line, spell
-from missionkit.campaign.report import page
+from missionkit.campaign.report import page as page_of
+from missionkit.campaign.report_chart import drawable
 from missionkit.campaign.statistics import wilson
 from missionkit.campaign.wording import number, percent
+from missionkit.chart.catalogue import builtin
+from missionkit.chart.load import load
 from missionkit.cli.app import app
 
 PLAN = Campaign(mission="/m.yaml", name="m<1>", runs=20, digest="0" * 64)
+
+
+GONE = "the file is gone"
+
+
+def page(said):
+    return page_of(said, [GONE] * len(said.variants))
 
 
 def shapes(svg, tag):
@@ -108,10 +117,55 @@ def test_the_running_rate_ends_where_the_campaign_does():
     assert shapes(plots.running([]), "polygon")[0]["points"] == ""
 
 
-def test_the_chart_is_drawn_with_its_shares():
-    drawn = picture(estimate(mixed()))
-    words = re.findall(r">([^<]+)</text>", drawn)
-    assert {"80 %", "20 %", "16 times", "4 times", "crash", "in out", "4.0 s a visit"} <= set(words)
+def test_a_chart_that_cannot_be_read_any_more_is_no_reason_to_write_no_report():
+    text = page(analysed(PLAN, mixed()))
+    assert "The chart is not drawn: the file is gone." in text
+    assert "What of the chart was never flown is not known" in text
+    assert drawable(PLAN, analysed(PLAN, [row(0, entries={"idle": 1})]).variants[0]) == (
+        "it cannot be read any more: /m.yaml:1:1: cannot be read: no such file or directory"
+    )
+    assert "older missionkit" in drawable(PLAN, analysed(PLAN, mixed()).variants[0])
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "require", "colour"),
+    [
+        (["success"] * 5, None, plots.GOOD),
+        (["success"] * 5, 0.5, plots.FAIR),  # not decided yet
+        (["success"] * 4 + ["ended_safely"], None, plots.FAIR),
+        (["success"] * 2 + ["ended_safely"] * 3, None, plots.BAD),
+        (["success"] * 9 + ["crash"], None, plots.BAD),
+    ],
+)
+def test_the_colour_of_the_page_is_its_alarm(outcomes, require, colour):
+    plan = PLAN.model_copy(update={"rule": Rule(require=require)})
+    text = page(analysed(plan, [row(n, it) for n, it in enumerate(outcomes)]))
+    assert f"border-left: 6px solid {colour}" in text
+
+
+def test_a_page_has_the_chart_of_each_variant_with_its_own_arrows(tmp_path):
+    path = Path(hop(tmp_path))
+    mission = load(path, builtin())
+    vary = (("height", ("2", "3")),)
+    digest = digest_of(mission, path)
+    plan = PLAN.model_copy(update={"mission": str(path), "vary": vary, "digest": digest})
+    ways = {"idle -> land: when done": 1}
+    rows = [
+        row(n, variant=n % 2, entries={"idle": 1, "land": 1}, ways=ways if n % 2 else {})
+        for n in range(6)
+    ]
+    said = analysed(plan, rows)
+    text = page_of(said, [drawable(plan, variant) for variant in said.variants])
+    assert "Every state, transition and failsafe of the chart was flown." in text
+    assert "Never flown: 1 of 1 transition; these flights say nothing about them." in text
+    assert text.count("<td>idle → land, when done</td>") == 1
+    assert '<td class="n">3 visits</td><td class="n">56.1 %</td>' in text
+    assert {"v0-pale", "v1-heavy"} <= set(re.findall(r"url\(#([\w-]+)\)", text))
+    assert "<td>camera</td><td>none</td>" in text
+    path.write_text(path.read_text() + "# changed\n")
+    assert drawable(plan, said.variants[0]) == (
+        f"{path}: it or a file it uses was changed since the campaign was flown"
+    )
 
 
 def test_progress_is_a_line_now_and_then():

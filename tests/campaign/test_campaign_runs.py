@@ -11,7 +11,7 @@ from campaigns import hop
 from typer.testing import CliRunner
 
 from missionkit.campaign.analysis import command
-from missionkit.campaign.diary import Diary
+from missionkit.campaign.diary import Diary, parts, way
 from missionkit.campaign.plan import Campaign
 from missionkit.campaign.row import Case, Order
 from missionkit.campaign.runs import fly
@@ -55,7 +55,7 @@ def test_a_crash_is_told_with_its_reason(tmp_path):
 
 
 def seen(state, *fired, active=()):
-    ways = [SimpleNamespace(source=a, to=b) for a, b in fired]
+    ways = [SimpleNamespace(source=a, to=b, reason=f"{b}!") for a, b in fired]
     return SimpleNamespace(state=state, active=active or (state,), fired=ways, problems=("odd",))
 
 
@@ -72,4 +72,25 @@ def test_a_diary_tells_visits_times_and_transitions():
     assert diary.visits == (("a", 1.0), ("a", 0.5), ("b", 1.0))
     assert diary.times == {"a": 1.5, "b": 1.0, "out": 1.0}
     assert diary.transitions == {"a -> a": 1, "a -> c": 1, "c -> b": 1}
+    assert diary.ways == {"a -> a: a!": 1, "a -> c: c!": 1, "c -> b: b!": 1}
+    assert diary.entries == {"a": 2, "c": 1, "b": 1, "out": 1}  # c: within a tick
     assert diary.problems == ("odd",)
+
+
+def test_a_diary_counts_entries_of_states_around_and_in_regions():
+    inside, diary = ("out", "x", "y"), Diary(0.5)
+    for record in [
+        seen("x", active=inside),
+        seen("x", ("y", "y"), active=inside),  # acts only, in another region
+        seen("x", ("x", "out"), active=inside),  # leaves it and enters it anew
+        seen("z", ("out", "u, v"), ("u", "z"), active=("z",)),
+        seen("x", ("z", "room"), ("door", "x, y"), active=inside),  # the room begins at its door
+        seen("x", active=inside),
+    ]:
+        diary(record, None)
+    assert diary.entries == {"out": 3, "x": 2, "y": 2, "u": 1, "v": 1, "z": 1, "room": 1, "door": 1}
+
+
+def test_the_reason_of_a_transition_may_be_anything():
+    for name in (("a", "b", "when x -> y: 3"), ("a", "b, c", "after 3 s"), ("a", "a", "")):
+        assert parts(way(*name)) == name

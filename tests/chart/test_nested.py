@@ -108,6 +108,17 @@ def test_arrows_run_from_border_to_border(chart):
             assert min(abs(y - top), abs(y - bottom)) < 1e-6
 
 
+def test_a_state_has_room_for_its_own_heading():
+    parents: Parents = {"a": None, "b": "a", "c": "b"}
+    sizes = {"a": Box(80, 40), "b": Box(300, 110), "c": BOX}
+    states = nested(sizes, parents, []).states
+    for outer, inner in (("a", "b"), ("b", "c")):
+        assert within(states[inner], states[outer])
+        room = edges(states[inner])[1] - edges(states[outer])[1]
+        assert sizes[outer].height <= room < sizes[outer].height + 10
+    assert states["b"].box.width == 300
+
+
 def test_an_arrow_out_of_a_state_crosses_its_border():
     parents: Parents = {"a": None, "b": "a", "c": "b", "d": None}
     picture = drawn(parents, [Arrow("c", "d", LABEL), Arrow("d", "c", LABEL)])

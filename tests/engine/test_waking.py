@@ -100,7 +100,9 @@ def test_nothing_is_commanded_before_a_heartbeat_has_come_and_the_estimate_is_so
 
 
 @pytest.mark.parametrize(
-    ("loss", "waited"), [("gnss_lost@3.5", CALM), (f"gnss_lost@{AT}", SETTLING)], ids=["long", "just"]
+    ("loss", "waited"),
+    [("gnss_lost@3.5", CALM), (f"gnss_lost@{AT}", SETTLING)],
+    ids=["long", "just"],
 )
 def test_fixes_are_waited_for_only_where_there_were_some(loss, waited):
     ready = short_stage(STAY, loss)

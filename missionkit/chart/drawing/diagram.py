@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from missionkit.chart.drawing.marks import UNMARKED, Marks, numbered
+from missionkit.chart.drawing.overlay import NO_NOTE, NOTHING, Overlay
 from missionkit.chart.model.expressions import text
 from missionkit.chart.model.mission import Failsafe, Mission, Start, State, Transition
 
@@ -66,16 +67,20 @@ def colour(state: State) -> str:
     return COLOURS.get(state.kind, OTHER_COLOUR)
 
 
-def mermaid(mission: Mission, marks: Marks = UNMARKED) -> str:
+def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHING) -> str:
     """Return the mission as a Mermaid state diagram; what is marked has numbers and a red border.
 
-    Mermaid cannot colour the arrows of a state diagram.
+    Mermaid cannot colour, dash or widen the arrows of a state diagram: notes stand in words only.
     """
     ids = _ids(mission.by_name())
     first = ids[mission.initial.to[0]]
     lines = ["stateDiagram-v2", *_starts(mission.initial, ids, MARGIN)]
-    lines += _drawn(mission.states, _Marked(ids, marks), MARGIN)
-    failsafes = [failsafe_text(each) for each in mission.failsafes]
+    lines += _drawn(mission.states, _Marked(ids, marks, overlay), MARGIN)
+    lines += _moves(overlay, ids)
+    failsafes = [
+        _with(failsafe_text(each), overlay.failsafes.get(each.name, NO_NOTE).lines)
+        for each in mission.failsafes
+    ]
     lines += _note(f"left of {first}", "in every flying state:", failsafes)
     lines += _note(f"right of {first}", "problems:", marks.lines)
     for name, state, _ in mission.walk():
@@ -87,6 +92,18 @@ def mermaid(mission: Mission, marks: Marks = UNMARKED) -> str:
 class _Marked(NamedTuple):
     ids: Mapping[str, str]
     marks: Marks
+    overlay: Overlay
+
+
+def _with(said: str, notes: Iterable[str]) -> str:
+    return "; ".join(filter(None, (said, *notes)))
+
+
+def _moves(overlay: Overlay, ids: Mapping[str, str]) -> Iterator[str]:
+    for move in overlay.moves:
+        to = "[*]" if move.ends else ids[move.to]
+        said = _escaped(_with(move.to if move.ends else move.text, move.note.lines))
+        yield f"{MARGIN}{ids[move.source]} --> {to} : {said}"
 
 
 def _note(where: str, heading: str, lines: Iterable[str]) -> Iterator[str]:
@@ -103,10 +120,12 @@ def _starts(start: Start | None, ids: Mapping[str, str], margin: str) -> Iterato
 
 
 def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterator[str]:
-    ids, marks = marked
+    ids, marks, overlay = marked
     for name, state in states.items():
-        found = numbered(marks.states.get(name, ()))
-        yield f'{margin}state "{f"{name} {found}".rstrip()}" as {ids[name]}'
+        found, noted = numbered(marks.states.get(name, ())), overlay.states.get(name, NO_NOTE).lines
+        said = f"{name} {found}".rstrip()
+        label = _escaped(_with(said, noted)) if state.states else said  # it has no room below
+        yield f'{margin}state "{label}" as {ids[name]}'
         if state.states:
             yield f"{margin}state {ids[name]} {{"
             yield from _starts(state.initial, ids, margin + MARGIN)
@@ -114,9 +133,11 @@ def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterato
             yield f"{margin}}}"
         else:
             yield f"{margin}{ids[name]} : {_escaped(f'{state.kind}, {state_text(state)}')}"
+            yield from (f"{margin}{ids[name]} : {_escaped(line)}" for line in noted)
         for number, transition in enumerate(state.transitions):
             found = numbered(marks.ways.get((name, number), ()))
-            label = _escaped(f"{found} {transition_text(transition)}".strip())
+            said = f"{found} {transition_text(transition)}".strip()
+            label = _escaped(_with(said, overlay.ways.get((name, number), NO_NOTE).lines))
             for to in transition.targets or (name,):
                 yield f"{margin}{ids[name]} --> {ids[to]} : {label}"
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from missionkit.chart.drawing.layout import Box, Layout, Link, Point, layout, ranks
 
 PAD = 16.0  # px between what is inside a state and its border
-HEAD = 54.0  # px for its name
+HEAD = 6.0  # px around its heading
 DOT = Box(12.0, 12.0)
 BARE = Box(8.0, 0.0)  # an arrow without a label, a port
 Parents = Mapping[str, str | None]
@@ -104,6 +104,7 @@ class _Nested:
 
     def __init__(self, sizes: Mapping[str, Box], parents: Parents, arrows: Sequence[Arrow]) -> None:
         self.sizes = dict(sizes)
+        self.headings = sizes
         self.parents = parents
         self.arrows = arrows
         self.levels: dict[str | None, _Level] = {None: _Level(0)}
@@ -198,7 +199,11 @@ class _Nested:
         level.placed = placed = layout(boxes, links, self.initial(level), level.low)
         if name is not None:
             wide = max(self.sizes[name].width, placed.width + 2 * PAD)
-            self.sizes[name] = Box(wide, HEAD + placed.height + PAD)
+            self.sizes[name] = Box(wide, self.head(name) + placed.height + PAD)
+
+    def head(self, name: str) -> float:
+        """Return how much room a state with states inside has for its heading (px)."""
+        return self.headings[name].height + HEAD
 
     def box(self, key: object) -> Box:
         """Return the size of a state, a beginning or a port."""
@@ -245,7 +250,7 @@ class _Nested:
         if name is None:
             return 0.0, 0.0
         x, y, box = states[name]
-        return x - _placed(self.levels[name]).width / 2, y - box.height / 2 + HEAD
+        return x - _placed(self.levels[name]).width / 2, y - box.height / 2 + self.head(name)
 
 
 def _placed(level: _Level) -> Layout:

@@ -4,69 +4,85 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from itertools import pairwise
 from textwrap import shorten, wrap
+from typing import NamedTuple
 
+from missionkit.chart.drawing import shapes
 from missionkit.chart.drawing.diagram import colour, failsafe_text, state_text, transition_text
-from missionkit.chart.drawing.layout import Box, Point
+from missionkit.chart.drawing.layout import Box
 from missionkit.chart.drawing.marks import UNMARKED, Marks, numbered
 from missionkit.chart.drawing.nested import Arrow, Drawing, Rectangle, nested
+from missionkit.chart.drawing.overlay import NO_NOTE, NOTHING, Note, Overlay
+from missionkit.chart.drawing.shapes import LINE, MARGIN
 from missionkit.chart.model.mission import Mission, State
 
-MARGIN = 24.0
 TOP = 66.0  # title
-LINE = 15.0
 LABEL_WIDTH = 26  # characters
-LIST_WIDTH = 110  # characters
-RED = "#c81e1e"
-_STYLE = (
-    "text{font-family:Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#1f2937}"
-    ".title{font-size:19px;font-weight:bold}.name{font-size:15px;font-weight:bold}"
-    ".small{font-size:12px}.box{stroke:#4b5563;stroke-width:1.4}.around{fill-opacity:.35}"
-    ".region{stroke-dasharray:6 4}"
-    ".arrow{fill:none;stroke:#4b5563;stroke-width:1.4}.strip{fill:#fdf2f2;stroke:#d08a8a}"
-    ".label{fill:#fff;fill-opacity:.92}"
-    f".marked{{stroke:{RED};stroke-width:2.6}}text.marked{{fill:{RED};stroke:none}}"
-)
+HEADING = 48.0  # px for name and behaviour
+END = "end:"  # before the name of an end: no state is called so
 
 
-def _tip(name: str, fill: str) -> str:
-    return (
-        f'<marker id="{name}" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="8" '
-        'markerHeight="8" orient="auto" markerUnits="userSpaceOnUse">'
-        f'<path d="M0 0L10 5L0 10z" fill="{fill}"/></marker>'
-    )
+class Shown(NamedTuple):
+    """A mission and what is drawn besides."""
+
+    mission: Mission
+    marks: Marks = UNMARKED
+    overlay: Overlay = NOTHING
+
+    def note(self, name: str) -> Note:
+        """Return what stands at a state."""
+        return self.overlay.states.get(name, NO_NOTE)
 
 
-def svg(mission: Mission, marks: Marks = UNMARKED) -> str:
+class Way(NamedTuple):
+    """An arrow: its place, the words on it, what is noted below them, how it looks."""
+
+    arrow: Arrow
+    lines: Sequence[str] = ()
+    noted: Sequence[str] = ()
+    style: str = ""
+    weight: float = 0.0
+
+
+def svg(
+    mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHING, key: str = ""
+) -> str:
     """Return the mission as an SVG document: states coloured by kind, guards on the arrows.
 
     Args:
         mission: with its default failsafes written out.
         marks: the states and transitions to be drawn in red, and why.
+        overlay: notes, weights, and what the chart does not declare.
+        key: tells this picture from others on the same page.
     """
-    ways = list(_ways(mission, marks))
+    shown = Shown(mission, marks, overlay)
+    ways = list(_ways(shown))
     parents = {name: parent for name, _, parent in mission.walk()}
-    sizes = {name: _heading(name, state, marks) for name, state, _ in mission.walk()}
-    drawn = nested(sizes, parents, [arrow for arrow, _, _ in ways])
-    strips = list(_strips(mission, marks))
-    width = max([drawn.width, 560.0, *(_strip_width(lines) for lines in strips)])
-    below = list(_stacked(strips, TOP + drawn.height + 30, width))
-    height = TOP + drawn.height + 30 + sum(_strip_height(lines) + 14 for lines in strips) + MARGIN
-    size = f"{width + 2 * MARGIN:.0f}", f"{height:.0f}"
+    sizes = {name: _size_of(name, state, shown) for name, state, _ in mission.walk()}
+    for end in overlay.ends:
+        parents[END + end.name] = None
+        sizes[END + end.name] = _boxed(end.name, end.lines)
+    drawn = nested(sizes, parents, [way.arrow for way in ways])
+    strips = list(_strips(shown))
+    wide = max([drawn.width, 560.0, *(shapes.strip_width(lines) for _, lines in strips)])
+    below = list(shapes.stacked(strips, TOP + drawn.height + 30, wide))
+    height = TOP + drawn.height + 30 + sum(shapes.strip_height(it) for _, it in strips) + MARGIN
+    size = f"{wide + 2 * MARGIN:.0f}", f"{height:.0f}"
     return "\n".join(
         [
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}" '
-            f'viewBox="0 0 {size[0]} {size[1]}">',
-            f"<style>{_STYLE}</style><defs>{_tip('arrow', '#4b5563')}{_tip('red', RED)}</defs>",
-            '<rect width="100%" height="100%" fill="#fff"/>',
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img" '
+            f'aria-label="{escape(f"the chart of {mission.name}")}" width="{size[0]}" '
+            f'height="{size[1]}" viewBox="0 0 {size[0]} {size[1]}">',
+            shapes.preamble(key),
+            f'<rect width="{size[0]}" height="{size[1]}" fill="#fff"/>',
             *_title(mission),
-            f'<g transform="translate({MARGIN + (width - drawn.width) / 2:.1f} {TOP:.1f})">',
-            *_groups(mission, drawn, marks),
+            f'<g transform="translate({MARGIN + (wide - drawn.width) / 2:.1f} {TOP:.1f})">',
+            *_groups(shown, drawn),
             *(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="#1f2937"/>' for x, y in drawn.dots),
-            *_arrows(drawn, ways),
+            *_arrows(drawn, ways, key),
             *_labels(drawn, ways),
-            *_states(mission, drawn, marks),
+            *_states(shown, drawn),
+            *_ends(overlay, drawn),
             "</g>",
             *below,
             "</svg>\n",
@@ -74,42 +90,50 @@ def svg(mission: Mission, marks: Marks = UNMARKED) -> str:
     )
 
 
-_Way = tuple[Arrow, Sequence[str], bool]  # its place, the lines of its label, whether it is marked
-
-
-def _ways(mission: Mission, marks: Marks) -> Iterator[_Way]:
+def _ways(shown: Shown) -> Iterator[Way]:
     """Yield every arrow."""
-    yield from ((Arrow(None, to, _size([])), [], False) for to in mission.initial.to)
+    mission, marks, overlay = shown
+    yield from (Way(Arrow(None, to, _size([]))) for to in mission.initial.to)
     for name, state, _ in mission.walk():
         for number, each in enumerate(state.transitions):
             found = numbered(marks.ways.get((name, number), ()))
             lines = _wrapped(f"{found} {transition_text(each)}".strip())
+            note = overlay.ways.get((name, number), NO_NOTE)
+            style = "marked" if found else "pale" if note.pale else ""
             for to in each.targets or (name,):
-                yield Arrow(name, to, _size(lines)), lines, bool(found)
+                arrow = Arrow(name, to, _size([*lines, *note.lines]))
+                yield Way(arrow, lines, note.lines, style, note.weight)
         if state.initial is not None:
-            yield from ((Arrow(None, to, _size([]), name), [], False) for to in state.initial.to)
+            yield from (Way(Arrow(None, to, _size([]), name)) for to in state.initial.to)
         if state.default is not None:
             lines = ["the first time"]
-            yield from ((Arrow(name, to, _size(lines)), lines, False) for to in state.default.to)
+            yield from (Way(Arrow(name, to, _size(lines)), lines) for to in state.default.to)
+    for move in overlay.moves:
+        to, style = (END + move.to, "") if move.ends else (move.to, "dashed")
+        lines, note = _wrapped(move.text), move.note
+        arrow = Arrow(move.source, to, _size([*lines, *note.lines]))
+        yield Way(arrow, lines, note.lines, style, note.weight)
 
 
 def _wrapped(label: str) -> list[str]:
     return wrap(label, LABEL_WIDTH, break_on_hyphens=False)
 
 
-def _width(line: str, character: float) -> float:
-    return character * len(line)
-
-
 def _size(lines: Sequence[str]) -> Box:
     if not lines:
         return Box(8, 0)
-    return Box(max(_width(line, 6.6) for line in lines) + 8, LINE * len(lines) + 4)
+    return Box(max(shapes.width(line, 6.6) for line in lines) + 8, LINE * len(lines) + 4)
 
 
-def _heading(name: str, state: State, marks: Marks) -> Box:
-    shown = f"{name} {numbered(marks.states.get(name, ()))}".rstrip()
-    return Box(max(96.0, _width(shown, 9) + 28, _width(_does(name, state), 6.6) + 24), 48.0)
+def _size_of(name: str, state: State, shown: Shown) -> Box:
+    words = f"{name} {numbered(shown.marks.states.get(name, ()))}".rstrip()
+    return _boxed(words, [_does(name, state), *shown.note(name).lines])
+
+
+def _boxed(name: str, lines: Sequence[str]) -> Box:
+    wide = max(shapes.width(line, 6.6) + 24 for line in lines)
+    height = HEADING + LINE * (len(lines) - 1)
+    return Box(max(96.0, shapes.width(name, 9) + 28, wide), height)
 
 
 def _does(name: str, state: State) -> str:
@@ -124,106 +148,86 @@ def _title(mission: Mission) -> Iterator[str]:
     yield f'<text class="small" x="{MARGIN}" y="50">{escape(summary)}</text>'
 
 
-def _arrows(drawn: Drawing, ways: Sequence[_Way]) -> Iterator[str]:
-    for route, (_, _, marked) in zip(drawn.routes, ways, strict=True):
-        style, tip = ("arrow marked", "red") if marked else ("arrow", "arrow")
-        yield f'<path class="{style}" d="{_curve(route)}" marker-end="url(#{tip})"/>'
+def _arrows(drawn: Drawing, ways: Sequence[Way], key: str) -> Iterator[str]:
+    for route, way in zip(drawn.routes, ways, strict=True):
+        yield shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
 
 
-def _curve(points: Sequence[Point]) -> str:
-    """Return a smooth path that leaves and meets every layer vertically."""
-    path = f"M{points[0][0]:.1f} {points[0][1]:.1f}"
-    for (x, y), (u, v) in pairwise(points):
-        middle = (y + v) / 2
-        path += f"C{x:.1f} {middle:.1f} {u:.1f} {middle:.1f} {u:.1f} {v:.1f}"
-    return path
+def _labels(drawn: Drawing, ways: Sequence[Way]) -> Iterator[str]:
+    for (x, y), (_, lines, noted, style, _) in zip(drawn.labels, ways, strict=True):
+        words = [*((it, "small") for it in lines), *((it, "note") for it in noted)]
+        if words:
+            yield shapes.rectangle(Rectangle(x, y, _size([*lines, *noted])), "label", 3)
+        for at, (line, size) in enumerate(words):
+            top = y + LINE * (at - (len(words) - 1) / 2) + 4
+            yield shapes.text(line, x, top, f"{size} {style}".rstrip())
 
 
-def _labels(drawn: Drawing, ways: Sequence[_Way]) -> Iterator[str]:
-    for (x, y), (_, lines, marked) in zip(drawn.labels, ways, strict=True):
-        if lines:
-            yield _rectangle(Rectangle(x, y, _size(lines)), "label", 3)
-        for at, line in enumerate(lines):
-            style = "small marked" if marked else "small"
-            yield _text(line, x, y + LINE * (at - (len(lines) - 1) / 2) + 4, style)
-
-
-def _groups(mission: Mission, drawn: Drawing, marks: Marks) -> Iterator[str]:
+def _groups(shown: Shown, drawn: Drawing) -> Iterator[str]:
     """Yield the borders of states with states inside, the outermost first."""
+    mission = shown.mission
     regions = {
         region for _, state, _ in mission.walk() if state.parallel for region in state.states
     }
     for name, state, _ in mission.walk():
         if state.states:
             style = " around region" if name in regions else " around"
-            yield _border(name, state, drawn.states[name], marks, style)
+            yield _border(name, state, shown, drawn.states[name], style)
 
 
-def _border(name: str, state: State, place: Rectangle, marks: Marks, style: str = "") -> str:
-    marked = " marked" if name in marks.states else ""
-    return _rectangle(place, f"box{style}{marked}", 11, f' fill="{colour(state)}"')
+def _border(name: str, state: State, shown: Shown, place: Rectangle, style: str = "") -> str:
+    if name in shown.marks.states:
+        style += " marked"
+    if shown.note(name).pale:
+        style += " pale"
+    return shapes.rectangle(place, f"box{style}", 11, f' fill="{colour(state)}"')
 
 
-def _states(mission: Mission, drawn: Drawing, marks: Marks) -> Iterator[str]:
+def _states(shown: Shown, drawn: Drawing) -> Iterator[str]:
     """Yield the names of all states, and the borders of those without states inside."""
-    for name, state, _ in mission.walk():
+    for name, state, _ in shown.mission.walk():
         x, y, box = drawn.states[name]
+        heading = _size_of(name, state, shown)
         if not state.states:
-            yield _border(name, state, drawn.states[name], marks)
+            yield _border(name, state, shown, drawn.states[name])
         else:
-            heading = _heading(name, state, marks)
-            x, y = x + (heading.width - box.width) / 2, y + 26 - box.height / 2
-            yield _rectangle(Rectangle(x, y - 1, Box(heading.width - 20, 34)), "label", 3)
-        found = numbered(marks.states.get(name, ()))
-        yield _text(f"{name} {found}".rstrip(), x, y - 3, "name marked" if found else "name")
-        yield _text(_does(name, state), x, y + 14, "small")
+            x += (heading.width - box.width) / 2
+            y += heading.height / 2 + 2 - box.height / 2
+            back = Box(heading.width - 20, heading.height - 14)
+            yield shapes.rectangle(Rectangle(x, y - 1, back), "label", 3)
+        found = numbered(shown.marks.states.get(name, ()))
+        tone = " marked" if found else " pale" if shown.note(name).pale else ""
+        top = y - heading.height / 2
+        yield shapes.text(f"{name} {found}".rstrip(), x, top + 21, f"name{tone}")
+        yield shapes.text(_does(name, state), x, top + 38, "small")
+        yield from _noted(shown.note(name).lines, x, top + 38 + LINE)
 
 
-def _strips(mission: Mission, marks: Marks) -> Iterator[list[str]]:
+def _ends(overlay: Overlay, drawn: Drawing) -> Iterator[str]:
+    for name, lines, tone in overlay.ends:
+        place = drawn.states[END + name]
+        yield shapes.rectangle(place, f"box {tone}", 22)
+        top = place.y - place.box.height / 2
+        yield shapes.text(name, place.x, top + 21, "name")
+        yield from _noted(lines, place.x, top + 38)
+
+
+def _noted(lines: Sequence[str], x: float, y: float) -> Iterator[str]:
+    for at, line in enumerate(lines):
+        yield shapes.text(line, x, y + LINE * at, "small")
+
+
+def _strips(shown: Shown) -> Iterator[tuple[str, list[str]]]:
     """Yield what stands below the chart."""
+    mission, marks, overlay = shown
     if marks.lines:
-        yield ["Problems, marked in red:", *(line for it in marks.lines for line in _listed(it))]
+        problems = [line for it in marks.lines for line in shapes.listed(it)]
+        yield "strip", ["Problems, marked in red:", *problems]
+    if overlay.lines:
+        yield "strip notes", [line for it in overlay.lines for line in shapes.listed(it)]
     if mission.failsafes:
-        failsafes = [line for each in mission.failsafes for line in _listed(failsafe_text(each))]
-        yield ["Failsafes, in every flying state, the first that holds:", *failsafes]
-
-
-def _listed(line: str) -> list[str]:
-    return wrap(line, LIST_WIDTH, subsequent_indent="    ", break_on_hyphens=False)
-
-
-def _strip_width(lines: Sequence[str]) -> float:
-    return max(_width(line, 6.4) + 24 for line in lines)
-
-
-def _strip_height(lines: Sequence[str]) -> float:
-    return LINE * len(lines) + 16
-
-
-def _stacked(strips: Sequence[Sequence[str]], y: float, width: float) -> Iterator[str]:
-    for lines in strips:
-        height = _strip_height(lines)
-        yield (
-            f'<rect class="strip" x="{MARGIN}" y="{y:.1f}" width="{width:.1f}" '
-            f'height="{height:.1f}" rx="8"/>'
-        )
-        for at, line in enumerate(lines):
-            indent = 12 + 16 * line.startswith(" ")
-            top = y + 20 + LINE * at
-            text = escape(line.strip())
-            yield f'<text class="small" x="{MARGIN + indent}" y="{top:.1f}">{text}</text>'
-        y += height + 14
-
-
-def _rectangle(place: Rectangle, style: str, radius: int, more: str = "") -> str:
-    x, y, box = place
-    return (
-        f'<rect class="{style}" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
-        f'width="{box.width:.1f}" height="{box.height:.1f}" rx="{radius}"{more}/>'
-    )
-
-
-def _text(line: str, x: float, y: float, style: str) -> str:
-    return (
-        f'<text class="{style}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{escape(line)}</text>'
-    )
+        said = []
+        for each in mission.failsafes:
+            noted = overlay.failsafes.get(each.name, NO_NOTE).lines
+            said += shapes.listed(": ".join([failsafe_text(each), *noted]))
+        yield "strip", ["Failsafes, in every flying state, the first that holds:", *said]

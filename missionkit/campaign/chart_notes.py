@@ -1,0 +1,124 @@
+"""What flights came to, written on the chart: counts, shares, times, and what was never flown."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from missionkit.campaign.chain import Chain, absorbed, time_left
+from missionkit.campaign.charted import Charted
+from missionkit.campaign.diary import parts
+from missionkit.campaign.tally import Tally, failsafes
+from missionkit.campaign.wording import percent, plural
+from missionkit.chart.drawing.overlay import End, Move, Note, Overlay, Tone
+
+TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
+NEVER = "never taken"
+LEGEND = (
+    "On an arrow: how often it was taken, and by which share of the visits to its state. Dashed: "
+    "no arrow of the chart, such as failsafes. Round boxes: how flights ended. Pale: never flown.",
+    "In a state: the share of flights that were in it, how long a visit lasts, how long it is from "
+    "there to the end, which share of those flights succeeded; the chain's word where it differs.",
+)
+
+
+def notes(charted: Charted, counts: Tally, chain: Chain, name: str) -> Overlay:
+    """Return what is drawn over a chart.
+
+    Args:
+        charted: the chart.
+        counts: of its flights.
+        chain: of the same flights.
+        name: of the variant.
+    """
+    taken, expected = failsafes(counts), _expected(chain)
+    return Overlay(
+        states={it: _state(it, counts, expected.get(it)) for it in charted.names},
+        ways={way: _way(counts, called) for way, called in charted.ways.items()},
+        failsafes={
+            it.name: Note((plural(taken[it.name], "time") if taken[it.name] else NEVER,))
+            for it in charted.mission.failsafes
+        },
+        ends=tuple(_ends(counts)),
+        moves=(*_undeclared(charted, counts), *_endings(counts)),
+        lines=(f"{plural(counts.flights, 'simulated flight')}, {name}.", *LEGEND),
+    )
+
+
+class Expected(NamedTuple):
+    """What the chain says of a state."""
+
+    success: float
+    crash: float
+    left: float  # s to the end
+
+
+def _expected(chain: Chain) -> dict[str, Expected]:
+    if not chain.states:
+        return {}
+    ends, left = absorbed(chain.inner, chain.outer), time_left(chain.inner, chain.dwell)
+    good, hurt = (
+        ends[:, [it.outcome == outcome for it in chain.endings]].sum(axis=1).tolist()
+        for outcome in ("success", "crash")
+    )
+    return dict(zip(chain.states, map(Expected, good, hurt, left.tolist()), strict=True))
+
+
+def _state(name: str, counts: Tally, expected: Expected | None) -> Note:
+    """Return a state's note; one that does not command is no state of the chain."""
+    runs, visits = counts.passed[name], counts.entries[name]
+    if not visits:
+        return Note(("never reached",), pale=True)
+    ended = counts.outcomes[name]
+    dwell = f"{counts.seconds[name] / visits:.1f} s a visit"
+    said = _chances(ended["success"] / runs, ended["crash"] / runs)
+    lines = [f"in {percent(runs / counts.flights)} of flights", dwell, said]
+    if expected is not None:
+        lines[1] += f", {expected.left:.0f} s to the end"
+        by_chain = _chances(expected.success, expected.crash)
+        lines += [] if by_chain == said else [f"chain: {by_chain}"]
+    return Note(tuple(lines))
+
+
+def _chances(success: float, crash: float) -> str:
+    return f"{percent(success)} succeed" + (f", {percent(crash)} crash" if crash > 0 else "")
+
+
+def _way(counts: Tally, called: str) -> Note:
+    count = counts.ways[called]
+    return _taken(count, parts(called)[0], counts) if count else Note((NEVER,), pale=True)
+
+
+def _taken(count: int, source: str, counts: Tally) -> Note:
+    share = min(1.0, count / max(counts.entries[source], 1))
+    weight = min(1.0, count / max(counts.flights, 1))
+    return Note((f"{plural(count, 'time')}, {percent(share)}",), weight)
+
+
+def _undeclared(charted: Charted, counts: Tally) -> Iterator[Move]:
+    """Yield what was taken besides the chart's arrows."""
+    known, drawn = set(charted.ways.values()), set(charted.mission.by_name())
+    for called in sorted(counts.ways.keys() - known):
+        source, to, reason = parts(called)
+        if {source, to} <= drawn:
+            yield Move(source, to, reason, _way(counts, called))
+
+
+def _ends(counts: Tally) -> Iterator[End]:
+    totals = Counter[str]()
+    for (_, outcome), count in counts.ends.items():
+        totals[outcome] += count
+    for outcome, tone in TONES.items():
+        if totals[outcome]:
+            share = percent(totals[outcome] / counts.flights)
+            yield End(_spelled(outcome), (f"{plural(totals[outcome], 'flight')}, {share}",), tone)
+
+
+def _endings(counts: Tally) -> Iterator[Move]:
+    for (state, outcome), count in sorted(counts.ends.items()):
+        yield Move(state, _spelled(outcome), "", _taken(count, state, counts), ends=True)
+
+
+def _spelled(outcome: str) -> str:
+    return outcome.replace("_", " ")

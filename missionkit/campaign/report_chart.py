@@ -1,0 +1,145 @@
+"""The part of the report about the chart: what was flown of it, what never was, what to expect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+from missionkit.campaign.analysis import Variant
+from missionkit.campaign.chain import absorbed, passed, time_left
+from missionkit.campaign.chart_notes import notes
+from missionkit.campaign.charted import Charted, flown_chart
+from missionkit.campaign.plan import Campaign
+from missionkit.campaign.statistics import wilson
+from missionkit.campaign.tally import Unflown, countable, tally, unflown
+from missionkit.campaign.wording import percent, plural, table
+from missionkit.chart.drawing.picture import svg
+from missionkit.errors import UsageError
+
+Drawable = Charted | str
+"""A chart, or why there is none to draw."""
+CAMERAS = {
+    "none": "none",
+    "rendered": "rendered images, in which the markers had to be found",
+    "device": "rendered images in place of the device's",
+    "corners": "corners: the markers were given to the detector without an image; what light, "
+    "blur and background do to detection was not flown",
+}
+KINDS = ("state", "transition", "failsafe")
+
+
+def drawable(campaign: Campaign, variant: Variant) -> Drawable:
+    """Return the chart that a variant flew, if it is still what it was."""
+    if not countable(variant.rows):
+        return "the runs were flown by an older missionkit, which did not tell transitions apart"
+    try:
+        return flown_chart(campaign, variant.settings)
+    except UsageError as error:
+        return str(error)
+
+
+def simulated(chart: Drawable) -> list[tuple[str, str]]:
+    """Return what stood for world, camera and navigation, a line each."""
+    if isinstance(chart, str):
+        return []
+    mission, camera = chart.mission, chart.mission.camera.use
+    return [
+        ("world", escape(mission.world or "an empty field")),
+        ("camera", escape(CAMERAS.get(camera, camera))),
+        ("navigation", escape(mission.navigation.kind)),
+    ]
+
+
+def never(variant: Variant, chart: Drawable) -> str:
+    """Return in one sentence how much of the chart no flight has shown."""
+    if isinstance(chart, str):
+        return "What of the chart was never flown is not known: it could not be read any more."
+    missed = list(unflown(chart, tally(variant.rows)))
+    if not missed:
+        return "Every state, transition and failsafe of the chart was flown."
+    totals = len(chart.names), len(chart.ways), len(chart.mission.failsafes)
+    counts = [sum(it.what == kind for it in missed) for kind in KINDS]
+    told = [
+        f"{count} of {plural(total, kind)}"
+        for kind, count, total in zip(KINDS, counts, totals, strict=True)
+        if count
+    ]
+    return f"Never flown: {', '.join(told)}; these flights say nothing about them."
+
+
+def chart_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
+    """Yield the picture, what it lacks, and the chain.
+
+    Args:
+        variant: what was flown.
+        chart: its chart.
+        key: tells the picture from others on the page.
+    """
+    yield "<h2>The chart as it was flown</h2>"
+    if isinstance(chart, str):
+        yield f'<p class="soft">The chart is not drawn: {escape(chart)}.</p>'
+    else:
+        counts = tally(variant.rows)
+        drawn = svg(
+            chart.mission, overlay=notes(chart, counts, variant.chain, variant.name), key=key
+        )
+        yield f'<div class="wide">{drawn}</div>'
+        yield from _unflown(list(unflown(chart, counts)))
+    yield from _chain(variant)
+    yield from _failing(variant)
+
+
+def _unflown(missed: list[Unflown]) -> Iterator[str]:
+    if not missed:
+        return
+    yield "<h3>Never flown</h3>"
+    yield (
+        '<p class="small soft">No flight has shown what happens there. The last column: how often '
+        "a visit (for a failsafe: a flight) might still lead there, with 95 % confidence.</p>"
+    )
+    heads = ("", "never reached or taken", "+out of", "+at most")
+    yield table(heads, [_missed(it) for it in missed])
+
+
+def _missed(it: Unflown) -> tuple[str, ...]:
+    if it.chances is None:
+        return it.what, escape(it.name), "", ""
+    unit = "flight" if it.what == "failsafe" else "visit"
+    at_most = percent(wilson(0, it.chances).high) if it.chances else "—"
+    return it.what, escape(it.name), plural(it.chances, unit), at_most
+
+
+def _chain(variant: Variant) -> Iterator[str]:
+    chain = variant.chain
+    yield "<h3>From each state</h3>"
+    ends, left = absorbed(chain.inner, chain.outer), time_left(chain.inner, chain.dwell)
+    counted = passed(variant.rows)
+    good = [n for n, ending in enumerate(chain.endings) if ending.outcome == "success"]
+    hurt = [n for n, ending in enumerate(chain.endings) if ending.outcome == "crash"]
+    rows = []
+    for n, state in enumerate(chain.states):
+        runs, happy = counted[state]
+        success, crash = (float(ends[n, which].sum()) for which in (good, hurt))
+        shares = percent(happy / runs), percent(success), percent(crash)
+        times = f"{chain.dwell[n]:.1f} s", f"{left[n]:.0f} s"
+        rows.append((escape(state), str(runs), *shares, *times))
+    chances = "+of them with success", "+chain: success", "+chain: crash"
+    heads = ("from", "+runs that were there", *chances, "+a visit lasts", "+until the end")
+    yield table(heads, rows)
+
+
+def _failing(variant: Variant) -> Iterator[str]:
+    """Yield the most likely way to failure: by the chain, and how many really went it."""
+    way = variant.failure
+    if way is None:
+        return
+    went = sum(
+        row.outcome == way.ending.outcome and tuple(s for s, _ in row.visits) == way.states
+        for row in variant.rows
+    )
+    ending = f"{way.ending.outcome.replace('_', ' ')} in {way.ending.state}"
+    path = escape(" → ".join((*way.states, ending)))
+    yield (
+        f"<p>The most likely way to fail: <b>{path}</b>, {percent(way.probability)} of all "
+        f"flights by the chain; {went} of {len(variant.rows)} went it.</p>"
+    )

@@ -1,0 +1,56 @@
+"""What a drawing shows besides the chart: notes where it is declared, and what it does not declare.
+
+Plain words and weights: whoever makes an overlay knows what they mean, the drawing does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from missionkit.chart.drawing.marks import Way
+
+Tone = Literal["good", "fair", "bad"]
+
+
+class Note(NamedTuple):
+    """What stands at a state, a transition or a failsafe."""
+
+    lines: tuple[str, ...] = ()
+    weight: float = 0.0  # of an arrow, from 0 to 1
+    pale: bool = False
+
+
+class End(NamedTuple):
+    """A way for all to end; drawn as a box of its own."""
+
+    name: str
+    lines: tuple[str, ...]
+    tone: Tone
+
+
+class Move(NamedTuple):
+    """An arrow that the chart does not declare."""
+
+    source: str  # state
+    to: str  # state, or name of an end
+    text: str
+    note: Note
+    ends: bool = False  # leads to an end; others are drawn dashed
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """Notes of a chart, its ends, more arrows, and a heading with lines that explain them."""
+
+    states: Mapping[str, Note] = field(default_factory=dict)
+    ways: Mapping[Way, Note] = field(default_factory=dict)
+    failsafes: Mapping[str, Note] = field(default_factory=dict)
+    ends: tuple[End, ...] = ()
+    moves: tuple[Move, ...] = ()
+    lines: tuple[str, ...] = ()
+
+
+NOTHING = Overlay()
+NO_NOTE = Note()
