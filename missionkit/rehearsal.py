@@ -16,7 +16,6 @@ from missionkit.engine.keeping import now_and_then
 from missionkit.engine.loop import End, Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.memory import Course
 from missionkit.engine.waking import Resumption
-from missionkit.errors import UsageError
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
@@ -27,11 +26,6 @@ from missionkit.sim.snapshot import Snapshot, restore, taken
 from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
-
-REAL = (
-    "camera: the simulator has no device: fly with --vehicle, or let the mission take its camera "
-    "from a parameter, as in --set 'camera={use: rendered}'"
-)
 
 
 class Stage(NamedTuple):
@@ -89,16 +83,6 @@ def world_of(mission: Mission, folder: Path) -> World:
     )
 
 
-def check_camera(mission: Mission) -> None:
-    """Refuse a camera that only a real vehicle has.
-
-    Raises:
-        UsageError: the mission has one.
-    """
-    if mission.camera.use == "device":
-        raise UsageError(REAL)
-
-
 def stage(
     mission: Mission,
     catalogue: Catalogue,
@@ -106,12 +90,7 @@ def stage(
     seed: int,
     faults: Sequence[Fault] = (),
 ) -> Stage:
-    """Set up one flight; everything random comes from `seed`.
-
-    Raises:
-        UsageError: the mission's camera is a real one.
-    """
-    check_camera(mission)
+    """Set up one flight; everything random comes from `seed`."""
     warm_up(corners=mission.camera.use == "corners")
     plan = prepare(mission, catalogue)
     return Stage(mission, plan, world, SimulatedVehicle(world, mission.camera, seed, faults))

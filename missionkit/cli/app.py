@@ -48,7 +48,8 @@ def run(
         typer.Option(metavar="ADDRESS", help="MAVLink, such as udpin://0.0.0.0:14540"),
     ] = None,
     camera: Annotated[
-        str | None, typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL")
+        str | None,
+        typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL, rendered"),
     ] = None,
     event: Annotated[
         list[str] | None,
@@ -79,6 +80,8 @@ def run(
 
     if mission is None and resume is None:
         raise UsageError("name the mission file to fly, or --resume RUN")
+    if camera is not None and vehicle is None:
+        raise UsageError("--camera is for --vehicle: the simulator draws what the camera would see")
     order = Order(
         mission or Path(),
         tuple(settings or ()),
@@ -90,7 +93,7 @@ def run(
         headless=headless,
         as_json=as_json,
         vehicle=vehicle,
-        source=int(camera) if camera is not None and camera.isdecimal() else camera,
+        source=camera,
         events=tuple(event or ()),
         resume=resume,
         gap=gap,
@@ -167,13 +170,17 @@ def graph(
         Path | None,
         typer.Option(metavar="FILE", help=".mmd or .svg; Mermaid on stdout if absent"),
     ] = None,
+    campaign: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="of a campaign, whose flights are drawn over it"),
+    ] = None,
     settings: Settings = None,
     plugin: Plugins = None,
 ) -> None:
     """Draw the chart of a mission; what `validate` finds is marked in red."""
     from missionkit.cli import inspect  # noqa: PLC0415
 
-    inspect.graph(mission, out, settings or (), plugin or ())
+    inspect.graph(mission, out, settings or (), plugin or (), campaign)
 
 
 @app.command()

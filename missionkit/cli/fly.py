@@ -6,25 +6,18 @@ import asyncio
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from missionkit.chart.model.mission import Mission
+from missionkit.cli.vehicle_camera import camera_of
 from missionkit.engine.clock import RealTime
 from missionkit.engine.flight import Plan
 from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.waking import Resumption
-from missionkit.errors import ExitCode, UsageError
-from missionkit.messages import Frame
+from missionkit.errors import ExitCode
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
-from missionkit.vehicle.camera import Camera, NoCamera, Painter, Rendered
-from missionkit.vehicle.device import Device, opened
 from missionkit.vehicle.inspection import inspect
-from missionkit.vehicle.pose import Pose
 from missionkit.vehicle.sharing import NOTHING, Share
-
-Source = int | str
 
 
 def vehicle_of(
@@ -34,7 +27,8 @@ def vehicle_of(
     *,
     seed: int = 0,
     speed: float = 1.0,
-    source: Source | None = None,
+    source: int | str | None = None,
+    folder: Path = Path(),
     share: Share = NOTHING,
 ) -> MavsdkVehicle:
     """Return the vehicle at an address, with the mission's camera.
@@ -42,16 +36,19 @@ def vehicle_of(
     Args:
         address: such as udpin://0.0.0.0:14540.
         mission: says which camera it has.
-        world: what a rendered camera sees.
-        seed: of the rendered camera's noise.
+        world: what a drawn camera sees.
+        seed: of the drawn camera's noise.
         speed: seconds of the vehicle in one of the wall; 1 for everything that is real.
-        source: device number, file or URL of a real camera; None: the mission's own, real or drawn.
+        source: device number, file or URL of a real camera, or "rendered": a drawn one;
+            None: the mission's own.
+        folder: of the mission, which a file that it names is looked for in.
         share: what of the estimate the autopilot is told.
 
     Raises:
-        UsageError: the address is none.
+        FileError: the mission names a file for a camera, and there is none.
+        UsageError: the address is none, or the source does not exist.
     """
-    camera = _camera(mission, world, seed, speed, source)
+    camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
     return MavsdkVehicle(parse(address), camera, speed, share=share)
 
 
@@ -119,46 +116,3 @@ class FromFirstTick:
         if self._pace is None:
             self._pace = RealTime(self._speed, at)
         await self._pace.until(at)
-
-
-def _camera(
-    mission: Mission, world: World | None, seed: int, speed: float, source: Source | None
-) -> Camera:
-    model, camera = mission.camera.model(), mission.camera
-    source = camera.source if source is None else source
-    if source is not None:
-        file = isinstance(source, str) and Path(source).is_file()
-        period = model.period / speed if file else 0.0
-        return Device(lambda: opened(source), camera.latency, camera.width, camera.height, period)
-    if camera.use == "none":
-        return NoCamera()
-    if world is None:
-        raise UsageError("a drawn camera needs a world: name one in the mission, or give a source")
-    return Rendered(painter_of(mission, world, seed), camera.rate, speed)
-
-
-def painter_of(mission: Mission, world: World, seed: int = 0) -> Painter:
-    """Return what draws the world as the mission's camera sees it."""
-    rng, model = np.random.default_rng(seed), mission.camera.model()
-    exposure, nothing = mission.camera.exposure, frozenset[int]()
-    if mission.camera.use == "rendered":
-        from missionkit.sim.render import Renderer  # noqa: PLC0415 (imports cv2)
-
-        renderer = Renderer(world, model, rng)
-
-        def paint(pose: Pose, at: float) -> Frame:
-            turned = pose.velocity, pose.rates
-            return Frame(at, renderer.render(pose.body, *turned, exposure, nothing))
-
-        return paint
-    from missionkit.sim.obstacles import table  # noqa: PLC0415 (compiles kernels)
-    from missionkit.sim.sight import Spotter  # noqa: PLC0415
-
-    spotter = Spotter(world.markers, model, table(world), rng)
-
-    def find(pose: Pose, at: float) -> Frame:
-        body = pose.body
-        x = np.concatenate((body.translation, pose.velocity, body.rotation, pose.rates))
-        return Frame(at, None, spotter.find(x, exposure, nothing))
-
-    return find

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from missionkit.campaign.ending import aborted, unreached
@@ -16,14 +17,16 @@ from missionkit.cli.resume_vehicle import Before, Saving, before, woken
 from missionkit.cli.run_files import Folder, folder_of
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import now_and_then
-from missionkit.engine.loop import End, Flown
+from missionkit.engine.loop import End, Flown, Observer
 from missionkit.errors import ExitCode, UsageError
+from missionkit.messages import Observation, Record
 from missionkit.recorder.codec import is_plain
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.summary import Outcome, Summary, summarise
 from missionkit.recorder.track import Track
 from missionkit.rehearsal import world_of
 from missionkit.sim.world import World
+from missionkit.vehicle.adapter import MavsdkVehicle
 
 
 def run_on_vehicle(
@@ -32,7 +35,7 @@ def run_on_vehicle(
     """Fly the mission with the vehicle at an address; `origin` is of a run that is gone on with.
 
     Raises:
-        FileError: the world cannot be used.
+        FileError: the world, or the film that is the camera, cannot be used.
         UsageError: an option does not fit, the mission was changed, or the address is none.
         VehicleError: the vehicle could not be reached.
     """
@@ -40,8 +43,17 @@ def run_on_vehicle(
         raise UsageError("--fault is for the built-in simulator, not for --vehicle")
     world = world_of(mission, order.mission.parent)
     plan = prepare(mission, catalogue)
+    vehicle = vehicle_of(
+        str(order.vehicle),
+        mission,
+        world,
+        seed=order.seed,
+        speed=order.speed or 1.0,
+        source=order.source,
+        folder=order.mission.parent,
+    )
     folder, past = folder_of(order, mission, origin, "vehicle", before)
-    flight = Ready(mission, world, plan, folder, past)
+    flight = Ready(mission, world, plan, vehicle, folder, past)
     return guarded(order, folder.path, lambda: _flown(order, flight))
 
 
@@ -51,24 +63,21 @@ class Ready(NamedTuple):
     mission: Mission
     world: World
     plan: Plan
+    vehicle: MavsdkVehicle
     folder: Folder
     past: Before | None  # what it goes on from
 
 
 def _flown(order: Order, ready: Ready) -> Summary:
-    mission, world, plan, folder, past = ready
-    scenery = scenery_of(world)
-    speed = order.speed or 1.0
-    vehicle = vehicle_of(
-        str(order.vehicle), mission, world, seed=order.seed, speed=speed, source=order.source
-    )
+    mission, world, plan, vehicle, folder, past = ready
+    scenery, speed = scenery_of(world), order.speed or 1.0
     recorder = folder.recorder(plan, scenery, past)
     save = Saving(folder.path, vehicle, recorder, folder.stamp, past)
     with cockpit(order, mission, recorder, give_back=vehicle.resume_control) as seat:
         flown = fly_vehicle(
             plan,
             vehicle,
-            seat.observers,
+            (with_camera(seat.observers, vehicle),),
             operator=seat.operator,
             speed=speed,
             time_limit=mission.settings.time_limit,
@@ -87,6 +96,18 @@ def _flown(order: Order, ready: Ready) -> Summary:
     folder.finish(summary, recorder.track, scenery)
     save.forget()
     return summary
+
+
+def with_camera(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Observer:
+    """Show and record what is wrong with the camera beside what is wrong with the flight."""
+
+    def told(record: Record, seen: Observation) -> None:
+        if wrong := vehicle.camera_problem:
+            record = record._replace(problems=(*record.problems, f"camera: {wrong}"))
+        for observer in observers:
+            observer(record, seen)
+
+    return told
 
 
 def _outcome(mission: Mission, flown: Flown, track: Track) -> Outcome:

@@ -21,7 +21,7 @@ class Order(NamedTuple):
     headless: bool
     as_json: bool
     vehicle: str | None = None  # address; the simulator if absent
-    source: int | str | None = None  # of a real camera
+    source: str | None = None  # of a real camera, or "rendered"
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
     resume: Path | None = None  # the folder of the run that is gone on with
     gap: float = GAP  # s that the simulated vehicle flew alone

@@ -1,80 +1,63 @@
-"""The lens of a camera, from views of a ChArUco board."""
+"""The lens of a camera from views of a ChArUco board, and how well they determine it.
+
+A small reprojection error says that the lens fits where the board was. What it is worth elsewhere
+is told by the standard deviations, by how much of the image the views cover, and by how far the
+board was tilted: https://docs.opencv.org, "Camera Calibration", calibrateCameraExtended.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import cv2
 import numpy as np
 
-from missionkit.messages import Image
-from missionkit.perception.imaging import dictionary, grey
+from missionkit.geometry import Mat
+from missionkit.perception.charuco import View, different
 
-LEAST_VIEWS = 8
-LEAST_CORNERS = 8
-LEAST_MOVED = 0.02
-"""Share of the image's width by which the corners of two views must differ."""
+LEAST_VIEWS: Final = 8
+CELLS: Final = (8, 6)  # parts of the image, across and down
+NAMES: Final = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
+POWERS: Final = {"k1": 3, "k2": 5, "k3": 7}  # of the distance from the middle
+
+SURE: Final = 3.0  # standard deviations that a k3 must have to be believed
+SLACK: Final = 1.0  # px that a coefficient may be unsure by in the corners of the image
+FOCAL_SLACK: Final = 0.005  # share of the focal length
+WILD: Final = 0.1  # share of the focal length by which no lens may be unsure
+FLAT: Final = math.radians(4.0)  # with less tilt any focal length fits, whatever its deviation says
+POOR: Final = 1.0  # px, reprojection error
+COVERED: Final = 0.7
+TILTED: Final = math.radians(20.0)
+
+NO_LENS: Final = "no lens explains these views: tilt the board by 30 to 45 deg, to all sides"
 
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """An OpenCV calibration: `matrix` (3, 3), `distortion` (5,), and how well it fits."""
+    """An OpenCV calibration: `matrix` (3, 3), `distortion` (5,), and how well it is known."""
 
     width: int
     height: int
-    matrix: Any
-    distortion: Any
+    matrix: Mat
+    distortion: Mat
     error: float  # px, root mean square
     views: int
-
-
-@dataclass(frozen=True, slots=True)
-class View:
-    """Corners of the board in one image: `ids` (N,), `pixels` (N, 2)."""
-
-    width: int
-    height: int
-    ids: Any
-    pixels: Any
-
-
-def board(columns: int, rows: int, square: float, marker: float, name: str) -> Any:
-    """Return the board; `square` and `marker` are edges in metres.
-
-    Raises:
-        ValueError: such a board cannot be.
-    """
-    if min(columns, rows) < 3 or not 0 < marker < square:
-        raise ValueError("a board has at least 3x3 squares, and its markers are smaller than these")
-    return cv2.aruco.CharucoBoard((columns, rows), square, marker, dictionary(name))
-
-
-def view(image: Image, board: Any) -> View | None:
-    """Return the corners of the board in an image, None if it shows too few of them."""
-    plain = grey(image)
-    pixels, ids, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(plain)
-    if ids is None or len(ids) < LEAST_CORNERS:
-        return None
-    return View(plain.shape[1], plain.shape[0], np.ravel(ids), np.reshape(pixels, (-1, 2)))
-
-
-def different(views: Sequence[View]) -> list[View]:
-    """Return the views that differ from each one kept before."""
-    kept: list[View] = []
-    for it in views:
-        if all(_moved(it, other) >= LEAST_MOVED * it.width for other in kept):
-            kept.append(it)
-    return kept
+    deviations: Mapping[str, float]  # of each of `NAMES`, px or 1; nan: not estimated
+    covered: float  # share of the image in which a corner of the board was seen
+    tilts: tuple[float, float]  # rad, least and most, board against image
 
 
 def calibrate(views: Sequence[View], board: Any) -> Lens:
     """Return the lens that explains the views.
 
+    k3 is fitted only if it comes out at least `SURE` standard deviations from zero; otherwise it
+    follows the noise, and bends the parts of the image that no view has reached.
+
     Raises:
-        ValueError: the views are too few, too similar, or of several sizes.
+        ValueError: the views are too few, too similar, of several sizes, or explained by no lens.
     """
     if len(views) < LEAST_VIEWS:
         raise ValueError(f"the board is seen in {len(views)} images; {LEAST_VIEWS} are needed")
@@ -86,45 +69,92 @@ def calibrate(views: Sequence[View], board: Any) -> Lens:
             f"only {len(kept)} of {len(views)} views differ; {LEAST_VIEWS} are needed: "
             "move and tilt the board between them"
         )
-    size = (kept[0].width, kept[0].height)
+    try:
+        lens = _fitted(kept, board, 0)
+        if abs(lens.distortion[4]) < SURE * lens.deviations["k3"]:
+            lens = _fitted(kept, board, cv2.CALIB_FIX_K3)
+    except cv2.error as error:  # as of corners that all lie on a line
+        raise ValueError(NO_LENS) from error
+    if not _is_one(lens):
+        raise ValueError(NO_LENS)
+    return lens
+
+
+def doubts(lens: Lens) -> Iterator[str]:
+    """Yield what the views do not determine, a sentence each, with what would help.
+
+    A deviation s of k_n moves a pixel by f r^(2n+1) s, of p by 3 f r² s, at r = |pixel - c| / f.
+    """
+    if lens.error > POOR:
+        yield (
+            f"a reprojection error of {lens.error:.1f} px is too much: the board bends, images are "
+            "blurred, or it is not the board that was named"
+        )
+    if lens.covered < COVERED:
+        yield (
+            f"the board covers {lens.covered:.0%} of the image: what lies outside is guessed; "
+            "show it at the edges and in the corners"
+        )
+    if lens.tilts[1] < TILTED:
+        yield (
+            f"the board is tilted by {math.degrees(lens.tilts[1]):.0f} deg at most: "
+            "tilt it by 30 to 45 deg, to all sides"
+        )
+    focal = float(lens.matrix[0, 0])
+    share = lens.deviations["fx"] / focal
+    if share > FOCAL_SLACK:
+        yield f"the focal length is known to {share:.1%} only, and so is every distance: tilt more"
+    middle = lens.matrix[:2, 2]
+    reach = float(np.linalg.norm(np.maximum(middle, (lens.width, lens.height) - middle)) / focal)
+    for name, value in zip(NAMES[4:], lens.distortion, strict=True):
+        spread = lens.deviations[name]
+        moves = focal * spread * (reach ** POWERS[name] if name in POWERS else 3.0 * reach**2)
+        if moves > SLACK:
+            yield (
+                f"{name} = {value:.3g} ± {spread:.2g} is not determined, worth ± {moves:.1f} px in "
+                "the corners of the image: more views there, sharper ones"
+            )
+
+
+def _is_one(lens: Lens) -> bool:
+    """Say whether what was fitted can be a lens at all."""
+    spreads = [lens.deviations[name] for name in NAMES[:8]]
+    if not np.isfinite([*spreads, *lens.matrix.ravel(), *lens.distortion]).all():
+        return False
+    return lens.tilts[1] > FLAT and max(spreads[:2]) < WILD * float(lens.matrix[0, 0])
+
+
+def _fitted(views: Sequence[View], board: Any, flags: int) -> Lens:
     corners = np.asarray(board.getChessboardCorners(), np.float32)
-    error, matrix, distortion, _, _ = cv2.calibrateCamera(
-        [corners[it.ids] for it in kept],
-        [np.asarray(it.pixels, np.float32) for it in kept],
-        size,
+    width, height = views[0].width, views[0].height
+    error, matrix, distortion, turns, _, deviations, _, _ = cv2.calibrateCameraExtended(
+        [corners[it.ids] for it in views],
+        [np.asarray(it.pixels, np.float32) for it in views],
+        (width, height),
         np.eye(3),
         np.zeros(5),
+        flags=flags,
     )
-    return Lens(*size, matrix, np.ravel(distortion)[:5], float(error), len(kept))
+    spreads = [float(it) for it in np.ravel(deviations)[: len(NAMES)]]
+    if flags & cv2.CALIB_FIX_K3:
+        spreads[-1] = math.nan
+    tilts = [math.acos(min(1.0, abs(float(cv2.Rodrigues(it)[0][2, 2])))) for it in turns]
+    return Lens(
+        width,
+        height,
+        np.asarray(matrix, np.float64),
+        np.asarray(distortion, np.float64).ravel()[:5],
+        float(error),
+        len(views),
+        dict(zip(NAMES, spreads, strict=True)),
+        _covered(views),
+        (min(tilts), max(tilts)),
+    )
 
 
-def detector(name: str) -> Any:
-    """Return OpenCV's detector of the markers of a dictionary.
-
-    Raises:
-        ValueError: there is no such dictionary.
-    """
-    return cv2.aruco.ArucoDetector(dictionary(name))
-
-
-def read(path: str) -> Image | None:
-    """Return the image in a file, None if there is none."""
-    image = cv2.imread(path) if Path(path).is_file() else None
-    return None if image is None else np.asarray(image, np.uint8)
-
-
-def draw(path: Path, image: Image, corners: Any, ids: Any) -> bool:
-    """Write the image with the markers drawn in; False if that cannot be."""
-    try:
-        picture = cv2.aruco.drawDetectedMarkers(image.copy(), corners, ids)
-        return bool(cv2.imwrite(str(path), picture))
-    except cv2.error:  # no such kind of picture
-        return False
-
-
-def _moved(one: View, other: View) -> float:
-    """Return by how many pixels the corners that both show differ, infinite if none is shared."""
-    _, first, second = np.intersect1d(one.ids, other.ids, return_indices=True)
-    if not len(first):
-        return float("inf")
-    return float(np.linalg.norm(one.pixels[first] - other.pixels[second], axis=1).mean())
+def _covered(views: Sequence[View]) -> float:
+    """Return the share of the image's parts in which a corner was seen."""
+    size = np.array([views[0].width, views[0].height])
+    pixels = np.vstack([it.pixels for it in views])
+    parts = np.clip((pixels + 0.5) * CELLS // size, 0, np.array(CELLS) - 1)
+    return len(np.unique(parts, axis=0)) / math.prod(CELLS)

@@ -6,16 +6,31 @@ import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from missionkit.geometry import Mat, Quat, Transform, from_euler, from_matrix, multiply
 from missionkit.messages import CameraModel
 from missionkit.units import Degrees, Hertz, Number, Pixels, Point, Seconds
 
 FOCAL = 554.0  # px, about 60 deg across 640 px
+DIGITS = 4  # of the number of a device
 _FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
-Source = Annotated[int, Field(ge=0)] | Annotated[str, Field(min_length=1)]
+
+def numbered(source: object) -> object:
+    """Return the number of a device where it is written as text: "0" is device 0.
+
+    >>> numbered("0"), numbered("film.mp4")
+    (0, 'film.mp4')
+    """
+    digits = isinstance(source, str) and source.isdecimal() and len(source) <= DIGITS
+    return int(source) if digits else source  # type: ignore[call-overload]
+
+
+Source = Annotated[
+    Annotated[int, Field(ge=0, lt=10**DIGITS)] | Annotated[str, Field(min_length=1)],
+    BeforeValidator(numbered),
+]
 Row = tuple[Pixels, Pixels, Pixels]
 Focal = Annotated[Pixels, Field(ge=1, le=100_000)]
 Side = Annotated[int, Field(ge=16, le=8192, json_schema_extra={"unit": "px"})]
@@ -41,8 +56,8 @@ class Camera(_Section):
 
     `use` says where its frames come from: `rendered` images, `corners` without an image (much
     faster, for campaigns), `none`, or the `source` of a real `device`: its number, a file or a
-    URL. The lens is given either by `focal` in pixels (or `focal_x` and `focal_y`) and `centre`,
-    or by the `matrix` of an OpenCV calibration:
+    URL. The simulator draws what a device would see. The lens is given either by `focal` in
+    pixels (or `focal_x` and `focal_y`) and `centre`, or by the `matrix` of an OpenCV calibration:
 
         K = [f_x 0 c_x; 0 f_y c_y; 0 0 1]     distortion = [k1, k2, p1, p2, k3]
     """
@@ -61,6 +76,11 @@ class Camera(_Section):
     latency: Seconds = 0.06
     exposure: Seconds = 0.004
     mount: Mount = Mount()
+
+    @property
+    def drawn(self) -> bool:
+        """Whether a simulator draws images: those of a device too, as its lens would see them."""
+        return self.use in {"rendered", "device"}
 
     @model_validator(mode="after")
     def _source_of_a_device(self) -> Self:

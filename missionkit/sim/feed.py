@@ -35,7 +35,7 @@ class Feed:
         self._camera = camera
         self._model = camera.model()
         self._spotter = Spotter(world.markers, self._model, things, rng)
-        self._renderer = self._start(world, rng) if camera.use == "rendered" else None
+        self._renderer = self._start(world, rng) if camera.drawn else None
         self._waiting: deque[Shot] = deque()
         self._last: Frame | None = None
         self._count = 1

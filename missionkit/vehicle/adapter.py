@@ -112,6 +112,11 @@ class MavsdkVehicle:
         """Whether missionkit commands; no: a pilot, or the autopilot by itself."""
         return self._joined.helm.ours
 
+    @property
+    def camera_problem(self) -> str:
+        """What is wrong with the camera now, "" if nothing is."""
+        return self._camera.problem
+
     async def connect(self) -> None:
         """Reach the vehicle.
 
@@ -141,7 +146,7 @@ class MavsdkVehicle:
         self._take_reports(parts)
         with self._noting:
             events, self._events = tuple(self._events), []
-        frame = self._camera.latest(until)
+        frame = self._camera.latest(min(until, parts.observer.moved_until))
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
         return seen
@@ -163,7 +168,8 @@ class MavsdkVehicle:
         if self._camera.running:
             self._camera.stop()
         if parts is not None:
-            await self.call(parts.leave)
+            await asyncio.to_thread(parts.leave)  # not behind calls that nobody answers
+            await asyncio.to_thread(self._workers.shutdown, cancel_futures=True)
             parts.link.close()
         self._workers.shutdown(wait=False)
         self._lock.release()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import abc
 import threading
+from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
@@ -15,6 +16,7 @@ from typing_extensions import override
 from missionkit.messages import Frame
 from missionkit.vehicle.pose import Pose
 
+KEPT = 8  # frames that wait to be taken
 Painter = Callable[[Pose, float], Frame]  # pose and time (s, mission) -> what the camera sees
 
 
@@ -27,6 +29,9 @@ class Surroundings(Protocol):
     def mission_time(self, wall_time: float) -> float | None:
         """Return the mission time (s) at a wall time, None before the first tick."""
 
+    def note(self, event: str) -> None:
+        """Keep an event for the mission."""
+
 
 class Camera(Protocol):
     """Gives frames."""
@@ -35,11 +40,15 @@ class Camera(Protocol):
     def running(self) -> bool:
         """Whether it was started."""
 
+    @property
+    def problem(self) -> str:
+        """What is wrong with it now, "" if nothing is."""
+
     def start(self, around: Surroundings) -> None:
         """Begin."""
 
     def latest(self, now: float) -> Frame | None:
-        """Return the newest frame that has not been returned yet, at mission time `now` (s)."""
+        """Return the newest frame taken by mission time `now` (s) that has not been returned."""
 
     def stop(self) -> None:
         """End."""
@@ -49,6 +58,7 @@ class NoCamera:
     """There is no camera."""
 
     running = True
+    problem = ""
 
     def start(self, around: Surroundings) -> None:
         """Do nothing."""
@@ -65,7 +75,8 @@ class ThreadedCamera(abc.ABC):
     """A camera with a thread of its own, which calls `work` until it has ended."""
 
     def __init__(self) -> None:
-        self._frame: Frame | None = None
+        self.problem = ""  # what is wrong with it now
+        self._frames: deque[Frame] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
@@ -84,11 +95,11 @@ class ThreadedCamera(abc.ABC):
         self._thread.start()
 
     def latest(self, now: float) -> Frame | None:
-        """Return the newest frame that has not been returned yet."""
+        """Return the newest frame taken by `now` (s) that has not been returned; older are lost."""
+        frame: Frame | None = None
         with self._lock:
-            if self._frame is None or self._frame.at > now:
-                return None
-            frame, self._frame = self._frame, None
+            while self._frames and self._frames[0].at <= now:
+                frame = self._frames.popleft()
         return frame
 
     def stop(self) -> None:
@@ -103,9 +114,9 @@ class ThreadedCamera(abc.ABC):
         """Look until `ended`."""
 
     def give(self, frame: Frame) -> None:
-        """Offer a frame; one that nobody has taken is overwritten."""
+        """Offer a frame; the oldest that nobody has taken are lost."""
         with self._lock:
-            self._frame = frame
+            self._frames.append(frame)
 
     def ended(self, wait: float) -> bool:
         """Wait (s), and say whether it is time to end."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -83,6 +84,13 @@ class Observer:
     def datum(self) -> Datum:
         """What is measured from."""
         return Datum(self.origin, self._ground)
+
+    @property
+    def moved_until(self) -> float:
+        """Mission time (s) up to which motion is known; what was seen later waits for it."""
+        sample = self._cache.latest("HIGHRES_IMU", FRESH)
+        at = None if sample is None else self.mission_time(sample)
+        return math.inf if at is None else at
 
     def settle(self, datum: Datum) -> None:
         """Measure from where an earlier process did, wherever the autopilot's home is now."""

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import cv2
-import numpy as np
 import pytest
-import typer.testing
+from cli.filming import MARKED, Driver, call, film, wall_with
 
-from missionkit.cli.camera import camera
+from missionkit.vehicle import images
 
 PHOTO = Path(__file__).resolve().parents[2].parent / "shared/data/aruco/single_markers.jpg"
 
 
-def call(*words):
-    return typer.testing.CliRunner().invoke(camera, [str(it) for it in words])
+@pytest.fixture
+def desk(tmp_path, monkeypatch):
+    """Write a mission that has a device."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(source):
+        path = tmp_path / "missions" / "desk.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(MARKED % source)
+        return path
+
+    return write
 
 
 @pytest.mark.skipif(not PHOTO.exists(), reason="the photograph is not there")
@@ -23,26 +33,98 @@ def test_markers_of_a_photograph_are_seen_and_drawn(tmp_path):
     out = tmp_path / "seen.png"
     done = call("check", PHOTO, "--out", out)
     assert done.exit_code == 0, done.output
-    assert "23, 40, 62, 98, 124, 203" in done.output
+    assert "markers in the picture: 23, 40, 62, 98, 124, 203" in done.output
     assert (cv2.imread(str(out)) != cv2.imread(str(PHOTO))).any()
 
 
-def test_a_file_that_is_no_image_is_refused(tmp_path):
+@pytest.mark.skipif(not PHOTO.exists(), reason="the photograph is not there")
+def test_the_markers_of_a_mission_are_told_with_their_distances(desk, tmp_path):
+    done = call("check", PHOTO, "--mission", desk(0))
+    assert done.exit_code == 0, done.output
+    # 35 px of 0.1 m at a focal length of 628 px, seen from aslant
+    away = re.search(r"marker 23 of desk \(DICT_6X6_250, 0.1 m\): in 1 of 1, (\S+) m", done.output)
+    assert 1.5 < float(away[1]) < 1.9
+    assert "marker 7 of desk (DICT_6X6_250, 0.1 m): not seen" in done.output
+    assert "other markers in the picture: 40, 62, 98, 124, 203" in done.output
+    assert (tmp_path / "camera.png").exists()
+
+
+def test_the_film_of_a_mission_lies_beside_it_and_says_the_distance(desk):
+    path = desk("film.avi")
+    film(path.parent / "film.avi", [wall_with(23), wall_with(23, 102), wall_with(3)])
+    done = call("check", "--mission", path)
+    assert done.exit_code == 0, done.output
+    assert done.output.startswith("3 images of 640x480\n")
+    away = re.search(r"in 2 of 3, (\S+) m away ± (\S+), corners fit to (\S+) px", done.output)
+    assert float(away[1]) == pytest.approx(0.1 * 628 / 101, abs=0.01)
+    assert 0.003 < float(away[2]) < 0.012
+    assert float(away[3]) < 0.5
+    assert "other markers" not in done.output  # the picture is the last that shows one of its own
+
+
+def test_a_mission_whose_markers_are_not_seen_is_told_by_the_exit_code(desk):
+    path = desk("film.avi")
+    film(path.parent / "film.avi", [wall_with(3)])
+    done = call("check", "--mission", path)
+    assert done.exit_code == 1
+    assert "marker 23 of desk (DICT_6X6_250, 0.1 m): not seen" in done.output
+    assert "other markers in the picture: 3" in done.output
+
+
+def test_a_marker_that_is_too_small_to_count_is_told(desk):
+    path = desk("film.avi")
+    path.write_text(path.read_text().replace("id: 23,", "id: 23, min_area: 20000,"))
+    film(path.parent / "film.avi", [wall_with(23)])
+    assert "area outside 20000 to 250000 px²" in call("check", "--mission", path).output
+
+
+def test_images_of_another_size_are_refused(desk):
+    path = desk("film.avi")
+    film(path.parent / "film.avi", [wall_with(23, size=(320, 240))])
+    done = call("check", "--mission", path)
+    assert done.exit_code == 2
+    assert "its images are 320 x 240, not 640 x 480, which the mission is calibrated" in done.output
+
+
+@pytest.mark.parametrize(
+    ("stamps", "told"),
+    [
+        (True, r"\n30 ms old when they come, by the driver's stamps; latency of the mission: 50"),
+        (False, r"\nhow old they are it does not say; mission: 50 ms\n"),
+    ],
+)
+def test_the_age_of_the_images_is_told_if_the_driver_stamps_them(stamps, told, desk, monkeypatch):
+    driver = Driver(wall_with(23), stamps)
+    monkeypatch.setattr(images, "opened", {2: driver}.get)
+    monkeypatch.setattr(images, "wall", lambda: driver.now)
+    done = call("check", "--mission", desk(2), "--images", 3)
+    assert done.exit_code == 0, done.output
+    assert re.search(told, done.output)
+    assert re.search(r"^3 images of 640x480, 25.0 a second; mission: 25\n", done.output)
+    assert (cv2.CAP_PROP_FRAME_WIDTH, 640) in driver.asked
+    assert (cv2.CAP_PROP_FPS, 25.0) in driver.asked
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["text.jpg"], "text.jpg: no image comes from it: is it an image, a video or a stream?"),
+        (["97"], "97: no image comes from it: is it plugged in, and does no other program use it?"),
+        (["http://127.0.0.1:1/x"], "http://127.0.0.1:1/x: no image comes from it: does it stream"),
+        (["phot.jpg"], "camera phot.jpg: no such file in .; did you mean 'photo.jpg'?"),
+        ([], "name a SOURCE: device number, file or URL; or a --mission with a device"),
+        (["--mission", "blind.yaml"], "the camera of mission 'desk' is no device: name a SOURCE"),
+        (["photo.jpg", "--dictionary", "DICT_6X6"], "there is no marker dictionary 'DICT_6X6'"),
+        (["photo.jpg", "--out", "no/a.png"], "no/a.png: the picture could not be written"),
+        (["photo.jpg", "--out", "a.txt"], "a.txt: the picture could not be written"),
+    ],
+)
+def test_what_cannot_be_checked_is_told_in_a_line(words, reason, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "text.jpg").write_text("no image")
-    done = call("check", tmp_path / "text.jpg")
-    assert done.exit_code != 0
-    assert "no image comes from it" in done.output
-
-
-def test_a_device_that_is_not_there_is_refused():
-    done = call("check", "97")
-    assert done.exit_code != 0
-    assert "no image comes from it" in done.output
-
-
-def test_a_calibration_without_views_says_how_many_are_needed(tmp_path):
-    blank = tmp_path / "blank.png"
-    cv2.imwrite(str(blank), np.full((480, 640), 255, np.uint8))
-    done = call("calibrate", blank)
-    assert done.exit_code != 0
-    assert "seen in 0 images; 8 are needed" in done.output
+    (tmp_path / "blind.yaml").write_text(MARKED.replace("use: device, source: %s, ", ""))
+    cv2.imwrite("photo.jpg", wall_with(3))
+    done = call("check", *words)
+    assert done.exit_code == 2
+    assert done.output.startswith(reason)
+    assert done.output.count("\n") == 1

@@ -1,65 +1,95 @@
-"""A lens is recovered from rendered views of a board, and poor views are refused."""
+"""A lens is recovered from views of a board, and what they do not determine is said."""
 
 from __future__ import annotations
+
+import math
 
 import cv2
 import numpy as np
 import pytest
+from boards import BOARD, LENS, MATRIX, MIDDLE, astray, photographs, poses
 
-from missionkit.perception.calibration import View, board, calibrate, view
+from missionkit.perception.calibration import LEAST_VIEWS, calibrate, doubts
+from missionkit.perception.charuco import View, view
 
-BOARD = board(7, 5, 0.04, 0.03, "DICT_4X4_50")
-MATRIX = np.array([[560.0, 0, 325], [0, 555, 236], [0, 0, 1]])
-LENS = np.array([-0.2, 0.05, 0.001, -0.001, 0.0])
-PAPER = BOARD.generateImage((1120, 800))
-GRID = np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), -1).reshape(-1, 1, 2)
+CORNERS = BOARD.getChessboardCorners()
 
 
-def rays(matrix, distortion):
-    """Return where each pixel looks; OpenCV's five iterations do not converge at the edges."""
-    ends = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-10)
-    return cv2.undistortPoints(GRID, matrix, distortion, criteria=ends).reshape(-1, 2)
-
-
-RAYS = rays(MATRIX, LENS)
-
-
-def rendered(turn, centre):
-    """Return the image of the board, by following each pixel's ray to the paper."""
-    rotation = cv2.Rodrigues(np.array(turn))[0]
-    shift = np.array(centre) - rotation @ [0.14, 0.1, 0]
-    plane = np.linalg.inv(np.column_stack([rotation[:, :2], shift]))
-    hit = np.column_stack([RAYS, np.ones(len(RAYS))]) @ plane.T
-    at = (hit[:, :2] / hit[:, 2:] * 4000 - 0.5).astype(np.float32).reshape(480, 640, 2)
-    return cv2.remap(PAPER, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderValue=255)
-
-
-def views(count):
-    chance = np.random.default_rng(4)
-    turns = chance.uniform(-0.5, 0.5, (count, 3))
-    places = chance.uniform([-0.09, -0.06, 0.35], [0.09, 0.06, 0.5], (count, 3))
-    found = [view(rendered(*it), BOARD) for it in zip(turns, places, strict=True)]
+def seen(images):
+    found = [view(image, BOARD) for image in images]
     return [it for it in found if it is not None]
 
 
-def test_the_lens_is_recovered():
-    lens = calibrate(views(20), BOARD)
-    assert lens.error < 0.3
+def projected(count, lens=LENS, noise=0.0, dice=7, **options):
+    """Return views with exact corners, but for the noise (px), inside the image."""
+    chance, found = np.random.default_rng(dice), []
+    for turn, centre in poses(count, **options):
+        shift = centre - cv2.Rodrigues(turn)[0] @ MIDDLE
+        pixels = cv2.projectPoints(CORNERS, turn, shift, MATRIX, lens)[0].reshape(-1, 2)
+        pixels += chance.normal(0.0, noise, pixels.shape)
+        inside = np.all((pixels > 0) & (pixels < (639, 479)), axis=1)
+        found.append(View(640, 480, np.flatnonzero(inside), pixels[inside]))
+    return found
+
+
+def test_the_lens_is_recovered_all_over_the_image():
+    lens = calibrate(seen(photographs(24)), BOARD)
+    assert lens.error < 0.1
     assert (lens.width, lens.height) == (640, 480)
-    np.testing.assert_allclose(lens.matrix, MATRIX, atol=4.0)
+    np.testing.assert_allclose(lens.matrix, MATRIX, atol=1.0)
+    off = astray(lens.matrix, lens.distortion)
+    assert np.quantile(off, 0.95) < 0.7
+    assert off.max() < 1.2
+    assert list(doubts(lens)) == []
 
 
 def test_the_lens_is_recovered_exactly_from_exact_corners():
-    chance = np.random.default_rng(5)
-    corners = BOARD.getChessboardCorners()
-    exact = []
-    for _ in range(20):
-        place = chance.uniform([-0.2, -0.15, 0.35], [0.0, 0.0, 0.5])
-        pixels = cv2.projectPoints(corners, chance.uniform(-0.5, 0.5, 3), place, MATRIX, LENS)[0]
-        exact.append(View(640, 480, np.arange(len(corners)), pixels.reshape(-1, 2)))
-    lens = calibrate(exact, BOARD)
-    np.testing.assert_allclose(lens.matrix, MATRIX, atol=0.05)
-    np.testing.assert_allclose(lens.distortion[:4], LENS[:4], atol=0.01)
+    lens = calibrate(projected(20), BOARD)
+    np.testing.assert_allclose(lens.matrix, MATRIX, atol=0.01)
+    np.testing.assert_allclose(lens.distortion, LENS, atol=0.001)
+
+
+def test_the_deviations_tell_how_far_off_the_lens_may_be():
+    lens = calibrate(projected(24, noise=0.2), BOARD)
+    found = (*lens.matrix[[0, 1], [0, 1]], *lens.matrix[:2, 2], *lens.distortion[:4])
+    truth = (*MATRIX[[0, 1], [0, 1]], *MATRIX[:2, 2], *LENS[:4])
+    spreads = list(lens.deviations.values())[:8]
+    assert np.all(np.abs(np.subtract(found, truth)) < 4.0 * np.array(spreads))
+    assert np.abs(np.subtract(found, truth)).max() > 0.1 * max(spreads)
+
+
+def test_a_k3_that_only_follows_the_noise_is_left_out():
+    worst = []
+    for dice in range(6):
+        lens = calibrate(projected(20, noise=0.2, dice=dice, reach=1.0), BOARD)
+        assert lens.distortion[4] == 0.0
+        assert math.isnan(lens.deviations["k3"])
+        worst.append(astray(lens.matrix, lens.distortion).max())
+    assert max(worst) < 6.0  # with k3 fitted: 10
+
+
+def test_a_k3_that_the_views_show_is_kept():
+    strong = np.array([-0.3, 0.15, 0.0, 0.0, -0.08])
+    lens = calibrate(projected(30, strong, noise=0.05, reach=2.5), BOARD)
+    assert lens.distortion[4] == pytest.approx(-0.08, abs=3.0 * lens.deviations["k3"])
+    assert lens.deviations["k3"] < 0.02
+
+
+def test_views_of_the_middle_are_told_to_leave_the_edges_open():
+    lens = calibrate(projected(20, noise=0.2, reach=0.7), BOARD)
+    told = "\n".join(doubts(lens))
+    assert lens.covered < 0.6
+    assert f"the board covers {lens.covered:.0%} of the image" in told
+    assert "k2 = " in told
+    assert "is not determined, worth ± " in told
+
+
+def test_a_board_that_was_hardly_tilted_is_told():
+    lens = calibrate(projected(20, noise=0.1, tilt=0.1), BOARD)
+    told = "\n".join(doubts(lens))
+    assert "the board is tilted by " in told
+    assert "the focal length is known to " in told
+    assert lens.tilts[0] < lens.tilts[1] < math.radians(9.0)
 
 
 def test_an_image_without_a_board_is_no_view():
@@ -67,15 +97,42 @@ def test_an_image_without_a_board_is_no_view():
 
 
 def test_too_few_views_are_refused():
-    with pytest.raises(ValueError, match="seen in 3 images; 8 are needed"):
-        calibrate(views(20)[:3], BOARD)
+    with pytest.raises(ValueError, match=f"seen in 3 images; {LEAST_VIEWS} are needed"):
+        calibrate(projected(3), BOARD)
 
 
 def test_one_view_repeated_is_refused():
     with pytest.raises(ValueError, match="only 1 of 12 views differ"):
-        calibrate(views(2)[:1] * 12, BOARD)
+        calibrate(projected(1) * 12, BOARD)
 
 
-def test_a_board_whose_markers_overlap_is_refused():
-    with pytest.raises(ValueError, match="smaller"):
-        board(7, 5, 0.03, 0.04, "DICT_4X4_50")
+@pytest.mark.parametrize(
+    "pixels",
+    [
+        CORNERS[:, :2] * 1000.0,  # never tilted
+        np.column_stack([np.arange(24) * 5.0, np.full(24, 50.0)]),  # all on one line
+    ],
+)
+def test_views_that_no_lens_explains_are_refused(pixels):
+    views = [
+        View(640, 480, np.arange(24), pixels + np.array([20.0 * n, 10.0 * n])) for n in range(12)
+    ]
+    with pytest.raises(ValueError, match="no lens explains these views: tilt the board"):
+        calibrate(views, BOARD)
+
+
+def test_a_board_that_was_never_tilted_is_refused():
+    with pytest.raises(ValueError, match="no lens explains these views: tilt the board"):
+        calibrate(projected(20, noise=0.1, tilt=0.02), BOARD)
+
+
+def test_corners_that_fit_badly_are_told():
+    lens = calibrate(projected(24, noise=2.0), BOARD)
+    assert "a reprojection error of 2.5 px is too much" in next(doubts(lens))
+
+
+def test_images_of_several_sizes_are_refused():
+    views = projected(12)
+    odd = View(320, 240, views[0].ids, views[0].pixels)
+    with pytest.raises(ValueError, match="of several sizes"):
+        calibrate([*views, odd], BOARD)

@@ -13,6 +13,8 @@ from vehicle.flying import free_port
 
 PAGES = ("docs/how-to/fly-on-px4-sitl.md", "docs/how-to/fly-on-ardupilot-sitl.md")
 PATIENCE = 20.0  # s, with one command
+LIFE = 150  # s; then the autopilot ends, even if nobody is left to end it
+MERCY = 5  # s between asking a process to end and killing it
 PORTS = ("14540", "5760")
 
 
@@ -42,9 +44,8 @@ def test_every_command_of_a_page_does_what_it_says(page, tmp_path):
     (start, *others) = commands(document(page))
     assert start[:2] == ["missionkit", "sitl"]
     more = ["--speed", "5", "--json", *(word for link in links for word in ("--link", link))]
-    with subprocess.Popen(
-        missionkit(start, ports, *more), stdout=subprocess.PIPE, cwd=tmp_path, env=around
-    ) as sitl:
+    mortal = ["timeout", f"--kill-after={MERCY}", str(LIFE), *missionkit(start, ports, *more)]
+    with subprocess.Popen(mortal, stdout=subprocess.PIPE, cwd=tmp_path, env=around) as sitl:
         try:
             assert json.loads(sitl.stdout.readline())
             for words in others:

@@ -1,12 +1,15 @@
+import socket
 import threading
+from contextlib import contextmanager
 
+import cv2
 import numpy as np
 
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Frame
 from missionkit.vehicle import device
 from missionkit.vehicle.camera import Rendered
-from missionkit.vehicle.device import Device
+from missionkit.vehicle.device import Device, Wanted
 from missionkit.vehicle.pose import Pose
 
 ZERO = vec(0.0, 0.0, 0.0)
@@ -16,7 +19,7 @@ class Around:
     """A vehicle that goes north with every look at it."""
 
     def __init__(self, step=0.02):
-        self.looks, self.step = 0, step
+        self.looks, self.step, self.events = 0, step, []
 
     def pose(self):
         self.looks += 1
@@ -27,6 +30,9 @@ class Around:
 
     def mission_time(self, wall_time):
         return wall_time
+
+    def note(self, event):
+        self.events.append(event)
 
 
 def taken(camera, count, now=1e9):
@@ -63,13 +69,23 @@ def test_a_frame_from_after_the_tick_waits_and_the_latest_wins():
 
 
 class Film:
-    """A capture of a few images of one shape."""
+    """A capture of a few images of one shape; a driver that can may be asked for another."""
 
-    def __init__(self, images, shape=(48, 64, 3), opens=True):
+    def __init__(self, images, shape=(48, 64, 3), opens=True, obeys=False):
         self.left, self.shape, self.opens, self.released = images, shape, opens, False
+        self.obeys, self.asked = obeys, {}
 
     def isOpened(self):  # noqa: N802
         return self.opens
+
+    def set(self, what, value):
+        self.asked[what] = value
+        height, width, _ = self.shape
+        if self.obeys and what == cv2.CAP_PROP_FRAME_WIDTH:
+            self.shape = (height, int(value), 3)
+        if self.obeys and what == cv2.CAP_PROP_FRAME_HEIGHT:
+            self.shape = (int(value), width, 3)
+        return self.obeys
 
     def read(self):
         if self.left == 0:
@@ -83,63 +99,96 @@ class Film:
 
 def watched(films, **options):
     reels = iter(films)
-    return Device(lambda: next(reels), latency=0.1, width=64, height=48, **options)
+    return Device(lambda: next(reels), Wanted(64, 48, 25.0), latency=0.1, **options)
 
 
-def test_a_camera_that_goes_away_is_opened_again(monkeypatch):
+@contextmanager
+def running(camera):
+    around = Around()
+    camera.start(around)
+    try:
+        yield around
+    finally:
+        camera.stop()
+
+
+def wait(holds):
+    for _ in range(4000):
+        if holds():
+            return
+        threading.Event().wait(0.001)
+    raise AssertionError("in vain")
+
+
+def test_a_camera_that_goes_away_is_opened_again_and_the_mission_hears_both(monkeypatch):
     monkeypatch.setattr(device, "AGAIN", 0.01)
     films = [Film(2), Film(0, opens=False), Film(10**9)]
     camera = watched(films)
-    camera.start(Around())
-    try:
-        for _ in range(2000):
-            if camera.opened == 3:
-                break
-            threading.Event().wait(0.001)
+    with running(camera) as around:
+        wait(lambda: camera.opened == 3)
         assert taken(camera, 2)[1].image.shape == (48, 64, 3)
-    finally:
-        camera.stop()
+        assert around.events == ["camera_gone", "camera_back"]
+        assert camera.problem == ""
     assert all(film.released for film in films)
+
+
+def test_a_camera_that_was_never_there_is_gone_once_and_says_why(monkeypatch):
+    monkeypatch.setattr(device, "AGAIN", 0.001)
+    camera = watched([Film(0, opens=False) for _ in range(4000)])
+    with running(camera) as around:
+        wait(lambda: camera.opened > 5)
+        assert around.events == ["camera_gone"]
+        assert camera.problem == "it cannot be opened"
+
+
+def test_the_driver_is_asked_for_the_images_of_the_mission():
+    film = Film(10**9, shape=(24, 32, 3), obeys=True)
+    camera = watched([film])
+    with running(camera):
+        (frame,) = taken(camera, 1)
+    assert frame.image.shape == (48, 64, 3)
+    assert film.asked == {
+        cv2.CAP_PROP_FRAME_WIDTH: 64,
+        cv2.CAP_PROP_FRAME_HEIGHT: 48,
+        cv2.CAP_PROP_FPS: 25.0,
+    }
 
 
 def test_images_are_stamped_with_the_middle_of_their_exposure():
     camera = watched([Film(10**9)])
-    camera.start(Around())
-    try:
+    with running(camera):
         (frame,) = taken(camera, 1)
         assert 0.0 < device.wall() - frame.at - 0.1 < 1.0
-    finally:
-        camera.stop()
 
 
-def test_images_of_another_size_than_calibrated_are_refused_with_a_sentence():
-    camera = watched([Film(1, shape=(24, 32, 3))])
-    camera.start(Around())
-    try:
-        for _ in range(2000):
-            if camera.problem:
-                break
-            threading.Event().wait(0.001)
-    finally:
-        camera.stop()
-    assert camera.problem == "its images are 32 x 24, not 64 x 48"
-    assert camera.latest(1e9) is None
+def test_images_of_another_size_than_calibrated_are_refused_once_with_a_sentence(monkeypatch):
+    monkeypatch.setattr(device, "AGAIN", 0.001)
+    camera = watched([Film(1, shape=(24, 32, 3)) for _ in range(4000)])
+    with running(camera) as around:
+        wait(lambda: camera.opened > 5)
+        assert camera.problem == "its images are 32 x 24, not 64 x 48"
+        assert camera.latest(1e9) is None
+        assert around.events == ["camera_gone"]
 
 
 def test_a_video_file_is_read_through_opencv(tmp_path):
-    import cv2  # noqa: PLC0415
-
     path = str(tmp_path / "film.avi")
     film = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*"MJPG"), 20.0, (64, 48))
     for grey in range(0, 200, 20):
         film.write(np.full((48, 64, 3), grey, np.uint8))
     film.release()
-    camera = Device(lambda: device.opened(path), 0.0, 64, 48, period=0.005)
-    camera.start(Around())
-    try:
+    camera = Device(lambda: device.opened(path), Wanted(64, 48, 20.0), 0.0, period=0.005)
+    with running(camera):
         frames = taken(camera, 3)
-    finally:
-        camera.stop()
     greys = [float(frame.image.mean()) for frame in frames]
     assert greys == sorted(greys)
     assert greys[0] < greys[-1]
+
+
+def test_a_stream_that_never_answers_does_not_keep_the_camera_for_long(monkeypatch):
+    monkeypatch.setattr(device, "PATIENCE", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = "http://{}:{}/stream".format(*mute.getsockname())
+        before = device.wall()
+        assert not device.opened(address).isOpened()
+        assert device.wall() - before < 10.0  # without a limit it is 30

@@ -1,0 +1,47 @@
+"""What happens to a real camera reaches the mission, over the wire."""
+
+import asyncio
+
+import numpy as np
+from vehicle.flying import flying, sitl
+
+from missionkit.vehicle import device
+from missionkit.vehicle.device import Device, Wanted
+
+
+class Reel:
+    """A capture of so many images."""
+
+    def __init__(self, images):
+        self.left = images
+
+    def isOpened(self):  # noqa: N802
+        return self.left > 0
+
+    def set(self, what, value):
+        return False
+
+    def read(self):
+        self.left -= 1
+        return self.left >= 0, np.full((48, 64, 3), self.left % 256, np.uint8)
+
+    def release(self):
+        pass
+
+
+def test_a_mission_hears_that_its_camera_went_away_and_came_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(device, "AGAIN", 0.05)
+    reels = iter([Reel(5), Reel(0), Reel(10**9)])
+    camera = Device(lambda: next(reels), Wanted(64, 48, 100.0), 0.0, period=0.01)
+
+    async def fly():
+        with sitl() as autopilot:
+            async with flying(autopilot, tmp_path, camera=camera) as flight:
+                await flight.until(lambda: "camera_back" in flight.events)
+                assert flight.vehicle.camera_problem == ""
+                await flight.run(0.5)
+                return flight
+
+    flight = asyncio.run(asyncio.wait_for(fly(), 60.0))
+    assert [it for it in flight.events if it.startswith("camera")] == ["camera_gone", "camera_back"]
+    assert any(seen.frame is not None for seen in flight.seen[-5:])
