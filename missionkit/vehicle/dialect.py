@@ -34,6 +34,7 @@ class Dialect(NamedTuple):
     warm: float  # s of setpoints before it enters that mode
     early: bool  # whether setpoints may be sent while it takes off
     takeoff_param: str | None  # parameter for the height, None: within the command
+    checks_present: bool  # whether SYS_STATUS names its arming checks among what is there
     loss: tuple[str, float]  # parameter for the time (s) without setpoints, and its default
     failsafes: tuple[Failsafe, ...]
     intervals: Mapping[int, float]  # message id -> Hz
@@ -90,6 +91,7 @@ PX4 = Dialect(
     warm=1.0,
     early=True,
     takeoff_param="MIS_TAKEOFF_ALT",
+    checks_present=False,
     loss=("COM_OF_LOSS_T", 1.0),
     failsafes=PX4_FAILSAFES,
     intervals=INTERVALS,
@@ -129,6 +131,7 @@ ARDUPILOT = Dialect(
     warm=0.0,
     early=False,  # a setpoint would end the take-off
     takeoff_param=None,
+    checks_present=True,
     loss=("GUID_TIMEOUT", 3.0),
     failsafes=ARDUPILOT_FAILSAFES,
     intervals=INTERVALS,

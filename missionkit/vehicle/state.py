@@ -8,7 +8,7 @@ from missionkit.vehicle.dialect import Dialect, word
 _ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
 _GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
 _ON_GROUND, _IN_AIR, _TAKING_OFF, _LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
-_ACTIVE = 4  # MAV_STATE
+_POWERED = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
 
 SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
 
@@ -39,14 +39,19 @@ class State:
 
     @property
     def in_air(self) -> bool | None:
-        """Whether it flies; armed and active counts as flying where it does not say."""
+        """Whether it flies; armed and active counts as flying where it does not say.
+
+        Disarmed it does not, whatever was said last: that may be old, its heartbeat is not.
+        """
+        if self.armed is False:
+            return False
         landed = self._cache.latest("EXTENDED_SYS_STATE")
         if landed is not None and int(landed["landed_state"]) != 0:
             return int(landed["landed_state"]) in {_IN_AIR, _TAKING_OFF, _LANDING}
         beat = self._cache.latest("HEARTBEAT")
         if beat is None:
             return None
-        return bool(self.armed) and int(beat["system_status"]) == _ACTIVE
+        return bool(self.armed) and int(beat["system_status"]) in _POWERED
 
     @property
     def heard(self) -> float:
@@ -56,8 +61,16 @@ class State:
 
     @property
     def armable(self) -> bool | None:
-        """Whether its own arming checks pass."""
-        return self._healthy(_PREARM)
+        """Whether its own arming checks pass.
+
+        PX4 sets the bit among the healthy ones, and never among those that are there.
+        """
+        said = self._cache.latest("SYS_STATUS")
+        if said is None:
+            return None
+        healthy = bool(int(said["onboard_control_sensors_health"]) & _PREARM)
+        present = bool(int(said["onboard_control_sensors_present"]) & _PREARM)
+        return healthy if healthy or present or not self._dialect.checks_present else None
 
     def sensor(self, name: str) -> bool | None:
         """Return whether one of SENSORS is healthy."""

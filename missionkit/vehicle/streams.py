@@ -39,17 +39,18 @@ NAMES: Mapping[int, str] = {
     331: "ODOMETRY",
 }
 QUEUED = frozenset(("HIGHRES_IMU", "GPS_RAW_INT", "OBSTACLE_DISTANCE", "STATUSTEXT"))
+SINCE_1970 = 1e15  # us: a larger stamp does not count from the boot
 CLOCKED = frozenset(("HIGHRES_IMU", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED"))
 
 
 def boot_time(message: Message) -> float | None:
-    """Return when a message was stamped (s since boot), None if it is not."""
+    """Return when a message was stamped (s since boot), None if it is not.
+
+    Zero is no stamp: the fixes of PX4's simulated receiver have none.
+    """
     fields = message.fields
-    if "time_boot_ms" in fields:
-        return 1e-3 * float(fields["time_boot_ms"])
-    if "time_usec" in fields and float(fields["time_usec"]) < 1e15:  # else: since 1970
-        return 1e-6 * float(fields["time_usec"])
-    return None
+    boot = 1e3 * float(fields.get("time_boot_ms", 0)) or float(fields.get("time_usec", 0))  # us
+    return 1e-6 * boot if 0.0 < boot < SINCE_1970 else None
 
 
 class Streams:
