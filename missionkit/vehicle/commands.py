@@ -19,7 +19,7 @@ from missionkit.vehicle.wire import Wire
 
 ARM, SET_MODE, NAV_TAKEOFF, NAV_LAND, NAV_RETURN = 400, 176, 22, 21, 20  # MAV_CMD
 AGAIN = 1.0  # s (of the vehicle) until the same wish is carried out again
-CONFIRM = 1.2  # s (of the vehicle): heartbeats come once a second
+CONFIRM = 2.2  # s (of the vehicle): heartbeats come once a second, and one may be lost
 OFFBOARD = "offboard"
 Wish = tuple[str, float | None]  # an action's name or OFFBOARD, and a height (m)
 

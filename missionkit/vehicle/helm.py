@@ -13,6 +13,8 @@ from missionkit.vehicle.streams import REBOOTED
 PILOT_TAKEOVER = "pilot_takeover"
 FAILSAFE_TAKEOVER = "failsafe_takeover"  # it had not heard us: the autopilot acted by itself
 _ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
+_CRITICAL = 5  # MAV_STATE: both autopilots say so while a failsafe of theirs is active
+_REFUGES = frozenset(("hold", "brake", "land", "return", "smart_return"))  # what failsafes choose
 
 
 class Helm:
@@ -59,7 +61,9 @@ class Helm:
             before, self._now = self._now, reported(self._now, mode, armed=armed)
             taken = before.ours and not self._now.ours
         if taken:
-            self._give_way(FAILSAFE_TAKEOVER if self._unheard() else PILOT_TAKEOVER)
+            alarmed = int(message["system_status"]) == _CRITICAL and mode in _REFUGES
+            by_itself = alarmed or self._unheard()
+            self._give_way(FAILSAFE_TAKEOVER if by_itself else PILOT_TAKEOVER)
 
     def order(self, mode: str) -> bool:
         """Note that we ask for a mode; say whether we may."""

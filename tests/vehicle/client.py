@@ -1,13 +1,16 @@
 """A client of its own process that flies north until something is done to it.
 
 usage: python -m vehicle.client URL SPEED LOCKS
-Says "flying" once it does. SIGUSR1 holds the interpreter's lock for two seconds of the vehicle.
+Says "flying" once it does. SIGUSR1 holds the interpreter's lock for two seconds of the vehicle,
+SIGUSR2 collects garbage again and again for four.
 """
 
 import asyncio
 import ctypes
+import gc
 import signal
 import sys
+import time
 from pathlib import Path
 
 from vehicle.flying import NORTH, Flight
@@ -16,6 +19,15 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.lock import LinkLock
 
+HEAP = [[] for _ in range(60_000)]  # each collection looks at all of them
+
+
+def collect(seconds):
+    """Collect garbage for so long; other threads run in between only."""
+    end = time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        gc.collect()
+
 
 async def main(url, speed, locks):
     address = parse(url)
@@ -23,6 +35,7 @@ async def main(url, speed, locks):
     # PyDLL keeps the interpreter's lock while the C function runs
     stall = int(2e6 / speed)
     signal.signal(signal.SIGUSR1, lambda *_: ctypes.PyDLL(None).usleep(stall))
+    signal.signal(signal.SIGUSR2, lambda *_: collect(4.0 / speed))
     await vehicle.connect()
     flight = Flight(vehicle, speed)
     await flight.take_off()

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
+import sys
+import threading
 import time
 from contextlib import asynccontextmanager, contextmanager
 
@@ -17,7 +19,8 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.lock import LinkLock
 
-SPEED = 5.0
+SPEED = 6.0
+BRISK = 8.0  # where nothing depends on how soon something is done
 PERIOD = 0.05
 STILL = Command()
 NORTH = Command(Setpoint(vec(2.0, 0.0, 0.0), 0.0))
@@ -155,3 +158,29 @@ async def flying(sitl, tmp_path, **options):
         yield Flight(vehicle, sitl.speed)
     finally:
         await vehicle.close()
+
+
+def over_the_wire(tmp_path, script, dialect="px4", **setup):
+    """Run `script(flight, autopilot)`; return what it returns."""
+
+    async def fly(autopilot):
+        async with flying(autopilot, tmp_path) as flight:
+            return await script(flight, autopilot)
+
+    with sitl(dialect, **setup) as autopilot:
+        return asyncio.run(fly(autopilot))
+
+
+def command(autopilot, *arguments):
+    """Return the words that run a mission with the autopilot."""
+    python = [sys.executable, "-c", "from missionkit.cli.app import app; app()"]
+    speed = str(autopilot.speed)
+    return [*python, "run", *arguments, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
+
+
+def until(holds, limit=10.0):
+    """Wait until something holds, for at most `limit` (s, wall)."""
+    end = time.perf_counter() + limit
+    while not holds():
+        assert time.perf_counter() < end
+        threading.Event().wait(0.02)

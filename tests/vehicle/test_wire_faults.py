@@ -1,21 +1,8 @@
 """The pilot, the link and the autopilot itself misbehave; judged by what the autopilot did."""
 
-import asyncio
-
 import numpy as np
 import pytest
-from vehicle.flying import CLIMB, LAND, NORTH, flying, sitl
-
-
-def over_the_wire(tmp_path, script, dialect="px4", **setup):
-    """Run `script(flight, autopilot)`; return what it returns."""
-
-    async def fly(autopilot):
-        async with flying(autopilot, tmp_path) as flight:
-            return await script(flight, autopilot)
-
-    with sitl(dialect, **setup) as autopilot:
-        return asyncio.run(fly(autopilot))
+from vehicle.flying import CLIMB, LAND, NORTH, over_the_wire
 
 
 @pytest.mark.parametrize(("dialect", "mode"), [("px4", "POSCTL"), ("ardupilot", "LOITER")])

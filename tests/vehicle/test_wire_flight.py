@@ -42,7 +42,7 @@ def test_a_flight_is_what_was_commanded_by_the_truth(dialect, tmp_path):
     assert truth["on_ground"]
     assert not truth["armed"]
     assert not truth["crashed"]
-    assert all(report.result.good for report in flight.vehicle.reports)
+    assert all(it.result.good for it in flight.vehicle.reports), flight.vehicle.reports
     assert "pilot_takeover" not in flight.events
 
 

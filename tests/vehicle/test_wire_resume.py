@@ -3,11 +3,11 @@
 import json
 import os
 import subprocess
-import sys
 import threading
 import time
 
-from vehicle.flying import sitl
+import pytest
+from vehicle.flying import command, sitl
 
 STAY = """
 missionkit: 1
@@ -27,19 +27,15 @@ states:
 """
 
 
-def command(autopilot, *arguments):
-    python = [sys.executable, "-c", "from missionkit.cli.app import app; app()"]
-    speed = str(autopilot.speed)
-    return [*python, "run", *arguments, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
-
-
-def test_a_killed_flight_is_gone_on_with_and_ends_on_the_ground(tmp_path):
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_a_killed_flight_is_gone_on_with_and_ends_on_the_ground(dialect, tmp_path):
     (tmp_path / "stay.yaml").write_text(STAY)
     env = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
     folder = tmp_path / "runs" / "stay-vehicle"
-    with sitl() as autopilot:
-        autopilot.ask(parameter="COM_OBL_RC_ACT", value=5)
-        autopilot.patient(1.0)
+    with sitl(dialect) as autopilot:
+        if dialect == "px4":
+            autopilot.ask(parameter="COM_OBL_RC_ACT", value=5)
+            autopilot.patient(1.0)
         first = command(autopilot, "stay.yaml")
         with subprocess.Popen(first, cwd=tmp_path, env=env) as process:
             end = time.perf_counter() + 10.0

@@ -4,7 +4,7 @@ import asyncio
 
 import numpy as np
 import pytest
-from vehicle.flying import flying, sitl
+from vehicle.flying import BRISK, flying, sitl
 
 from missionkit.geometry import from_euler, vec, yaw_of
 from missionkit.messages import Action, AttitudeSetpoint, Command, PositionSetpoint
@@ -25,7 +25,7 @@ def test_a_position_is_flown_to_and_a_return_lands_at_home(dialect, tmp_path):
             await flight.until(lambda: not flight.status.armed, HOME, 90.0)
             return flight, there, autopilot.truth
 
-    with sitl(dialect) as autopilot:
+    with sitl(dialect, BRISK) as autopilot:
         if dialect == "ardupilot":
             autopilot.ask(parameter="RTL_ALT", value=500.0)
         flight, there, end = asyncio.run(fly(autopilot))

@@ -10,13 +10,12 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from vehicle.flying import NORTH, flying, sitl
+from vehicle.flying import NORTH, flying, sitl, until
 
 TESTS = str(Path(__file__).parents[1])
 
@@ -41,13 +40,6 @@ def client(autopilot, tmp_path):
             yield process
         finally:
             process.kill()
-
-
-def until(holds, limit=10.0):
-    end = time.perf_counter() + limit
-    while not holds():
-        assert time.perf_counter() < end
-        threading.Event().wait(0.02)
 
 
 def test_a_loop_that_hangs_brakes_at_half_a_second_and_nothing_is_resumed(tmp_path):
@@ -88,6 +80,17 @@ def test_a_process_that_stops_dies_or_stalls_ends_in_the_autopilots_failsafe(how
         assert stopped_after(autopilot, since) < 2.6
         assert len(left) == 1
         assert all(note["at"] < since + 0.5 for note in autopilot.notes("setpoint", since))
+
+
+def test_a_storm_of_garbage_collections_ends_in_the_autopilots_failsafe(tmp_path):
+    with sitl() as autopilot, client(autopilot, tmp_path) as process:
+        autopilot.patient(1.0)
+        since = autopilot.now
+        process.send_signal(signal.SIGUSR2)
+        until(lambda: autopilot.now > since + 5.0)
+        left = [note["which"] for note in autopilot.notes("mode", since)]
+        assert left == ["POSCTL"]
+        assert stopped_after(autopilot, since) < 3.0
 
 
 def test_ardupilot_stops_by_itself_when_the_client_is_killed(tmp_path):

@@ -1,0 +1,70 @@
+"""A behaviour from outside breaks in flight: by the truth, the vehicle stops."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, ClassVar
+
+import numpy as np
+from typing_extensions import override
+from vehicle.flying import sitl
+from vehicle.on_a_mission import fly_mission, stay, strike
+
+from missionkit.chart.catalogue import builtin
+from missionkit.engine.loop import End
+from missionkit.messages import Estimate, Guidance, Step
+from missionkit.plugin import Behavior
+
+NORTHWARDS = np.array([200.0, 0.0, -2.0])
+WELL = 3.0  # s for which it does what it should
+
+
+class Tripping(Behavior):
+    """Flies north for three seconds, then raises, or hangs for ten."""
+
+    kind: ClassVar[str] = "tripping"
+    how: str
+
+    @override
+    def begin(self, seen: Estimate) -> float:
+        return seen.now
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        if seen.now < memory + WELL:
+            return Step(Guidance(NORTHWARDS, 2.0), memory=memory)
+        if self.how == "hangs":
+            time.sleep(10.0)  # noqa: TID251 - it is what is to be interrupted
+        raise RuntimeError("lost the thread")
+
+
+def tripped(autopilot, tmp_path, how, **options):
+    """Fly it; return what was told, and the truth (time, speed) from its last good second on."""
+    catalogue = builtin().extended("behaviors", (Tripping,))
+    text = stay(f"{{use: tripping, how: {how}}}", **options)
+    told = fly_mission(autopilot, text, tmp_path, {"up": strike()}, catalogue)
+    begun = told.began["up"][1] + WELL
+    times, speeds = autopilot.speeds(begun - 1.0)
+    return told, times - begun, speeds
+
+
+def test_one_that_raises_leaves_the_vehicle_hovering(tmp_path):
+    with sitl() as autopilot:
+        told, times, speeds = tripped(autopilot, tmp_path, "raises", after=7)
+    assert max(speeds[times < 0.0]) > 1.5
+    stopped = (times > 1.5) & (times < 3.5)
+    assert max(speeds[stopped]) < 0.5
+    assert "tripping raised RuntimeError: lost the thread" in told.problems
+    assert told.flown.end is End.LANDED
+
+
+def test_one_that_hangs_is_interrupted_and_the_failsafe_lands(tmp_path):
+    with sitl() as autopilot:
+        told, times, speeds = tripped(autopilot, tmp_path, "hangs", failsafe="plugin_failed")
+        truth = autopilot.truth
+    assert max(speeds[times < 0.0]) > 1.5
+    assert max(speeds[times > 2.5]) < 0.7
+    assert any("did not return" in problem for problem in told.problems)
+    assert "failsafe mishap" in told.reasons
+    assert told.flown.end is End.LANDED
+    assert not truth["crashed"]
