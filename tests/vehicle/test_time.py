@@ -1,8 +1,14 @@
+import math
+
 import numpy as np
 import pytest
+from vehicle.test_readings import HIGHRES
 
 from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.streams import Streams, boot_time
+from missionkit.vehicle.dialect import PX4
+from missionkit.vehicle.observation import Observer
+from missionkit.vehicle.state import State
+from missionkit.vehicle.streams import QUEUED, Streams, boot_time
 from missionkit.vehicle.timing import BootClock, MissionClock
 
 
@@ -53,12 +59,29 @@ def test_messages_are_kept_with_their_time_and_grow_old():
     assert cache.drain("STATUSTEXT") == []
 
 
-def test_stamps_since_1970_are_not_taken_for_time_since_boot():
+def test_stamps_since_1970_and_zeros_are_not_taken_for_time_since_boot():
     cache = Cache(Wall())
     cache.put("A", {"time_usec": 2_500_000})
     cache.put("B", {"time_usec": 1_790_000_000_000_000})
     cache.put("C", {"time_boot_ms": 1500})
-    assert [boot_time(cache.latest(name)) for name in "ABC"] == [2.5, None, 1.5]
+    cache.put("D", {"time_usec": 0})
+    assert [boot_time(cache.latest(name)) for name in "ABCD"] == [2.5, None, 1.5, None]
+
+
+def test_what_is_seen_after_the_last_inertial_sample_has_to_wait_for_the_next():
+    wall, clock = Wall(), MissionClock()
+    cache = Cache(wall, QUEUED)
+    observer = Observer(cache, State(cache, PX4), clock)
+    clock.tick(0.0, wall.now)
+    assert observer.moved_until == math.inf
+    cache.put("HIGHRES_IMU", {**HIGHRES, "time_usec": 5_000_000})
+    observer.observe(0.05, None, ())
+    wall.now += 0.04
+    cache.put("HIGHRES_IMU", {**HIGHRES, "time_usec": 5_010_000})
+    observer.observe(0.1, None, ())
+    assert observer.moved_until == pytest.approx(0.01)
+    wall.now += 2.0
+    assert observer.moved_until == math.inf
 
 
 class Asked:

@@ -60,12 +60,13 @@ def test_a_drawn_frame_has_the_time_of_the_pose_it_was_drawn_from():
 
 
 def test_a_frame_from_after_the_tick_waits_and_the_latest_wins():
-    camera = Rendered(lambda pose, at: Frame(at, None), 20.0)
-    camera.give(Frame(1.0, None))
-    assert camera.latest(0.9) is None
-    camera.give(Frame(1.1, None))
+    camera = Rendered(lambda _, at: Frame(at, None), 20.0)
+    for at in (0.8, 1.0, 1.1, 1.3):
+        camera.give(Frame(at, None))
+    assert camera.latest(0.7) is None
     assert camera.latest(1.2).at == 1.1
     assert camera.latest(1.2) is None
+    assert camera.latest(1.3).at == 1.3
 
 
 class Film:

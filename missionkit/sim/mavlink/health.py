@@ -40,8 +40,13 @@ WITH_POSITION = (
 
 
 def sys_status(state: State) -> Message:
-    """Return SYS_STATUS; the bit PREARM_CHECK says whether it could be armed."""
-    health = SENSORS
+    """Return SYS_STATUS; the bit PREARM_CHECK says whether it could be armed.
+
+    PX4 (`streams/SYS_STATUS.hpp`) sets it in the health alone, ArduPilot in all three fields.
+    """
+    health, there = SENSORS, SENSORS
+    if state.dialect.name == "px4":
+        there &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
     if state.gnss_lost:
         health &= ~mavlink.MAV_SYS_STATUS_SENSOR_GPS
     if rules.problems(state):
@@ -51,7 +56,7 @@ def sys_status(state: State) -> Message:
     charge = -1 if reading is None else round(100.0 * reading.charge)
     current = round(100.0 * state.body.power / volts) if volts else -1
     return mavlink.MAVLink_sys_status_message(
-        SENSORS, SENSORS, health, 200, round(1e3 * volts), current, charge, 0, 0, 0, 0, 0, 0
+        there, there, health, 200, round(1e3 * volts), current, charge, 0, 0, 0, 0, 0, 0
     )
 
 

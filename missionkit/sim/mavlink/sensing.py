@@ -48,12 +48,15 @@ def local_position_ned(state: State) -> Message:
 
 
 def hil_state_quaternion(state: State) -> Message:
-    """Return HIL_STATE_QUATERNION: the truth, which PX4 streams where it simulates the vehicle."""
+    """Return HIL_STATE_QUATERNION: the truth, which PX4 streams where it simulates the vehicle.
+
+    PX4 (`streams/HIL_STATE_QUATERNION.hpp`) leaves its stamp zero.
+    """
     truth = state.body.truth
     spot = state.earth.spot(truth.position)
     velocity = [round(100.0 * float(each)) for each in truth.velocity]  # cm/s
     return mavlink.MAVLink_hil_state_quaternion_message(
-        state.micros,
+        0,
         list(truth.attitude),
         *truth.rates,
         e7(spot.latitude),
