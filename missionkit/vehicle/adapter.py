@@ -26,6 +26,7 @@ from missionkit.vehicle.lock import LinkLock
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.parts import Parts
 from missionkit.vehicle.pose import Pose, reported_pose
+from missionkit.vehicle.scaled import Scaled
 from missionkit.vehicle.setpoints import Streamer
 from missionkit.vehicle.sharing import NOTHING, Share, Sharing
 from missionkit.vehicle.state import State
@@ -201,7 +202,7 @@ class MavsdkVehicle:
         return self._parts
 
     async def _join(self, link: Link) -> None:
-        link.listen(NAMES.values(), self.cache.put)
+        link.listen(NAMES.values(), Scaled(self.cache.put))
         await self.hear("HEARTBEAT", WORDS_WITHIN)
         beat = self.cache.latest("HEARTBEAT")
         dialect = None if beat is None else dialect_of(int(beat["autopilot"]))

@@ -48,7 +48,7 @@ INTERVALS: Mapping[int, float] = {
     24: 5.0,  # GPS_RAW_INT
     31: 50.0,  # ATTITUDE_QUATERNION
     32: 20.0,  # LOCAL_POSITION_NED
-    105: 100.0,  # HIGHRES_IMU
+    105: 250.0,  # HIGHRES_IMU, every sample: PX4's are means since the one before
     115: 50.0,  # HIL_STATE_QUATERNION, from simulators only
     147: 2.0,  # BATTERY_STATUS
     242: 1.0,  # HOME_POSITION
@@ -57,6 +57,11 @@ INTERVALS: Mapping[int, float] = {
     331: 50.0,  # ODOMETRY
     1: 2.0,  # SYS_STATUS
     2: 1.0,  # SYSTEM_TIME
+}
+SCALED: Mapping[int, float] = {
+    **{ident: rate for ident, rate in INTERVALS.items() if ident != 105},
+    27: 100.0,  # RAW_IMU
+    29: 10.0,  # SCALED_PRESSURE
 }
 OPTIONAL = frozenset((0, 2, 115, 330, 331))  # nothing is missing without these
 
@@ -134,7 +139,7 @@ ARDUPILOT = Dialect(
     checks_present=True,
     loss=("GUID_TIMEOUT", 3.0),
     failsafes=ARDUPILOT_FAILSAFES,
-    intervals=INTERVALS,
+    intervals=SCALED,  # few of its versions know HIGHRES_IMU
     sphere=6378100.0,  # RADIUS_OF_EARTH, as in LOCATION_SCALING_FACTOR
     target_frame=BODY_FRD,
     leash=2.0,  # GUID_TIMEOUT does not count for positions: it would fly on to one unheard

@@ -60,6 +60,7 @@ MISSING = {  # what the real one does not have
     "px4": frozenset((mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT,)),
     "ardupilot": frozenset(
         (
+            mavlink.MAVLINK_MSG_ID_HIGHRES_IMU,
             mavlink.MAVLINK_MSG_ID_ODOMETRY,
             mavlink.MAVLINK_MSG_ID_ALTITUDE,
             mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
