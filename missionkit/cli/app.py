@@ -51,6 +51,10 @@ def run(
         str | None,
         typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL, rendered"),
     ] = None,
+    share: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WHAT", help="with --vehicle: tell it pose, or target=NAME"),
+    ] = None,
     event: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME@SECONDS", help="an event from the operator, such as go@12.5"),
@@ -65,7 +69,7 @@ def run(
         typer.Option(metavar="RUN", help="folder of a run that was killed: go on with it"),
     ] = None,
     gap: Annotated[
-        float, typer.Option(min=0.0, help="s that the vehicle flew alone before --resume")
+        float, typer.Option(min=0.0, help="s that the simulated vehicle flew alone before --resume")
     ] = 1.0,
     *,
     force: Annotated[
@@ -82,6 +86,8 @@ def run(
         raise UsageError("name the mission file to fly, or --resume RUN")
     if camera is not None and vehicle is None:
         raise UsageError("--camera is for --vehicle: the simulator draws what the camera would see")
+    if share and vehicle is None:
+        raise UsageError("--share is for --vehicle: nobody else is there to be told")
     order = Order(
         mission or Path(),
         tuple(settings or ()),
@@ -94,6 +100,7 @@ def run(
         as_json=as_json,
         vehicle=vehicle,
         source=camera,
+        share=tuple(share or ()),
         events=tuple(event or ()),
         resume=resume,
         gap=gap,

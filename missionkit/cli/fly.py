@@ -12,7 +12,7 @@ from missionkit.engine.clock import RealTime
 from missionkit.engine.flight import Plan
 from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.waking import Resumption
-from missionkit.errors import ExitCode
+from missionkit.errors import ExitCode, UsageError, nearest
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
@@ -50,6 +50,26 @@ def vehicle_of(
     """
     camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
     return MavsdkVehicle(parse(address), camera, speed, share=share)
+
+
+def share_of(texts: Sequence[str], mission: Mission) -> Share:
+    """Return what the autopilot is to be told: `pose`, `target=NAME`, or both.
+
+    Raises:
+        UsageError: it is neither, or the mission has no such target.
+    """
+    share = NOTHING
+    for text in texts:
+        what, _, name = text.partition("=")
+        if text == "pose":
+            share = share._replace(pose=True)
+        elif what != "target" or share.target not in {None, name}:
+            raise UsageError(f"--share {text}: must be pose, or target=NAME of one target")
+        elif name not in mission.targets:
+            raise UsageError(f"--share {text}: no such target; {nearest(name, mission.targets)}")
+        else:
+            share = share._replace(target=name)
+    return share
 
 
 def fly_vehicle(

@@ -9,7 +9,7 @@ from missionkit.campaign.ending import aborted, unreached
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.cockpit import cockpit
-from missionkit.cli.fly import fly_vehicle, vehicle_of
+from missionkit.cli.fly import fly_vehicle, share_of, vehicle_of
 from missionkit.cli.guarded import guarded
 from missionkit.cli.order import Order
 from missionkit.cli.origin import Origin
@@ -51,6 +51,7 @@ def run_on_vehicle(
         speed=order.speed or 1.0,
         source=order.source,
         folder=order.mission.parent,
+        share=share_of(order.share, mission),
     )
     folder, past = folder_of(order, mission, origin, "vehicle", before)
     flight = Ready(mission, world, plan, vehicle, folder, past)

@@ -22,6 +22,7 @@ class Order(NamedTuple):
     as_json: bool
     vehicle: str | None = None  # address; the simulator if absent
     source: str | None = None  # of a real camera, or "rendered"
+    share: tuple[str, ...] = ()  # what the vehicle is told: "pose", "target=NAME"
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
     resume: Path | None = None  # the folder of the run that is gone on with
     gap: float = GAP  # s that the simulated vehicle flew alone

@@ -1,0 +1,44 @@
+import pytest
+from samples import HOP
+
+from missionkit.chart.catalogue import builtin
+from missionkit.chart.load import parse
+from missionkit.cli.fly import share_of
+from missionkit.errors import UsageError
+from missionkit.vehicle.sharing import Share
+
+PADS = parse(
+    HOP + "targets: {pad: {position: [1, 0, 0]}, tree: {position: [9, 0, -2]}}\n", "hop", builtin()
+)
+
+
+@pytest.mark.parametrize(
+    ("texts", "share"),
+    [
+        ((), Share()),
+        (("pose",), Share(pose=True)),
+        (("target=pad", "pose"), Share(pose=True, target="pad")),
+        (("target=pad", "target=pad"), Share(target="pad")),
+    ],
+)
+def test_what_is_shared_is_what_was_asked_for(texts, share):
+    assert share_of(texts, PADS) == share
+
+
+@pytest.mark.parametrize(
+    ("texts", "reason"),
+    [
+        (("poses",), "must be pose, or target=NAME"),
+        (("pose=1",), "must be pose, or target=NAME"),
+        (("target=pda",), "no such target; .*pad"),
+        (("target=pad", "target=tree"), "of one target"),
+    ],
+)
+def test_anything_else_is_refused_with_what_would_be_right(texts, reason):
+    with pytest.raises(UsageError, match=reason):
+        share_of(texts, PADS)
+
+
+def test_without_a_vehicle_nobody_is_told(call):
+    result = call("run", "hop.yaml", "--share", "pose")
+    assert (result.exit_code, "--share is for --vehicle" in result.stderr) == (2, True)
