@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import Literal
 
-from missionkit.chart.model.mission import Mission, Success
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.sections import Success
 from missionkit.engine.loop import End
 from missionkit.rehearsal import Rehearsal
 

@@ -29,11 +29,10 @@ from missionkit.chart.model.part import (
     Plain,
     Short,
     StateName,
-    TargetName,
     scope_of,
 )
 from missionkit.chart.model.references import Reference
-from missionkit.chart.model.sections import Place3, Settings, TargetPlace, Vehicle
+from missionkit.chart.model.sections import Settings, Success, TargetPlace, Vehicle
 from missionkit.chart.model.variables import Variable
 from missionkit.chart.text.located import Row, Table, Text, place_of
 from missionkit.chart.text.sentence import sentence, sentences
@@ -42,7 +41,7 @@ from missionkit.messages import Occupancy
 from missionkit.perception.camera import Camera
 from missionkit.planning.known_map import KnownMap
 from missionkit.plugin import Behavior, Plugin
-from missionkit.units import Degrees, Metres, Seconds
+from missionkit.units import Seconds
 
 Actions = Annotated[tuple[Action, ...], Field(strict=False)]
 GROUP_KIND = "logic"
@@ -226,16 +225,6 @@ def firsts(states: Mapping[str, Placed]) -> dict[str, str]:
     for name, state, _ in states.values():
         found.setdefault(state.kind, name)
     return found
-
-
-class Success(Part):
-    """What counts as success, graded against the truth where it is known."""
-
-    visit: StateName
-    target: TargetName | None = None
-    standoff: Place3 = (0.0, 0.0, 0.0)
-    position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
-    yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
 
 
 def _use(kind: str) -> Any:

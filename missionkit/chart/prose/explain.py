@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.contracts import fulfilled
-from missionkit.chart.model.mission import Failsafe, Mission, Success
+from missionkit.chart.model.mission import Failsafe, Mission
+from missionkit.chart.model.sections import Success
 from missionkit.chart.prose.explain_state import (
     Chart,
     Sentences,
