@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from missionkit.geometry import rotate
+from missionkit.vehicle import readings
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.cache import Fields, Message
 from missionkit.vehicle.preflight import Findings, Report, judged
@@ -66,7 +71,20 @@ def _found(
         date_gap=_date_gap(vehicle),
         clock_rate=_rate(first, vehicle.cache.latest("LOCAL_POSITION_NED")),
         pace=pace,
+        declination=_declination(vehicle),
     )
+
+
+def _declination(vehicle: MavsdkVehicle) -> float | None:
+    """Return where the measured field points (deg) in the autopilot's frame, east of its north."""
+    turned = vehicle.cache.latest("ATTITUDE_QUATERNION")
+    attitude = None if turned is None else readings.attitude([turned[f"q{n}"] for n in range(1, 5)])
+    samples = [readings.magnetometer(it.fields, 0.0) for it in vehicle.cache.drain("HIGHRES_IMU")]
+    fields = [it.field for it in samples if it is not None]
+    if attitude is None or not fields:
+        return None
+    north, east, _ = rotate(attitude, np.mean(fields, axis=0)).tolist()
+    return math.degrees(math.atan2(east, north))
 
 
 def _fields(vehicle: MavsdkVehicle, name: str) -> Fields | None:

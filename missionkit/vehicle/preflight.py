@@ -17,6 +17,7 @@ from missionkit.vehicle.failsafes import Level
 _MARKS = {Level.GOOD: "ok  ", Level.WARNING: "warn", Level.BAD: "BAD "}
 LEAST_CHARGE, GOOD_CHARGE = 0.3, 0.6
 MOST_CLOCK, MOST_DATE = 0.02, 5.0  # share, s
+MOST_NORTH = 2.5  # deg
 
 
 class Findings(NamedTuple):
@@ -35,6 +36,7 @@ class Findings(NamedTuple):
     date_gap: float | None  # s, vehicle's date ahead of the computer's
     clock_rate: float | None  # seconds of the vehicle in one of the wall
     pace: float = 1.0
+    declination: float | None = None  # deg, of the field from the autopilot's north, eastwards
 
 
 class Check(NamedTuple):
@@ -91,6 +93,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> Report:
         _gnss(found),
         _battery(found),
         *_parameters(dialect, found),
+        *_north(found),
         *_clock(found),
     )
     return Report(vehicle, checks)
@@ -176,6 +179,17 @@ def _parameters(dialect: Dialect, found: Findings) -> list[Check]:
         level, why = failsafe.judge(value)
         checks.append(Check(failsafe.parameter, level, f"{value:g}{': ' if why else ''}{why}"))
     return checks
+
+
+def _north(found: Findings) -> list[Check]:
+    """Tell what missionkit's own filter has to know about the place."""
+    if found.declination is None:
+        return []
+    says = f"the field points {found.declination:+.1f} deg from the autopilot's north"
+    if abs(found.declination) <= MOST_NORTH:
+        return [Check("north", Level.GOOD, says)]
+    remedy = f"navigation: {{..., declination_deg: {found.declination:.0f}}} in the mission"
+    return [Check("north", Level.WARNING, f"{says}; set {remedy}")]
 
 
 def _clock(found: Findings) -> list[Check]:

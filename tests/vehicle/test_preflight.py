@@ -111,3 +111,11 @@ def test_rally_points_are_above_home():
     (point,) = rally(HOME, [(10.0, -5.0, 15.0)])
     assert (point.command, point.frame, point.z, point.mission_type) == (5100, 3, 15.0, 2)
     assert math.isclose(HOME.local(1e-7 * point.x, 1e-7 * point.y, 0.0)[0], 10.0, abs_tol=0.02)
+
+
+@pytest.mark.parametrize(("declination", "level"), [(-2.0, Level.GOOD), (3.4, Level.WARNING)])
+def test_the_filter_is_to_know_where_the_field_points(declination, level):
+    report = judged("PX4", PX4, GOOD._replace(declination=declination))
+    (check,) = (check for check in report.checks if check.what == "north")
+    assert check.level is level
+    assert ("declination_deg: 3}" in check.says) == (level is Level.WARNING)
