@@ -32,9 +32,9 @@ def notes(charted: Charted, counts: Tally, chain: Chain, name: str) -> Overlay:
         chain: of the same flights.
         name: of the variant.
     """
-    taken, expected = failsafes(counts), _expected(chain)
+    taken, known = failsafes(counts), expected(chain)
     return Overlay(
-        states={it: _state(it, counts, expected.get(it)) for it in charted.names},
+        states={it: _state(it, counts, known.get(it)) for it in charted.names},
         ways={way: _way(counts, called) for way, called in charted.ways.items()},
         failsafes={
             it.name: Note((plural(taken[it.name], "time") if taken[it.name] else NEVER,))
@@ -54,7 +54,8 @@ class Expected(NamedTuple):
     left: float  # s to the end
 
 
-def _expected(chain: Chain) -> dict[str, Expected]:
+def expected(chain: Chain) -> dict[str, Expected]:
+    """Return for each state that commands what the chain says of it."""
     if not chain.states:
         return {}
     ends, left = absorbed(chain.inner, chain.outer), time_left(chain.inner, chain.dwell)
@@ -65,7 +66,7 @@ def _expected(chain: Chain) -> dict[str, Expected]:
     return dict(zip(chain.states, map(Expected, good, hurt, left.tolist()), strict=True))
 
 
-def _state(name: str, counts: Tally, expected: Expected | None) -> Note:
+def _state(name: str, counts: Tally, chain: Expected | None) -> Note:
     """Return a state's note; one that does not command is no state of the chain."""
     runs, visits = counts.passed[name], counts.entries[name]
     if not visits:
@@ -74,9 +75,9 @@ def _state(name: str, counts: Tally, expected: Expected | None) -> Note:
     dwell = f"{counts.seconds[name] / visits:.1f} s a visit"
     said = _chances(ended["success"] / runs, ended["crash"] / runs)
     lines = [f"in {percent(runs / counts.flights)} of flights", dwell, said]
-    if expected is not None:
-        lines[1] += f", {expected.left:.0f} s to the end"
-        by_chain = _chances(expected.success, expected.crash)
+    if chain is not None:
+        lines[1] += f", {chain.left:.0f} s to the end"
+        by_chain = _chances(chain.success, chain.crash)
         lines += [] if by_chain == said else [f"chain: {by_chain}"]
     return Note(tuple(lines))
 

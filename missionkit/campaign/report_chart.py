@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from html import escape
 
 from missionkit.campaign.analysis import Variant
-from missionkit.campaign.chain import absorbed, passed, time_left
-from missionkit.campaign.chart_notes import notes
+from missionkit.campaign.chain import passed
+from missionkit.campaign.chart_notes import expected, notes
 from missionkit.campaign.charted import Charted, flown_chart
 from missionkit.campaign.plan import Campaign
 from missionkit.campaign.statistics import wilson
@@ -112,16 +112,11 @@ def _missed(it: Unflown) -> tuple[str, ...]:
 def _chain(variant: Variant) -> Iterator[str]:
     chain = variant.chain
     yield "<h3>From each state</h3>"
-    ends, left = absorbed(chain.inner, chain.outer), time_left(chain.inner, chain.dwell)
-    counted = passed(variant.rows)
-    good = [n for n, ending in enumerate(chain.endings) if ending.outcome == "success"]
-    hurt = [n for n, ending in enumerate(chain.endings) if ending.outcome == "crash"]
-    rows = []
-    for n, state in enumerate(chain.states):
+    counted, rows = passed(variant.rows), []
+    for (state, word), dwell in zip(expected(chain).items(), chain.dwell, strict=True):
         runs, happy = counted[state]
-        success, crash = (float(ends[n, which].sum()) for which in (good, hurt))
-        shares = percent(happy / runs), percent(success), percent(crash)
-        times = f"{chain.dwell[n]:.1f} s", f"{left[n]:.0f} s"
+        shares = percent(happy / runs), percent(word.success), percent(word.crash)
+        times = f"{dwell:.1f} s", f"{word.left:.0f} s"
         rows.append((escape(state), str(runs), *shares, *times))
     chances = "+of them with success", "+chain: success", "+chain: crash"
     heads = ("from", "+runs that were there", *chances, "+a visit lasts", "+until the end")

@@ -16,11 +16,11 @@ from missionkit.errors import ExitCode, UsageError, VehicleError
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.fence import Ground, box, rally, set_fence, set_rally
+from missionkit.vehicle.inspection import told
 from missionkit.vehicle.origin import Origin
 
 Point = tuple[float, float, float]
 HEIGHTS = {"PX4": "GF_MAX_VER_DIST", "ArduPilot": "FENCE_ALT_MAX"}
-LOOK = 0.1  # s between two looks at what has come
 PATIENCE = 10.0  # s to wait for home
 
 
@@ -110,14 +110,13 @@ async def _given(vehicle: MavsdkVehicle, around: Box, points: Sequence[Point]) -
 
 async def _home(vehicle: MavsdkVehicle) -> Origin:
     """Wait until the vehicle on the ground has said where its home is."""
-    for count in range(1, round(PATIENCE / LOOK) + 1):
-        await vehicle.observe(LOOK * count)
-        if vehicle.state.armed:
-            raise VehicleError("the vehicle is armed: a fence is given to one on the ground")
-        if vehicle.observer.origin is not None:
-            return vehicle.observer.origin
-        await asyncio.sleep(LOOK)
-    raise VehicleError(f"the vehicle has not said where its home is for {PATIENCE:g} s: GNSS?")
+    if vehicle.state.armed:
+        raise VehicleError("the vehicle is armed: a fence is given to one on the ground")
+    await told(vehicle, ("HOME_POSITION",), PATIENCE)
+    await vehicle.observe(0.0)
+    if vehicle.observer.origin is None:
+        raise VehicleError(f"the vehicle has not said where its home is for {PATIENCE:g} s: GNSS?")
+    return vehicle.observer.origin
 
 
 def _said(url: str, home: Origin, around: Box, points: Sequence[Point]) -> Iterable[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -30,16 +30,22 @@ async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1
         patience: s to wait for messages that have not come yet.
         pace: seconds of the vehicle in one of the wall.
     """
-    for _ in range(round(patience / LOOK)):
-        vehicle.streams.tend()
-        if all(vehicle.cache.latest(name) is not None for name in NEEDED):
-            break
-        await asyncio.sleep(LOOK)
+    await told(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
     parameters = await vehicle.call(_parameters, vehicle)
     await asyncio.sleep(SPAN)
     findings = _found(vehicle, first, parameters, pace)
     return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
+
+
+async def told(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
+    """Ask for streams until a message of each name has come; say whether that was in time (s)."""
+    for _ in range(round(patience / LOOK)):
+        vehicle.streams.tend()
+        if all(vehicle.cache.latest(name) is not None for name in names):
+            return True
+        await asyncio.sleep(LOOK)
+    return False
 
 
 def _parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
@@ -78,7 +84,7 @@ def _found(
 def _declination(vehicle: MavsdkVehicle) -> float | None:
     """Return where the measured field points (deg) in the autopilot's frame, east of its north."""
     turned = vehicle.cache.latest("ATTITUDE_QUATERNION")
-    attitude = None if turned is None else readings.attitude([turned[f"q{n}"] for n in range(1, 5)])
+    attitude = None if turned is None else readings.turned(turned.fields)
     samples = [readings.magnetometer(it.fields, 0.0) for it in vehicle.cache.drain("HIGHRES_IMU")]
     fields = [it.field for it in samples if it is not None]
     if attitude is None or not fields:

@@ -203,7 +203,7 @@ class Observer:
         turned = self._cache.latest("ATTITUDE_QUATERNION", FRESH)
         attitude = None
         if turned is not None:
-            attitude = readings.attitude([turned[f"q{n}"] for n in range(1, 5)])
+            attitude = readings.turned(turned.fields)
         return readings.scan(message.fields, at, IDENTITY if attitude is None else attitude)
 
     def _battery(self, now: float) -> Battery | None:

@@ -58,7 +58,7 @@ def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
 def _estimated(
     turned: Message, placed: Message, home: Message | None, observer: Observer
 ) -> Pose | None:
-    attitude = readings.attitude([turned[f"q{n}"] for n in range(1, 5)])
+    attitude = readings.turned(turned.fields)
     position = readings.triple(placed.fields, "x", "y", "z")
     velocity = readings.triple(placed.fields, "vx", "vy", "vz")
     rates = readings.triple(turned.fields, "rollspeed", "pitchspeed", "yawspeed")

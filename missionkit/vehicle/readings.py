@@ -15,7 +15,7 @@ from missionkit.messages import Baro, Battery, Gnss, Imu, Magnetometer, Scan
 from missionkit.vehicle.cache import Fields
 from missionkit.vehicle.origin import Origin
 
-_MAG, _PRESSURE_ALT = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
+MAG, PRESSURE_ALT = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
 _FIX_3D = 3
 _UNKNOWN = 65535
 _LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not believed
@@ -41,7 +41,7 @@ def imu(fields: Fields, at: float) -> Imu | None:
 def magnetometer(fields: Fields, at: float) -> Magnetometer | None:
     """Return the field of HIGHRES_IMU, if the sensor has a new one."""
     field = triple(fields, "xmag", "ymag", "zmag")
-    if field is None or int(fields["fields_updated"]) & _MAG != _MAG:
+    if field is None or int(fields["fields_updated"]) & MAG != MAG:
         return None
     size = norm(field)
     return Magnetometer(at, field / size) if size > 0.0 else None
@@ -50,7 +50,7 @@ def magnetometer(fields: Fields, at: float) -> Magnetometer | None:
 def pressure_height(fields: Fields) -> float | None:
     """Return the pressure altitude (m) of HIGHRES_IMU, if the sensor has a new one."""
     height = fields["pressure_alt"]
-    if height is None or not int(fields["fields_updated"]) & _PRESSURE_ALT:
+    if height is None or not int(fields["fields_updated"]) & PRESSURE_ALT:
         return None
     return float(height)
 
@@ -106,6 +106,11 @@ def scan(fields: Fields, at: float, attitude: Quat) -> Scan | None:
     level = to_matrix(from_euler(0.0, 0.0, yaw_of(attitude)))
     points = (0.01 * distances[hit, None] * ring) @ level.T @ to_matrix(attitude)
     return Scan(at, points)
+
+
+def turned(fields: Fields) -> Quat | None:
+    """Return the attitude of ATTITUDE_QUATERNION, None for one that is not sound."""
+    return attitude([fields[f"q{n}"] for n in range(1, 5)])
 
 
 def attitude(q: Sequence[float]) -> Quat | None:

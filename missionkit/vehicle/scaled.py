@@ -10,9 +10,10 @@ import math
 from collections.abc import Callable
 
 from missionkit.vehicle.cache import Fields
+from missionkit.vehicle.readings import MAG, PRESSURE_ALT
 
 GRAVITY = 9.80665  # m/s²
-INERTIAL, MAGNETIC, BAROMETRIC = 0x3F, 0x1C0, 0xA00  # HIGHRES_IMU_UPDATED_FLAGS
+INERTIAL = 0x3F  # HIGHRES_IMU_UPDATED_FLAGS
 SEA_LEVEL = 1013.25  # hPa
 
 Put = Callable[[str, Fields], None]
@@ -44,7 +45,7 @@ def highres(raw: Fields, pressure: float | None) -> Fields:
     values = {f"{axis}acc": 1e-3 * GRAVITY * raw[f"{axis}acc"] for axis in "xyz"}
     for what in ("gyro", "mag"):
         values |= {f"{axis}{what}": 1e-3 * raw[f"{axis}{what}"] for axis in "xyz"}
-    new = INERTIAL | MAGNETIC | (0 if pressure is None else BAROMETRIC)
+    new = INERTIAL | MAG | (0 if pressure is None else PRESSURE_ALT)
     height = None if pressure is None else pressure_altitude(pressure)
     return {**values, "time_usec": raw["time_usec"], "pressure_alt": height, "fields_updated": new}
 
