@@ -40,6 +40,7 @@ class Sitl:
 
     def __init__(self, server, port, speed):
         self.url, self.speed = f"udpin://127.0.0.1:{port}", speed
+        self.server = server
         self._socket = socket.create_connection(("127.0.0.1", server.control_port))
         self._file = self._socket.makefile("rw")
 
