@@ -1,3 +1,5 @@
+import os
+import stat
 import subprocess
 import sys
 
@@ -78,3 +80,39 @@ def test_another_address_is_free(tmp_path):
         LinkLock(parse("udpin://0.0.0.0:14541"), tmp_path),
     ):
         pass
+
+
+def test_a_lock_that_is_a_symbolic_link_is_refused_and_its_target_stays_whole(tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("years of work\n")
+    lock = LinkLock(parse("udpin://0.0.0.0:14540"), tmp_path / "locks")
+    lock.path.parent.mkdir(mode=0o700)
+    lock.path.symlink_to(precious)
+    with pytest.raises(VehicleError, match=r"the lock of udpin://0.0.0.0:14540 cannot be used: .+"):
+        lock.take()
+    assert precious.read_text() == "years of work\n"
+
+
+def test_a_lock_folder_that_another_user_planted_is_refused(tmp_path):
+    real = tmp_path / "real"
+    real.mkdir()
+    (tmp_path / "locks").symlink_to(real)
+    with pytest.raises(VehicleError, match="is not a folder"):
+        LinkLock(parse("udpin://0.0.0.0:14540"), tmp_path / "locks").take()
+    assert not list(real.iterdir())
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give a folder away")
+def test_a_lock_folder_of_another_user_is_refused(tmp_path):
+    (tmp_path / "locks").mkdir(mode=0o777)
+    os.chown(tmp_path / "locks", 12345, 12345)
+    with pytest.raises(VehicleError, match="belongs to another user"):
+        LinkLock(parse("udpin://0.0.0.0:14540"), tmp_path / "locks").take()
+
+
+def test_the_lock_folder_is_the_users_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with LinkLock(parse("udpin://0.0.0.0:14540")) as lock:
+        assert lock.path.parent == tmp_path / "missionkit"
+        assert stat.S_IMODE(lock.path.parent.stat().st_mode) == 0o700
+        assert lock.path.read_text() == f"{os.getpid()}\n"
