@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Memory, Senses
 from missionkit.estimation.memory import NavState
-from missionkit.geometry import to_matrix
-from missionkit.messages import Estimate, Look, Observation, Points, Scan, Sighting, Target
+from missionkit.estimation.navigating import Navigates
+from missionkit.geometry import Transform, to_matrix
+from missionkit.messages import Estimate, Look, Observation, Points, Sighting, Target
 from missionkit.perception.eye import EyeMemory, Priors
 
 STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
@@ -78,7 +80,9 @@ def _estimate(
         targets=_known(plan, state),
         looks=looks,
         sightings=sightings,
-        obstacles=_around(senses.scan, state, seen.now),
+        obstacles=_around(plan.navigator, senses, state, seen.now),
+        scanned_at=None if senses.scan is None else senses.scan.at,
+        scan_range=math.inf if senses.scan is None else senses.scan.range,
         events=seen.events + hands.events,
         cycle=seen.cycle,
         map=plan.map,
@@ -108,10 +112,17 @@ def _known(plan: Plan, state: NavState) -> dict[str, Target]:
     }
 
 
-def _around(scan: Scan | None, state: NavState, now: float) -> Points | None:
-    """Return the obstacle points (N, 3), m, NED, of a fresh scan."""
+def _around(navigator: Navigates, senses: Senses, state: NavState, now: float) -> Points | None:
+    """Return the obstacle points (N, 3), m, NED, of a fresh scan, from where it was measured.
+
+    A scan that is newer than the last inertial sample is placed from where the vehicle is now.
+    """
+    scan = senses.scan
     if scan is None or now - scan.at > STALE_SCAN:
         return None
     if not len(scan.points):
         return scan.points
-    return scan.points @ to_matrix(state.attitude).T + state.position
+    body = navigator.pose_at(senses.navigation, scan.at)
+    if body is None:
+        body = Transform(state.attitude, state.position)
+    return scan.points @ to_matrix(body.rotation).T + body.translation

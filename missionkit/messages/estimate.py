@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple, Self
@@ -61,6 +62,8 @@ class Estimate(NamedTuple):
     looks: tuple[Look, ...] = ()  # frames due since the last tick
     sightings: tuple[Sighting, ...] = ()
     obstacles: Points | None = None  # (N, 3), m, NED; None: no fresh scan
+    scanned_at: float | None = None  # s, when the newest scan was measured, fresh or not
+    scan_range: float = math.inf  # m, how far that scan sees; inf: it does not say
     events: tuple[str, ...] = ()
     cycle: Cycle = NO_CYCLE
     map: Occupancy | None = None  # the mission's

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -83,8 +84,9 @@ class Frame(NamedTuple):
 class Scan(NamedTuple):
     """Nearest surfaces around the vehicle, as MAVLink's OBSTACLE_DISTANCE gives them."""
 
-    at: float  # s
+    at: float  # s, when it was measured, which is before it arrived
     points: Points  # (N, 3), m, FRD, only the directions that hit something
+    range: float = math.inf  # m, how far it sees; inf: it does not say
 
 
 class Battery(NamedTuple):

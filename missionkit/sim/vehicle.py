@@ -259,7 +259,8 @@ class SimulatedVehicle:
         x, model = self._plant.state, self.world.sensors.scan
         noise = model.sd * self._ranges.take(1)[0]
         points = ring(self._plant.things, x[:3], yaw_of(x[6:10]), model.range, noise)
-        return Scan(now, points @ to_matrix(x[6:10]) if len(points) else points)
+        turned = points @ to_matrix(x[6:10]) if len(points) else points
+        return Scan(now, turned, model.range)
 
     def _expose(self, now: float) -> None:
         faults = self._mishaps

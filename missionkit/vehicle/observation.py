@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import deque
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from missionkit.geometry import IDENTITY, Vec3
+from missionkit.geometry import IDENTITY, Quat, Vec3
 from missionkit.messages import (
     Baro,
     Battery,
@@ -28,6 +29,9 @@ from missionkit.vehicle.timing import BootClock, MissionClock
 from missionkit.vehicle.words import event_of
 
 FRESH = 1.0  # s; older attitude or speed is not used to complete another reading
+AHEAD = 0.05  # s that a stamp may lie after the arrival: the clocks are only estimated
+TURNS = 64  # attitudes kept, a second of them and more
+FOREIGN = frozenset(("OBSTACLE_DISTANCE",))  # not always from the autopilot
 RARELY = 0.1  # s between two readings of magnetometer and barometer, as the filter wants them
 
 
@@ -69,6 +73,7 @@ class Observer:
         self._told: dict[str, object] = {}
         self._forget = threading.Event()
         self._rare: dict[str, float] = {}
+        self._turns: deque[tuple[float, Quat]] = deque(maxlen=TURNS)
 
     @property
     def start(self) -> Vec3 | None:
@@ -114,6 +119,7 @@ class Observer:
         for name in QUEUED:
             self._waiting[name].extend(self._cache.drain(name))
         inertial = self._inertial(now)
+        self._note_turns(now)
         return Observation(
             now=now,
             imu=inertial.imu,
@@ -128,10 +134,16 @@ class Observer:
         )
 
     def mission_time(self, message: Message) -> float | None:
-        """Return when something was measured (s, mission), by its stamp or else by its arrival."""
-        boot = boot_time(message)
+        """Return when something was measured (s, mission), by its stamp or else by its arrival.
+
+        Obstacle sensors may stamp by a clock of their own: a stamp that lies after the arrival or
+        long before it counts as none.
+        """
+        boot, arrived = boot_time(message), self._clock.at(message.arrived)
         stamped = None if boot is None else self._boot.mission(boot)
-        return self._clock.at(message.arrived) if stamped is None else stamped
+        if stamped is None or arrived is None or message.name not in FOREIGN:
+            return arrived if stamped is None else stamped
+        return stamped if -AHEAD <= arrived - stamped <= FRESH else arrived
 
     def _learn(self) -> None:
         for name in CLOCKED:
@@ -200,11 +212,20 @@ class Observer:
         if not due:
             return None
         message, at = due[-1]
-        turned = self._cache.latest("ATTITUDE_QUATERNION", FRESH)
-        attitude = None
-        if turned is not None:
-            attitude = readings.turned(turned.fields)
-        return readings.scan(message.fields, at, IDENTITY if attitude is None else attitude)
+        return readings.scan(message.fields, at, self._turned_at(at))
+
+    def _turned_at(self, at: float) -> Quat:
+        """Return the autopilot's attitude (body to world) at the time nearest to `at` (s)."""
+        nearest = min(self._turns, key=lambda turn: abs(turn[0] - at), default=None)
+        if nearest is None or abs(nearest[0] - at) > FRESH:
+            return IDENTITY
+        return nearest[1]
+
+    def _note_turns(self, now: float) -> None:
+        for message, at in self._due("ATTITUDE_QUATERNION", now):
+            attitude = readings.turned(message.fields)
+            if attitude is not None:
+                self._turns.append((at, attitude))
 
     def _battery(self, now: float) -> Battery | None:
         message = self._news("BATTERY_STATUS")

@@ -105,7 +105,7 @@ def scan(fields: Fields, at: float, attitude: Quat) -> Scan | None:
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
     level = to_matrix(from_euler(0.0, 0.0, yaw_of(attitude)))
     points = (0.01 * distances[hit, None] * ring) @ level.T @ to_matrix(attitude)
-    return Scan(at, points)
+    return Scan(at, points, 0.01 * float(fields["max_distance"]))
 
 
 def turned(fields: Fields) -> Quat | None:

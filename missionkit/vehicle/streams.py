@@ -40,7 +40,9 @@ NAMES: Mapping[int, str] = {
     330: "OBSTACLE_DISTANCE",
     331: "ODOMETRY",
 }
-QUEUED = frozenset(("HIGHRES_IMU", "GPS_RAW_INT", "OBSTACLE_DISTANCE", "STATUSTEXT"))
+QUEUED = frozenset(
+    ("ATTITUDE_QUATERNION", "HIGHRES_IMU", "GPS_RAW_INT", "OBSTACLE_DISTANCE", "STATUSTEXT")
+)
 ENOUGH = 0.3  # of the rate that was asked for: not every inertial unit has 250 Hz
 SINCE_1970 = 1e15  # us: a larger stamp does not count from the boot
 CLOCKED = frozenset(("HIGHRES_IMU", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED"))

@@ -11,8 +11,9 @@ from rehearsed import precise, short
 from missionkit.chart.catalogue import builtin
 from missionkit.engine.flight import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
-from missionkit.geometry import rotate, to_matrix, vec
-from missionkit.messages import Battery, Cycle, Observation, Scan, VehicleStatus
+from missionkit.estimation.memory import NavState
+from missionkit.geometry import Transform, conjugate, from_euler, rotate, to_matrix, vec
+from missionkit.messages import Battery, Cycle, Health, Observation, Scan, VehicleStatus
 from missionkit.perception.goal import facing
 
 MISSION = """\
@@ -23,6 +24,7 @@ initial: idle
 states: {idle: {kind: idle}, land: {kind: land}}
 """
 BATTERY = Battery(0.05, 0.8, 15.0)
+HEALTH = Health(True, False, 0.0, 0.0, 0.1, 0)
 STATUS = VehicleStatus(0.05, armed=False, in_air=False, ready=True, mode="hold")
 
 
@@ -123,3 +125,40 @@ def test_a_plan_has_the_missions_rate_camera_and_avoidance():
     assert plan_of().field is not None
     assert set(plan.facing) == {"turned"}
     np.testing.assert_allclose(to_matrix(plan.facing["turned"])[:, 2], (0, 1, 0), atol=1e-12)
+
+
+class Turning:
+    """A navigator that stands at the origin and turns at 30 degrees per second."""
+
+    RATE = math.radians(30.0)
+
+    def begin(self):
+        return None
+
+    def propagate(self, known, observation):
+        return observation.now
+
+    def pose_at(self, known, at):
+        return Transform(from_euler(0.0, 0.0, self.RATE * at), vec(at, 0.0, 0.0))
+
+    def read(self, known):
+        body = self.pose_at(known, known)
+        still = np.zeros(3)
+        return NavState(
+            body.translation, still, body.rotation, still, HEALTH, {}, np.eye(15), still, 0
+        )
+
+
+def test_a_scan_is_placed_from_where_it_was_measured():
+    """A wall 5 m north of the start is there still when the scan comes 0.4 s late."""
+    plan = plan_of()._replace(navigator=Turning())
+    scan = Scan(1.0, np.array([rotate(conjugate(from_euler(0, 0, Turning.RATE)), vec(5, 0, 0))]))
+    _, estimate = sense(plan, begin(plan), Observation(1.4, scan=scan))
+    np.testing.assert_allclose(estimate.obstacles, [(6.0, 0.0, 0.0)], atol=1e-9)
+
+
+def test_the_age_of_a_scan_counts_from_its_measurement():
+    scan = Scan(0.05, np.array([[3.0, 1.0, 0.0]]), range=9.0)
+    now, later = sensed(Observation(0.45, scan=scan), Observation(2.0))
+    assert (now.scanned_at, now.scan_range) == (0.05, 9.0)
+    assert (later.scanned_at, later.obstacles) == (0.05, None)
