@@ -9,7 +9,7 @@ import typer
 
 from missionkit.cli.camera import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
-from missionkit.cli.options import Json, MissionFile, Plugins, Settings, told
+from missionkit.cli.options import Json, MissionFile, Plugins, Settings, System, told
 from missionkit.errors import ExitCode, UsageError
 
 app = typer.Typer(
@@ -47,6 +47,7 @@ def run(
         str | None,
         typer.Option(metavar="ADDRESS", help="MAVLink, such as udpin://0.0.0.0:14540"),
     ] = None,
+    system: System = None,
     camera: Annotated[
         str | None,
         typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL, rendered"),
@@ -86,6 +87,8 @@ def run(
         raise UsageError("name the mission file to fly, or --resume RUN")
     if camera is not None and vehicle is None:
         raise UsageError("--camera is for --vehicle: the simulator draws what the camera would see")
+    if system is not None and vehicle is None:
+        raise UsageError("--system is for --vehicle: the simulator has one vehicle")
     if share and vehicle is None:
         raise UsageError("--share is for --vehicle: nobody else is there to be told")
     order = Order(
@@ -99,6 +102,7 @@ def run(
         headless=headless,
         as_json=as_json,
         vehicle=vehicle,
+        system=system,
         source=camera,
         share=tuple(share or ()),
         events=tuple(event or ()),
@@ -207,13 +211,14 @@ def new(
 @told
 def preflight(
     address: Annotated[str, typer.Argument(metavar="ADDRESS", help="udpin://0.0.0.0:14540")],
+    system: System = None,
     *,
     as_json: Json = False,
 ) -> None:
     """Look at a MAVLink vehicle and say whether it is fit to fly; nothing is commanded."""
     from missionkit.cli.fly import preflight as command  # noqa: PLC0415
 
-    raise typer.Exit(command(address, as_json=as_json))
+    raise typer.Exit(command(address, system=system, as_json=as_json))
 
 
 @app.command()
@@ -228,6 +233,7 @@ def fence(
         list[str] | None,
         typer.Option(metavar="NORTH,EAST,HEIGHT", help="a place to return to (m, from home)"),
     ] = None,
+    system: System = None,
     settings: Settings = None,
     plugin: Plugins = None,
 ) -> None:
@@ -236,7 +242,8 @@ def fence(
     from missionkit.cli.fence import fence as command  # noqa: PLC0415
 
     points = tuple(rally or ())
-    wanted = Wanted(address, mission, tuple(settings or ()), tuple(plugin or ()), margin, points)
+    files = tuple(settings or ()), tuple(plugin or ())
+    wanted = Wanted(address, mission, *files, margin, points, system)
     raise typer.Exit(command(wanted))
 
 
@@ -259,6 +266,7 @@ def sitl(
     home: Annotated[
         str, typer.Option(metavar="LAT,LON,HEIGHT", help="of the world's origin (deg, deg, m)")
     ] = "47.397742,8.545594,488",
+    system: Annotated[int, typer.Option(min=1, max=255, help="MAVLink system id")] = 1,
     *,
     as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
 ) -> None:
@@ -276,6 +284,7 @@ def sitl(
         tuple(fault or ()),
         home,
         as_json=as_json,
+        system=system,
     )
     raise typer.Exit(command(wanted))
 

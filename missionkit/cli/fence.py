@@ -41,6 +41,7 @@ class Wanted(NamedTuple):
     plugins: Sequence[Path]
     margin: float  # m beyond the mission's own fence
     rally: Sequence[str]
+    system: int | None = None  # MAVLink system id, where several vehicles share the link
 
 
 def fence(wanted: Wanted) -> ExitCode:
@@ -54,7 +55,7 @@ def fence(wanted: Wanted) -> ExitCode:
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
     around = box_of(mission, wanted.margin)
     points = [_point(text) for text in wanted.rally]
-    vehicle = MavsdkVehicle(parse(wanted.address))
+    vehicle = MavsdkVehicle(parse(wanted.address), system=wanted.system)
     print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
     return ExitCode.SUCCESS
 

@@ -30,6 +30,7 @@ def vehicle_of(
     source: int | str | None = None,
     folder: Path = Path(),
     share: Share = NOTHING,
+    system: int | None = None,
 ) -> MavsdkVehicle:
     """Return the vehicle at an address, with the mission's camera.
 
@@ -43,13 +44,14 @@ def vehicle_of(
             None: the mission's own.
         folder: of the mission, which a file that it names is looked for in.
         share: what of the estimate the autopilot is told.
+        system: its MAVLink system id, where several share the link.
 
     Raises:
         FileError: the mission names a file for a camera, and there is none.
         UsageError: the address is none, or the source does not exist.
     """
     camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
-    return MavsdkVehicle(parse(address), camera, speed, share=share)
+    return MavsdkVehicle(parse(address), camera, speed, share=share, system=system)
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:
@@ -103,14 +105,22 @@ def fly_vehicle(
     )
 
 
-def preflight(address: str, *, as_json: bool = False, patience: float = 10.0) -> ExitCode:
+def preflight(
+    address: str, *, system: int | None = None, as_json: bool = False, patience: float = 10.0
+) -> ExitCode:
     """Print the pre-flight report of the vehicle at an address.
+
+    Args:
+        address: such as udpin://0.0.0.0:14540.
+        system: MAVLink system id of the vehicle, where several share the link.
+        as_json: for programs.
+        patience: s to wait for it.
 
     Raises:
         UsageError: the address is none.
         VehicleError: nobody answers there.
     """
-    vehicle = MavsdkVehicle(parse(address), patience=patience)
+    vehicle = MavsdkVehicle(parse(address), patience=patience, system=system)
 
     async def look() -> ExitCode:
         await vehicle.connect()

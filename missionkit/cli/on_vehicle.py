@@ -52,6 +52,7 @@ def run_on_vehicle(
         source=order.source,
         folder=order.mission.parent,
         share=share_of(order.share, mission),
+        system=order.system,
     )
     folder, past = folder_of(order, mission, origin, "vehicle", before)
     flight = Ready(mission, world, plan, vehicle, folder, past)

@@ -24,6 +24,12 @@ Plugins = Annotated[
     typer.Option("--plugin", metavar="FILE.py", help="file that defines guards or behaviours"),
 ]
 Json = Annotated[bool, typer.Option("--json", help="answer as JSON")]
+System = Annotated[
+    int | None,
+    typer.Option(
+        min=1, max=255, metavar="N", help="MAVLink system id, where several vehicles share a link"
+    ),
+]
 
 
 def told(command: Callable[P, R]) -> Callable[P, R]:

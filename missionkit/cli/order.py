@@ -21,6 +21,7 @@ class Order(NamedTuple):
     headless: bool
     as_json: bool
     vehicle: str | None = None  # address; the simulator if absent
+    system: int | None = None  # MAVLink system id, where several vehicles share the link
     source: str | None = None  # of a real camera, or "rendered"
     share: tuple[str, ...] = ()  # what the vehicle is told: "pose", "target=NAME"
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS

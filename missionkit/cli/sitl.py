@@ -28,6 +28,7 @@ class Wanted(NamedTuple):
     faults: tuple[str, ...]
     home: str
     as_json: bool
+    system: int = 1
 
 
 def sitl(wanted: Wanted) -> ExitCode:
@@ -48,6 +49,7 @@ def sitl(wanted: Wanted) -> ExitCode:
         wanted.seed,
         wanted.faults,
         _spot(wanted.home),
+        wanted.system,
     )
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

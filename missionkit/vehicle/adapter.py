@@ -17,10 +17,10 @@ from typing import Any, TypeVar
 from missionkit.errors import VehicleError
 from missionkit.messages import Command, Observation, Record
 from missionkit.vehicle.address import Address
-from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.cache import Cache, Message
 from missionkit.vehicle.camera import Camera, NoCamera
 from missionkit.vehicle.commands import Report
-from missionkit.vehicle.connection import Link
+from missionkit.vehicle.connection import Link, listed
 from missionkit.vehicle.dialect import Dialect, dialect_of
 from missionkit.vehicle.lock import LinkLock
 from missionkit.vehicle.observation import Observer
@@ -33,9 +33,11 @@ from missionkit.vehicle.state import State
 from missionkit.vehicle.streams import NAMES, QUEUED, Streams
 from missionkit.vehicle.timing import MissionClock, wall
 from missionkit.vehicle.transaction import Outcome
+from missionkit.vehicle.vehicle_type import unfit
 
 PATIENCE = 10.0  # s to wait for an answer
 RESUMED = "control_resumed"  # the event when a person gave control back
+CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
 WORDS_WITHIN = 3.0  # s to wait for a heartbeat through the cache, once somebody has answered
 
 T = TypeVar("T")
@@ -51,6 +53,7 @@ class MavsdkVehicle:
         patience: s to wait for an answer.
         lock: against a second process on the same link.
         share: what of the estimate the autopilot is told; nothing by default.
+        system: MAVLink system id of the vehicle, where several share the link.
     """
 
     def __init__(
@@ -61,6 +64,7 @@ class MavsdkVehicle:
         patience: float = PATIENCE,
         lock: LinkLock | None = None,
         share: Share = NOTHING,
+        system: int | None = None,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -71,6 +75,7 @@ class MavsdkVehicle:
         self._lock = lock or LinkLock(address)
         self._clock = MissionClock(pace)
         self._share = share
+        self._system = system
         self._sharing: Sharing | None = None
         self._events: list[str] = []
         self._noting = threading.Lock()
@@ -126,7 +131,7 @@ class MavsdkVehicle:
         """
         self._lock.take()
         try:
-            link = await Link.open(self.address, self._patience)
+            link = await Link.open(self.address, self._patience, self._system)
             try:
                 await self._join(link)
             except BaseException:
@@ -203,19 +208,40 @@ class MavsdkVehicle:
 
     async def _join(self, link: Link) -> None:
         link.listen(NAMES.values(), Scaled(self.cache.put))
+        begun = wall()
         await self.hear("HEARTBEAT", WORDS_WITHIN)
-        beat = self.cache.latest("HEARTBEAT")
+        await asyncio.sleep(max(0.0, CENSUS / self._pace - (wall() - begun)))
+        beat = await self._identified(link)
         dialect = None if beat is None else dialect_of(int(beat["autopilot"]))
         if dialect is None:
-            kind = "silent" if beat is None else f"of kind {beat['autopilot']} (MAV_AUTOPILOT)"
-            raise VehicleError(
-                f"{self.address.url}: the autopilot is {kind}; missionkit flies PX4 and ArduPilot"
-            )
+            raise VehicleError(f"{self.address.url}: the autopilot is silent")
         self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace)
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
         self._parts.start()
+
+    async def _identified(self, link: Link) -> Message | None:
+        """Return a heartbeat of a vehicle that missionkit flies, None if it is silent.
+
+        Raises:
+            VehicleError: it flies no such vehicle, or there are several and none was named.
+        """
+        systems = await link.systems()
+        if self._system is None and len(systems) > 1:
+            raise VehicleError(
+                f"{self.address.url}: several vehicles share this link: {listed(systems)}; "
+                f"name yours, such as --system {min(systems)}"
+            )
+        beat = self.cache.latest("HEARTBEAT")
+        if beat is not None and unfit(beat.fields):  # one packet alone is not believed
+            await self.call(
+                self.cache.wait, lambda: self.cache.latest("HEARTBEAT") is not beat, WORDS_WITHIN
+            )
+            beat = self.cache.latest("HEARTBEAT")
+        if beat is not None and (why := unfit(beat.fields)):
+            raise VehicleError(f"{self.address.url}: system {link.system_id} is not flown: {why}")
+        return beat
 
     def _take_reports(self, parts: Parts) -> None:
         for report in parts.commander.reports():

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import ctypes
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from mavsdk import logging as mavsdk_logging
@@ -20,6 +21,7 @@ from missionkit.errors import VehicleError
 from missionkit.vehicle.address import Address
 from missionkit.vehicle.plan_items import Item
 
+LOOK = 0.1  # s between two looks at which systems are there
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 _TARGETED = frozenset(("COMMAND_LONG", "SET_POSITION_TARGET_LOCAL_NED", "SET_ATTITUDE_TARGET"))
 
@@ -52,8 +54,13 @@ class Link:
         self._subscriptions: list[Any] = []
 
     @classmethod
-    async def open(cls, address: Address, patience: float) -> Link:
+    async def open(cls, address: Address, patience: float, system_id: int | None = None) -> Link:
         """Connect, and wait until an autopilot has said something.
+
+        Args:
+            address: where it is.
+            patience: s to wait for it.
+            system_id: of the vehicle, where several share the link; None: the first that answers.
 
         Raises:
             VehicleError: the link cannot be opened, or nobody answers within `patience` (s).
@@ -64,6 +71,8 @@ class Link:
         try:
             await mavsdk.add_any_connection(address.url)
             system = await mavsdk.first_autopilot(timeout_s=patience)
+            if system is not None and system_id is not None:
+                system = await _named(mavsdk, system_id, address, patience)
         except MavsdkConnectionError as error:
             mavsdk.destroy()
             raise VehicleError(_unopened(address, str(error))) from None
@@ -74,6 +83,10 @@ class Link:
             mavsdk.destroy()
             raise VehicleError(_unanswered(address, patience))
         return cls(mavsdk, system, await system.get_system_id())
+
+    async def systems(self) -> dict[int, str]:
+        """Return what has an autopilot on this link: system id -> such as `PX4 multicopter`."""
+        return await _systems(self._mavsdk)
 
     def listen(self, names: Iterable[str], receive: Receiver) -> None:
         """Call `receive` on MAVSDK's thread with every message of the autopilot of these names."""
@@ -180,6 +193,35 @@ class Link:
         except MavsdkError as error:
             raise VehicleError(f"{what} could not be read back: {error}") from None
         return tuple(Item(*(getattr(one, name) for name in Item._fields)) for one in found)
+
+
+async def _systems(mavsdk: Mavsdk) -> dict[int, str]:
+    found = {}
+    for system in await mavsdk.get_systems():
+        if await system.has_autopilot():
+            autopilot, kind = await system.autopilot_type(), await system.vehicle_type()
+            words = f"{autopilot.name} {kind.name}"
+            found[await system.get_system_id()] = words.replace("_", " ").lower()
+    return found
+
+
+async def _named(mavsdk: Mavsdk, system_id: int, address: Address, patience: float) -> Any:
+    """Wait for the system with that id."""
+    for _ in range(round(patience / LOOK)):
+        for system in await mavsdk.get_systems():
+            if await system.get_system_id() == system_id and await system.has_autopilot():
+                return system
+        await asyncio.sleep(LOOK)
+    there = listed(await _systems(mavsdk))
+    raise VehicleError(
+        f"{address.url}: no autopilot with system id {system_id} answered within {patience:g} s; "
+        f"there is {there}"
+    )
+
+
+def listed(systems: Mapping[int, str]) -> str:
+    """Return systems as a list to read: `system 1 (px4 multicopter), system 7 (...)`."""
+    return ", ".join(f"system {number} ({kind})" for number, kind in sorted(systems.items()))
 
 
 def _unopened(address: Address, why: str) -> str:

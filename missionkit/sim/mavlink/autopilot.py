@@ -35,6 +35,7 @@ class Autopilot:
         faults: what goes wrong, and when.
         origin: where the world's origin is on the Earth.
         wall: tells the time (s) that the journal shows beside the simulated one.
+        system: its MAVLink system id.
     """
 
     def __init__(
@@ -45,6 +46,7 @@ class Autopilot:
         faults: Sequence[Fault],
         origin: Spot,
         wall: Callable[[], float],
+        system: int = 1,
     ) -> None:
         px4 = dialect.name == "px4"
         body = Body(world, seed, [fault for fault in faults if fault.name in BODY])
@@ -57,6 +59,7 @@ class Autopilot:
             mode=dialect.initial,
             home=vec(*world.start, 0.0),
             wall=wall,
+            system=system,
         )
         self._messages = streams.Messages()
         self._missions = MissionProtocol()

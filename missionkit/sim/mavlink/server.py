@@ -36,6 +36,7 @@ class Setup(NamedTuple):
     seed: int = 0
     faults: Sequence[str] = ()
     origin: Spot = Spot(*ZURICH)
+    system: int = 1  # MAVLink system id
 
 
 class Server:
@@ -52,7 +53,7 @@ class Server:
         kind = dialect(setup.dialect)
         faults = [read_fault(text, kind) for text in setup.faults]
         self.autopilot = Autopilot(
-            setup.world, kind, setup.seed, faults, setup.origin, perf_counter
+            setup.world, kind, setup.seed, faults, setup.origin, perf_counter, setup.system
         )
         self.speed = setup.speed
         self._selector = selectors.DefaultSelector()
