@@ -2,6 +2,7 @@
 export PYTHONDONTWRITEBYTECODE :=
 PYTHON ?= python3
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
 .PHONY: run test lint types layers unit bench studies schema clean
@@ -25,7 +26,7 @@ unit: .venv/ready
 	$(BIN)/pytest -n 2
 
 bench: .venv/ready
-	$(BIN)/python -m pip install --quiet --constraint requirements.lock --editable '.[bench]'
+	$(PIP) install --constraint requirements.lock --editable '.[bench]'
 	$(BIN)/python -m benchmarks
 
 studies: .venv/ready
@@ -40,10 +41,12 @@ schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas
 
 .venv/ready: requirements.lock pyproject.toml
+	@echo "Installing what requirements.lock names into .venv: minutes on a slow network"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --requirement requirements.lock
-	$(BIN)/python -m pip install --quiet --no-deps --editable .
-	touch $@
+	$(PIP) install --requirement requirements.lock
+	$(PIP) install --no-deps --editable .
+	@touch $@
+	@echo "Installed; the first flight also compiles the simulator, which takes about a minute"
 
 clean:
 	rm -rf .venv runs build *.egg-info

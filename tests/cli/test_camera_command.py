@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import cv2
 import pytest
 from cli.filming import MARKED, Driver, call, film, wall_with
+from photographs import PHOTO, drawn
 
 from missionkit.vehicle import images
-
-PHOTO = Path(__file__).resolve().parents[2].parent / "shared/data/aruco/single_markers.jpg"
 
 
 @pytest.fixture
@@ -28,18 +26,27 @@ def desk(tmp_path, monkeypatch):
     return write
 
 
-@pytest.mark.skipif(not PHOTO.exists(), reason="the photograph is not there")
-def test_markers_of_a_photograph_are_seen_and_drawn(tmp_path):
+@pytest.fixture(params=["drawn", "real"])
+def photo(request, tmp_path):
+    """A photograph in a file."""
+    if request.param == "drawn":
+        cv2.imwrite(str(tmp_path / "photo.png"), drawn())
+        return tmp_path / "photo.png"
+    if not PHOTO.exists():
+        pytest.skip(f"the real photograph is not there: {PHOTO}")
+    return PHOTO
+
+
+def test_markers_of_a_photograph_are_seen_and_drawn(photo, tmp_path):
     out = tmp_path / "seen.png"
-    done = call("check", PHOTO, "--out", out)
+    done = call("check", photo, "--out", out)
     assert done.exit_code == 0, done.output
     assert "markers in the picture: 23, 40, 62, 98, 124, 203" in done.output
-    assert (cv2.imread(str(out)) != cv2.imread(str(PHOTO))).any()
+    assert (cv2.imread(str(out)) != cv2.imread(str(photo))).any()
 
 
-@pytest.mark.skipif(not PHOTO.exists(), reason="the photograph is not there")
-def test_the_markers_of_a_mission_are_told_with_their_distances(desk, tmp_path):
-    done = call("check", PHOTO, "--mission", desk(0))
+def test_the_markers_of_a_mission_are_told_with_their_distances(photo, desk, tmp_path):
+    done = call("check", photo, "--mission", desk(0))
     assert done.exit_code == 0, done.output
     # 35 px of 0.1 m at a focal length of 628 px, seen from aslant
     away = re.search(r"marker 23 of desk \(DICT_6X6_250, 0.1 m\): in 1 of 1, (\S+) m", done.output)

@@ -1,36 +1,30 @@
-"""The false marker in the real photograph does not get past the guards; the true ones do."""
+"""The false marker in a cluttered photograph does not get past the guards; the true ones do."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import cv2
 import numpy as np
+from photographs import DICTIONARY, IDS, LENS, SMALL, drawn
+from photographs import FALSE as FALSE_ID
 from samples import calm
 
 from missionkit.geometry import Transform, from_euler
 from missionkit.guards import ArucoConfidence, GpsToVisual
 from missionkit.messages import Frame, Goal, Observation, Sighting, Target, Verdict
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.camera import Camera
 from missionkit.perception.detector import Detector
 from missionkit.perception.eye import Eye, Priors
 
-PHOTO = Path(__file__).parents[2].parent / "shared/data/aruco/single_markers.jpg"
-LENS = Camera(
-    matrix=((628.158, 0, 324.099), (0, 628.156, 260.908), (0, 0, 1)),
-    distortion=(0.0995485, -0.206384, 0.00754589, 0.00336531, 0),
-).model()
-FALSE = Aruco(target="trunk", dictionary="DICT_4X4_50", id=17, size=0.40)
-TRUE = Aruco(target="trunk", dictionary="DICT_6X6_250", id=23, size=0.40)
+CAMERA = LENS.model()
+FALSE = Aruco(target="trunk", dictionary=SMALL, id=FALSE_ID, size=0.40)
+TRUE = Aruco(target="trunk", dictionary=DICTIONARY, id=IDS[0], size=0.40)
 BODY = Transform(from_euler(0, 0, 0), np.zeros(3))  # at the origin, looking north
 PERIOD = 0.05
 
 
 def video(frames: int) -> list[np.ndarray]:
     """Hold the photograph in a hand: it moves, and the sensor adds noise."""
-    photo = cv2.imread(str(PHOTO), cv2.IMREAD_GRAYSCALE)
-    rng = np.random.default_rng(3)
+    photo, rng = drawn(), np.random.default_rng(3)
     shots = []
     for _ in range(frames):
         shift = np.array([[1, 0, rng.normal(0, 3)], [0, 1, rng.normal(0, 3)]])
@@ -45,7 +39,7 @@ def watched(marker: Aruco, trunk: Target | None) -> tuple[Verdict, Verdict, list
 
     Without a `trunk` the target is believed to be wherever the marker puts it: the worst case.
     """
-    eye = Eye(LENS, (marker,))
+    eye = Eye(CAMERA, (marker,))
     priors = Priors(lambda _: BODY, {} if trunk is None else {"trunk": trunk}, None)
     sure, whole = ArucoConfidence(target="trunk"), GpsToVisual(target="trunk")
     memory, known, window = eye.begin(), sure.begin(), whole.begin()
@@ -59,7 +53,7 @@ def watched(marker: Aruco, trunk: Target | None) -> tuple[Verdict, Verdict, list
         found += sightings
         place = trunk
         if place is None and found:
-            position = (BODY @ LENS.mount @ found[-1].pose).translation
+            position = (BODY @ CAMERA.mount @ found[-1].pose).translation
             place = Target("trunk", position, 0.1, None, None, now)
         seen = calm(
             now=now,
@@ -77,8 +71,8 @@ def surveyed(north: float) -> Target:
 
 
 def test_the_detector_does_find_the_false_marker_and_steadily():
-    raw = Detector("DICT_4X4_50")
-    found = [17 in {it.id for it in raw.detect(image, {17})} for image in video(60)]
+    raw = Detector(SMALL)
+    found = [bool(raw.detect(image, {FALSE_ID})) for image in video(60)]
     assert np.mean(found) > 0.7
 
 
@@ -99,6 +93,6 @@ def test_if_it_were_believed_it_would_be_out_of_range():
 
 def test_the_true_marker_hands_over():
     _, _, found = watched(TRUE, None)
-    north = float((BODY @ LENS.mount @ found[-1].pose).translation[0])
+    north = float((BODY @ CAMERA.mount @ found[-1].pose).translation[0])
     sure, hand_over, _ = watched(TRUE, surveyed(north + 0.5))
     assert (sure.value, sure.holds, hand_over.holds) == (1.0, True, True)

@@ -1,21 +1,25 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from photographs import FALSE, IDS, PHOTO, SMALL, drawn
 from scenes import DICTIONARY, corners_of, render, tilted
 
 from missionkit.perception.detector import Detector
 from missionkit.perception.imaging import decode_grey
 
-PHOTO = Path(__file__).resolve().parents[3] / "shared/data/aruco/single_markers.jpg"
-SIX = [23, 40, 62, 98, 124, 203]
 SIZE = 0.4
 
 
 @pytest.fixture(scope="module")
 def photo():
+    return drawn()
+
+
+@pytest.fixture(scope="module")
+def real():
+    if not PHOTO.exists():
+        pytest.skip(f"the real photograph is not there: {PHOTO}")
     return decode_grey(PHOTO.read_bytes())
 
 
@@ -25,12 +29,17 @@ def detector():
 
 
 def test_all_six_markers_of_the_photograph_are_found(photo, detector):
-    assert sorted(d.id for d in detector.detect(photo)) == SIX
+    assert sorted(d.id for d in detector.detect(photo)) == sorted(IDS)
 
 
 def test_clutter_can_look_like_a_marker_of_a_small_dictionary(photo):
     """Why a single detection proves nothing: there is no such marker in the photograph."""
-    assert [d.id for d in Detector("DICT_4X4_50").detect(photo)] == [17]
+    assert [d.id for d in Detector(SMALL).detect(photo)] == [FALSE]
+
+
+def test_a_real_photograph_shows_the_same_six_and_a_false_one_too(real, detector):
+    assert sorted(d.id for d in detector.detect(real)) == sorted(IDS)
+    assert [d.id for d in Detector(SMALL).detect(real)] == [FALSE]
 
 
 def test_only_wanted_markers_are_returned(photo, detector):
