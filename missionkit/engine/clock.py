@@ -41,3 +41,8 @@ def date() -> float:
 def stopwatch() -> float:
     """Return wall time (s) from an arbitrary start."""
     return time.perf_counter()
+
+
+def processor_time() -> float:
+    """Return the time (s) that this thread has had a processor, from an arbitrary start."""
+    return time.thread_time()

@@ -16,6 +16,7 @@ from typing_extensions import override
 from missionkit.chart.semantics.contain import Containment, TooSlowError
 
 GRACE = 1.0  # s between two interruptions of a plug-in that swallows the first
+WAITING = "did not return; a plug-in must neither sleep nor wait"
 
 
 class TimedContainment(Containment):
@@ -23,18 +24,34 @@ class TimedContainment(Containment):
 
     The interruption uses an interval timer, which works in the main thread on Unix. Built-in
     plug-ins are not timed: a busy machine must not change how a mission is rehearsed.
+
+    Args:
+        stopwatch: s. Over a vehicle the wall's time. In a rehearsal the thread's processor time,
+            so that it does not matter what else the machine does.
+        limit: s on the stopwatch, for each call.
+        patience: s of the wall after which a call is interrupted although the stopwatch says
+            little: it sleeps or waits. From then on that plug-in has `limit` of the wall.
     """
 
-    def __init__(self, stopwatch: Callable[[], float], limit: float = 0.25) -> None:
+    def __init__(
+        self, stopwatch: Callable[[], float], limit: float = 0.25, patience: float = 10.0
+    ) -> None:
         super().__init__()
         self.stopwatch = stopwatch
         self.limit = limit
+        self._every = limit / 2.0  # s of the wall between two looks
+        self._patience = round(patience / self._every)  # looks
         self._started: float | None = None
-        self._due = 0.0  # when the plug-in under way is interrupted
+        self._due = 0.0  # on the stopwatch, when the plug-in under way is interrupted
+        self._name = ""
+        self._waiting: set[str] = set()  # plug-ins that were seen to sleep or wait
+        self._looks = 0  # left until the plug-in under way counts as waiting
 
     @override
-    def enter(self) -> None:
-        """Start timing a call into a foreign plug-in."""
+    def enter(self, name: str) -> None:
+        """Start timing a call into the foreign plug-in `name`."""
+        self._name = name
+        self._looks = 2 if name in self._waiting else self._patience
         started = self.stopwatch()
         self._due = started + self.limit
         self._started = started
@@ -61,7 +78,7 @@ class TimedContainment(Containment):
             yield
             return
         before = signal.signal(signal.SIGALRM, self._on_alarm)
-        signal.setitimer(signal.ITIMER_REAL, self.limit, self.limit / 2)
+        signal.setitimer(signal.ITIMER_REAL, self.limit, self._every)
         try:
             yield
         finally:
@@ -69,7 +86,18 @@ class TimedContainment(Containment):
             signal.signal(signal.SIGALRM, before)
 
     def _on_alarm(self, *_: object) -> None:
-        if self._started is not None and self.stopwatch() > self._due:
-            # what it raises has to be caught before it raises again
+        """Look at the plug-in under way.
+
+        Looks are counted instead of the wall's time: a machine that was suspended has not waited.
+        What is raised here has to be caught before it is raised again.
+        """
+        if self._started is None:
+            return
+        self._looks -= 1
+        if self.stopwatch() > self._due:
             self._due = self.stopwatch() + GRACE
             raise TooSlowError(f"did not return within {self.limit:g} s")
+        if self._looks <= 0:
+            self._looks = round(GRACE / self._every)
+            self._waiting.add(self._name)
+            raise TooSlowError(WAITING)

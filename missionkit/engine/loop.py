@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from missionkit.chart.semantics.step import ABORT
-from missionkit.engine.clock import Pace, Unhurried, stopwatch
+from missionkit.engine.clock import Pace, Unhurried, processor_time, stopwatch
 from missionkit.engine.containment import TimedContainment
 from missionkit.engine.flight import Plan, begin
 from missionkit.engine.lifecycle import Lifecycle
@@ -132,8 +132,9 @@ async def fly(
         operator: asks for a landing; also done here at `time_limit` (s).
         pace: lets mission time pass; as fast as possible by default.
         time_limit: mission time (s) after which the flight is aborted.
-        believe_stopwatch: show the measured timing to the guards. A simulation shows them its
-            own instead, so that a busy machine does not change how a mission is rehearsed.
+        believe_stopwatch: show the measured timing to the guards, and limit plug-ins by the wall's
+            time. A simulation shows its own timing and limits by processor time instead, so that
+            a busy machine does not change how a mission is rehearsed.
         keeper: called after every tick but the last with all that is needed to go on from it.
         resume: goes on with a flight under way instead of beginning one; called, if time goes on
             while the vehicle is being reached, once it is.
@@ -143,7 +144,7 @@ async def fly(
     """
     operator = operator or Operator()
     pace = pace or Unhurried()
-    contain = TimedContainment(stopwatch)
+    contain = TimedContainment(stopwatch if believe_stopwatch else processor_time)
     await vehicle.connect()
     end: End | None = None
     async with AsyncExitStack() as stack:

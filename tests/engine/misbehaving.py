@@ -79,5 +79,19 @@ class Sleepy(Guard):
         return Verdict(holds=False)
 
 
+class Starved(Guard):
+    """Holds above `over` metres, and takes 40 ms there while others have the processor."""
+
+    kind: ClassVar[str] = "starved"
+    over: float = 1.0
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        height = -float(seen.position[2])
+        if height > self.over:
+            time.sleep(0.04)  # noqa: TID251 - as if others had the processor
+        return Verdict.above(height, self.over)
+
+
 def with_odd_ones() -> Catalogue:
-    return builtin().extended("behaviors", (Odd, Stillborn)).extended("guards", (Sleepy,))
+    return builtin().extended("behaviors", (Odd, Stillborn)).extended("guards", (Sleepy, Starved))

@@ -12,12 +12,13 @@ from misbehaving import with_odd_ones
 from rehearsed import flown, short_stage
 
 from missionkit.engine import loop
-from missionkit.engine.clock import stopwatch
-from missionkit.engine.containment import TimedContainment
+from missionkit.engine.clock import processor_time, stopwatch
+from missionkit.engine.containment import WAITING, TimedContainment
 from missionkit.engine.loop import End
 from missionkit.geometry import norm
 
 nap = partial(time.sleep, 10.0)  # noqa: TID251 - it is what is to be interrupted
+pause = partial(time.sleep, 0.05)  # noqa: TID251 - as if others had the processor
 
 
 def spin() -> None:
@@ -40,6 +41,29 @@ def test_an_endless_loop_is_broken_and_the_next_call_is_served():
         assert contain.call("spinning", spin) is None
         assert contain.call("quick", lambda: 3) == (3,)
     assert contain.take() == ("spinning raised TooSlowError: did not return within 0.1 s",)
+
+
+def test_processor_time_is_not_used_up_by_what_else_the_machine_does():
+    contain = TimedContainment(processor_time, limit=0.01)
+    with contain.interrupting():
+        assert contain.call("starved", pause) == (None,)
+    assert contain.take() == ()
+
+
+def test_processor_time_of_its_own_is():
+    contain = TimedContainment(processor_time, limit=0.02)
+    with contain.interrupting():
+        assert contain.call("spinning", spin) is None
+    assert contain.take() == ("spinning raised TooSlowError: did not return within 0.02 s",)
+
+
+def test_one_that_waits_is_woken_after_some_patience_and_the_next_time_soon():
+    contain = TimedContainment(processor_time, limit=0.01, patience=0.1)
+    with contain.interrupting():
+        assert contain.call("sleepy", nap) is None
+        assert contain.call("starved", pause) == (None,)
+        assert contain.call("sleepy", pause) is None
+    assert contain.take() == 2 * (f"sleepy raised TooSlowError: {WAITING}",)
 
 
 def test_what_is_no_plugin_is_not_interrupted():
@@ -95,7 +119,8 @@ states:
 
 
 def test_with_a_guard_that_sleeps_the_vehicle_holds_and_goes_home(monkeypatch):
-    monkeypatch.setattr(loop, "TimedContainment", partial(TimedContainment, limit=0.01))
+    hasty = partial(TimedContainment, limit=0.01, patience=0.05)
+    monkeypatch.setattr(loop, "TimedContainment", hasty)
     flight = flown(short_stage(HOVERING, catalogue=with_odd_ones()))
     assert flight.went() == [
         ("up", "when done"),
@@ -105,9 +130,15 @@ def test_with_a_guard_that_sleeps_the_vehicle_holds_and_goes_home(monkeypatch):
     assert flight.result.flown.end is End.LANDED
     assert flight.result.grade.landed
     assert flight.entered("return") - flight.entered("up") == pytest.approx(3.0, abs=0.15)
-    assert flight.problems() == [
-        "sleepy (over 1) raised TooSlowError: did not return within 0.01 s"
-    ]
+    assert flight.problems() == [f"sleepy (over 1) raised TooSlowError: {WAITING}"]
     held = [record for record in flight.records if record.state == "up"][2:]
     assert {record.step_note for record in held} == {"holding: a plug-in misbehaves"}
     assert max(norm(record.command.setpoint.velocity) for record in held) < 0.01
+
+
+def test_a_rehearsal_is_the_same_on_a_machine_that_is_busy_with_other_things(monkeypatch):
+    monkeypatch.setattr(loop, "TimedContainment", partial(TimedContainment, limit=0.01))
+    text = HOVERING.replace("{use: sleepy, over: 1.0}", "{use: starved, over: 2.0}")
+    flight = flown(short_stage(text, catalogue=with_odd_ones()))
+    assert flight.went() == [("up", "when done"), ("land", "when starved (over 2)")]
+    assert flight.problems() == []

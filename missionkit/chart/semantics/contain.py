@@ -30,7 +30,7 @@ class Containment:
         try:
             if not foreign:
                 return (function(*arguments),)
-            self.enter()
+            self.enter(name)
             answer = function(*arguments)
             in_time = self.leave(name)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a plug-in may do anything
@@ -49,8 +49,8 @@ class Containment:
         self.failures.clear()
         return failures
 
-    def enter(self) -> None:
-        """Start timing a call into a foreign plug-in."""
+    def enter(self, name: str) -> None:
+        """Start timing a call into the foreign plug-in `name`."""
 
     def abandon(self) -> None:
         """Stop timing a call that failed."""
