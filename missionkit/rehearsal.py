@@ -13,7 +13,16 @@ from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import now_and_then
-from missionkit.engine.loop import End, Flown, Keeper, Observer, Operator, fly, keep_nothing
+from missionkit.engine.loop import (
+    End,
+    Flown,
+    Keeper,
+    Observer,
+    Operator,
+    fly,
+    keep_nothing,
+    no_reports,
+)
 from missionkit.engine.memory import Course
 from missionkit.engine.waking import Resumption
 from missionkit.geometry import Mat
@@ -103,6 +112,7 @@ def rehearse(
     operator: Operator | None = None,
     pace: Pace | None = None,
     save: Callable[[Kept], None] | None = None,
+    reports: Callable[[], tuple[str, ...]] = no_reports,
     again: Again | None = None,
 ) -> Rehearsal:
     """Fly and grade.
@@ -113,6 +123,7 @@ def rehearse(
         operator: asks for a landing.
         pace: lets mission time pass; as fast as possible by default.
         save: called at every transition and once a second with what can be gone on from.
+        reports: what failed beside the flight since the last call; joins the problems.
         again: goes on from there.
     """
     visits = _Visits(ready.vehicle)
@@ -130,6 +141,7 @@ def rehearse(
                 pace=pace,
                 time_limit=ready.mission.settings.time_limit,
                 keeper=keeper,
+                reports=reports,
                 resume=resume,
             )
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from typing import NamedTuple
 
 from missionkit.chart.model.mission import Mission
@@ -16,6 +16,7 @@ from missionkit.engine.clock import stopwatch
 from missionkit.engine.loop import Observer, Operator
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.sink import RECORD, Sink, Sinks, contained
 from missionkit.sim.truth import Truth
 
 GIVE_BACK = "r"  # the key
@@ -33,6 +34,7 @@ def cockpit(
     order: Order,
     mission: Mission,
     recorder: FlightRecorder,
+    sinks: Sinks,
     truth: Callable[[], Truth | None] = lambda: None,
     give_back: Callable[[], None] | None = None,
 ) -> Iterator[Cockpit]:
@@ -42,6 +44,7 @@ def cockpit(
         order: says whether there is a live view, and keys with it.
         mission: that is flown.
         recorder: takes every tick.
+        sinks: what is shown goes to one of them; take reports of what fails.
         truth: of a simulated vehicle.
         give_back: gives control back after a pilot's takeover.
     """
@@ -53,25 +56,34 @@ def cockpit(
         deeds = {} if give_back is None else {GIVE_BACK: give_back}
         view = live_view(sys.stdout, stopwatch, _title(mission.name, events, deeds))
     keys = Keys(sys.stdin, operator, events, deeds)
-    watch = _Watch(recorder, view, truth)
-    with recorder, view or nullcontext(), keys, _landing_on_interrupt(operator):
-        yield Cockpit(operator, (watch, keys, Planned(order.events, operator)))
+    watch = _Watch(recorder, view, sinks.view, truth)
+    planned = Planned(order.events, operator)
+    observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
+    safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
+    with view or nullcontext(), closing(sinks), recorder, keys, _landing_on_interrupt(operator):
+        yield Cockpit(operator, safe)
 
 
 class _Watch:
     """Passes every tick on to the recorder and the view."""
 
     def __init__(
-        self, recorder: FlightRecorder, view: LiveView | None, truth: Callable[[], Truth | None]
+        self,
+        recorder: FlightRecorder,
+        view: LiveView | None,
+        sink: Sink,
+        truth: Callable[[], Truth | None],
     ) -> None:
         self._recorder = recorder
         self._view = view
+        self._sink = sink
         self._truth = truth
 
     def __call__(self, record: Record, observation: Observation) -> None:
         self._recorder.write(record, observation.frame, self._truth())
-        if self._view is not None:
-            self._view.update(record)
+        view = self._view
+        if view is not None:
+            self._sink.put(lambda: view.update(record))
 
 
 def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> str:

@@ -13,11 +13,14 @@ from missionkit.engine.flight import Plan
 from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.waking import Resumption
 from missionkit.errors import ExitCode, UsageError, nearest
+from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.inspection import inspect
 from missionkit.vehicle.sharing import NOTHING, Share
+
+NOTED = "what is noted of a tick"
 
 
 def vehicle_of(
@@ -83,23 +86,29 @@ def fly_vehicle(
     speed: float = 1.0,
     time_limit: float = 1800.0,
     keeper: Keeper = keep_nothing,
+    reports: Reports | None = None,
     resume: Callable[[], Resumption] | None = None,
 ) -> Flown:
     """Fly a mission with a vehicle on MAVLink, tied to the wall clock.
 
+    Nothing that observers or the keeper raise ends the flight; `reports` takes it.
+
     Raises:
         VehicleError: the vehicle could not be reached, or is to be left alone.
     """
+    reports = reports or Reports()
+    tell = contained("what the vehicle is told", vehicle.tell, reports)
     return asyncio.run(
         fly(
             plan,
             vehicle,
-            (*observers, vehicle.tell),
+            (*(contained(NOTED, it, reports) for it in observers), tell),
             operator=operator,
             pace=FromFirstTick(speed),
             time_limit=time_limit,
             believe_stopwatch=True,
-            keeper=keeper,
+            keeper=contained(CHECKPOINTS, keeper, reports),
+            reports=reports.take,
             resume=resume,
         )
     )

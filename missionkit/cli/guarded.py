@@ -23,8 +23,18 @@ def guarded(order: Order, folder: Path, fly: Callable[[], Summary]) -> ExitCode:
         print(f"stopped before it had landed; see {folder}", file=sys.stderr)  # noqa: T201
         return ExitCode.VEHICLE_LOST
     except Exception:  # noqa: BLE001 - the flight record stays, the person gets a sentence
-        (folder / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
-        print(f"missionkit crashed; see {folder / 'crash.txt'}", file=sys.stderr)  # noqa: T201
+        _tell_crash(folder / "crash.txt", traceback.format_exc())
         return ExitCode.CRASH
     report(order, summary, folder)
     return exit_code(summary)
+
+
+def _tell_crash(path: Path, trace: str) -> None:
+    """Keep the trace for a bug report, on the terminal if the disk does not take it."""
+    try:
+        path.write_text(trace, encoding="utf-8")
+    except OSError as error:
+        print(f"{path}: {error.strerror}\n{trace}", file=sys.stderr)  # noqa: T201
+        print("missionkit crashed", file=sys.stderr)  # noqa: T201
+    else:
+        print(f"missionkit crashed; see {path}", file=sys.stderr)  # noqa: T201

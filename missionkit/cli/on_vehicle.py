@@ -22,6 +22,7 @@ from missionkit.errors import ExitCode, UsageError
 from missionkit.messages import Observation, Record
 from missionkit.recorder.codec import is_plain
 from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.sink import background
 from missionkit.recorder.summary import Outcome, Summary, summarise
 from missionkit.recorder.track import Track
 from missionkit.rehearsal import world_of
@@ -73,9 +74,10 @@ class Ready(NamedTuple):
 def _flown(order: Order, ready: Ready) -> Summary:
     mission, world, plan, vehicle, folder, past = ready
     scenery, speed = scenery_of(world), order.speed or 1.0
-    recorder = folder.recorder(plan, scenery, past)
-    save = Saving(folder.path, vehicle, recorder, folder.stamp, past)
-    with cockpit(order, mission, recorder, give_back=vehicle.resume_control) as seat:
+    sinks = background()
+    recorder = folder.recorder(plan, scenery, past, sinks.record)
+    save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)
+    with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
         flown = fly_vehicle(
             plan,
             vehicle,
@@ -84,6 +86,7 @@ def _flown(order: Order, ready: Ready) -> Summary:
             speed=speed,
             time_limit=mission.settings.time_limit,
             keeper=now_and_then(plan.chart, is_plain, save),
+            reports=sinks.reports,
             resume=None if past is None else lambda: woken(past, vehicle, speed),
         )
     asked = seat.operator.wants_down
@@ -95,8 +98,7 @@ def _flown(order: Order, ready: Ready) -> Summary:
         parameters=mission.params,
         record_hash=recorder.close(),
     )
-    folder.finish(summary, recorder.track, scenery)
-    save.forget()
+    folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
 
 

@@ -14,6 +14,7 @@ from missionkit.cli.run_files import Folder, folder_of
 from missionkit.engine.clock import Pace, RealTime
 from missionkit.errors import ExitCode, UsageError, nearest
 from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.sink import inline
 from missionkit.recorder.summary import Summary
 from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import Fault, parse_fault
@@ -66,22 +67,23 @@ def fault_of(text: str, mission: Mission, world: World) -> Fault:
 
 def _flown(order: Order, ready: Stage, folder: Folder, past: Since | None) -> Summary:
     scenery = scenery_of(ready.world)
-    recorder = folder.recorder(ready.plan, scenery, past)
+    sinks = inline()
+    recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
     again = None if past is None else past.again
-    save = Saving(folder.path, ready, recorder, folder.stamp, past)
-    with cockpit(order, ready.mission, recorder, lambda: ready.vehicle.truth) as seat:
+    save = Saving(folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past)
+    with cockpit(order, ready.mission, recorder, sinks, lambda: ready.vehicle.truth) as seat:
         result = rehearse(
             ready,
             seat.observers,
             operator=seat.operator,
             pace=_pace(order, again),
             save=save,
+            reports=sinks.reports.take,
             again=again,
         )
     asked = seat.operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, asked=asked)
-    folder.finish(summary, recorder.track, scenery)
-    save.forget()
+    folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
 
 

@@ -9,6 +9,7 @@ from missionkit.errors import UsageError
 from missionkit.recorder import track
 from missionkit.recorder.checkpoint import Checkpoints, Loaded, load
 from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.sink import Sink
 from missionkit.recorder.track import Track
 from missionkit.rehearsal import Again, Kept, Stage
 
@@ -58,21 +59,25 @@ class Saving:
         ready: Stage,
         recorder: FlightRecorder,
         stamp: str,
+        sink: Sink,
         before: Since | None = None,
     ) -> None:
         self._files = Checkpoints(folder, None if before is None else before.loaded)
         self._vehicle = ready.vehicle
         self._recorder = recorder
         self._stamp = stamp
+        self._sink = sink
 
     def __call__(self, kept: Kept) -> None:
         """Write one."""
-        seen = self._recorder.track
+        seen, truth = self._recorder.track, self._vehicle.track.rows
+        ticks = len(seen.times)
+        held = Contents(kept, track.without_rows(seen), self._stamp)
         journals = {
-            "truth": lambda first: self._vehicle.track.rows[first:],
-            "ticks": lambda first: track.rows(seen, first),
+            "truth": lambda first: truth[first:],
+            "ticks": lambda first: track.rows(seen, first, ticks),
         }
-        self._files.save(Contents(kept, track.without_rows(seen), self._stamp), journals)
+        self._sink.put(lambda: self._files.save(held, journals))
 
     def forget(self) -> None:
         """Remove them: the flight has ended."""

@@ -12,6 +12,7 @@ from missionkit.errors import UsageError
 from missionkit.recorder import track
 from missionkit.recorder.checkpoint import Checkpoints, Loaded, load
 from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.sink import Sink
 from missionkit.recorder.track import Track
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.observation import Datum
@@ -75,18 +76,22 @@ class Saving:
         vehicle: MavsdkVehicle,
         recorder: FlightRecorder,
         stamp: str,
+        sink: Sink,
         past: Before | None = None,
     ) -> None:
         self._files = Checkpoints(folder, None if past is None else past.loaded)
         self._vehicle = vehicle
         self._recorder = recorder
         self._stamp = stamp
+        self._sink = sink
 
     def __call__(self, course: Course, lost: tuple[str, ...]) -> None:
         """Write one."""
         seen, datum = self._recorder.track, self._vehicle.observer.datum
+        ticks = len(seen.times)
         held = Afield(course, date(), datum, lost, track.without_rows(seen), self._stamp)
-        self._files.save(held, {"ticks": lambda first: track.rows(seen, first)})
+        journals = {"ticks": lambda first: track.rows(seen, first, ticks)}
+        self._sink.put(lambda: self._files.save(held, journals))
 
     def forget(self) -> None:
         """Remove them: the flight has ended."""

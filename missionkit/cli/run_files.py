@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -24,6 +24,7 @@ from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.folder import free_name, keep_mission, run_folder
 from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import Scenery
+from missionkit.recorder.sink import Reports, Sink
 from missionkit.recorder.summary import Summary, write_summary
 from missionkit.recorder.track import Track
 
@@ -49,7 +50,9 @@ class Folder(NamedTuple):
     path: Path
     stamp: str  # of what the flight stands on
 
-    def recorder(self, plan: Plan, scenery: Scenery, past: Past | None) -> FlightRecorder:
+    def recorder(
+        self, plan: Plan, scenery: Scenery, past: Past | None, sink: Sink
+    ) -> FlightRecorder:
         """Return what records the flight, beside the records that are there already."""
         return FlightRecorder(
             self.path,
@@ -57,14 +60,51 @@ class Folder(NamedTuple):
             scenery=scenery,
             name=free_name(self.path, "flight.mcap"),
             past=None if past is None else past.track,
+            sink=sink,
         )
 
-    def finish(self, summary: Summary, track: Track, scenery: Scenery) -> None:
-        """Leave the summary and the picture; there is nothing to go on with any more."""
-        write_summary(self.path, summary)
+    def finish(
+        self,
+        summary: Summary,
+        track: Track,
+        scenery: Scenery,
+        reports: Reports,
+        forget: Callable[[], None],
+    ) -> None:
+        """Leave the summary and the picture; there is nothing to go on with any more.
+
+        What cannot be written is reported, and changes nothing about how the flight went.
+
+        Args:
+            summary: of the flight.
+            track: for the picture.
+            scenery: for the picture.
+            reports: of what failed, in flight and here.
+            forget: removes the checkpoints.
+        """
         title = f"{summary.mission}: {summary.outcome}"
-        draw(self.path / "track.png", track, scenery, title, numbers(summary))
-        forget_origin(self.path)
+        steps: dict[str, Callable[[], object]] = {
+            "origin.json": lambda: forget_origin(self.path),
+            "checkpoints": forget,
+            "summary.json": lambda: write_summary(self.path, with_reports(summary, reports.all)),
+            "track.png": lambda: draw(
+                self.path / "track.png", track, scenery, title, numbers(summary)
+            ),
+        }
+        for what, step in steps.items():
+            try:
+                step()
+            except Exception as error:  # noqa: BLE001 - the flight has ended as it has ended
+                reports.add(f"{self.path / what}", error, then="")
+        for sentence in reports.all:
+            print(sentence, file=sys.stderr)  # noqa: T201
+
+
+def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
+    """Return a summary whose problems name all that failed beside the flight."""
+    known = [problem.partition(": ")[2] for problem in summary.problems]
+    late = tuple(it for it in reports if it not in known)
+    return summary.model_copy(update={"problems": (*summary.problems, *late)})
 
 
 def folder_of(

@@ -29,6 +29,11 @@ Observer = Callable[[Record, Observation], None]
 Keeper = Callable[[Course, Record], None]
 
 
+def no_reports() -> tuple[str, ...]:
+    """Report nothing: what records the flight raises what fails."""
+    return ()
+
+
 def keep_nothing(_: Course, __: Record) -> None:
     """Save nothing: the flight cannot be resumed."""
 
@@ -121,9 +126,13 @@ async def fly(
     time_limit: float = 1800.0,
     believe_stopwatch: bool = False,
     keeper: Keeper = keep_nothing,
+    reports: Callable[[], tuple[str, ...]] = no_reports,
     resume: Resumption | Callable[[], Resumption] | None = None,
 ) -> Flown:
     """Fly the mission.
+
+    The command alone must succeed: what `observers` and `keeper` raise ends the flight, so that
+    over a vehicle they are to hand over what may fail or wait to sinks (`recorder.sink`).
 
     Args:
         plan: the mission, ready to fly.
@@ -136,6 +145,7 @@ async def fly(
             time. A simulation shows its own timing and limits by processor time instead, so that
             a busy machine does not change how a mission is rehearsed.
         keeper: called after every tick but the last with all that is needed to go on from it.
+        reports: what failed beside the flight since the last call; joins the problems.
         resume: goes on with a flight under way instead of beginning one; called, if time goes on
             while the vehicle is being reached, once it is.
 
@@ -166,7 +176,9 @@ async def fly(
             memory = done.memory
             await vehicle.send(done.command)
             cycle = _cycle(done, cycle, plan.period)
-            record = done.record._replace(cycle=cycle, problems=notes + done.record.problems)
+            record = done.record._replace(
+                cycle=cycle, problems=notes + reports() + done.record.problems
+            )
             events, notes = (), ()
             for observer in observers:
                 observer(record, observation)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+from contextlib import suppress
 from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
@@ -10,13 +13,14 @@ from mcap.writer import CompressionType, Writer
 from missionkit.recorder.digest import Digest
 from missionkit.recorder.schemas import TOPICS
 
-CHUNK = 64 * 1024  # bytes; what is lost at most when the process is killed
+CHUNK = 64 * 1024  # bytes that may wait for `flush`
 
 
 class Channels:
     """An open flight record."""
 
     def __init__(self, path: Path) -> None:
+        self._name = str(path)
         self._stream = path.open("xb")
         self._writer = Writer(self._stream, chunk_size=CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="", library="missionkit")
@@ -41,8 +45,19 @@ class Channels:
         self._writer.add_message(self._ids[topic], at, data, at)
 
     def flush(self) -> None:
-        """Hand the chunks completed so far to the operating system."""
-        self._stream.flush()
+        """Hand all that was published to the operating system: a kill loses none of it.
+
+        Raises:
+            OSError: it cannot be written, or the file was removed.
+        """
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        if not os.fstat(self._stream.fileno()).st_nlink:
+            raise FileNotFoundError(errno.ENOENT, "it was removed while it was written", self._name)
+
+    def abandon(self) -> None:
+        """Close the file as it is, after an error: what was handed over can still be read."""
+        with suppress(OSError):
+            self._stream.close()
 
     def close(self) -> str:
         """Finish the file with its index and return the digest."""

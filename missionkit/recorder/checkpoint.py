@@ -2,8 +2,9 @@
 
 Each is written whole, beside the last one, which is kept: whenever the process dies, at least one
 of the two can be read. What only grows (the track) is not written again each time but appended to
-journals, and a checkpoint says how many rows of them it stands on. Only the checkpoint waits for
-the disk: rows that a power failure took are missed on reading, as if the checkpoint were damaged.
+journals, and a checkpoint says how many rows of them it stands on, and their SHA-256: nothing is
+used that was not checked. Only the checkpoint waits for the disk: rows that a power failure took
+are missed on reading, as if the checkpoint were damaged.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from missionkit.errors import UsageError
 from missionkit.recorder import codec
 from missionkit.recorder.codec import NotReadableError
 
-HEADER = "missionkit checkpoint 1"
+HEADER = "missionkit checkpoint 2"
 NAME = re.compile("[a-z]+")  # of a journal
 NEWEST, BEFORE = "checkpoint.json", "checkpoint-before.json"
 
@@ -30,11 +31,19 @@ Rows = npt.NDArray[np.float64]  # (N, width)
 Journal = Callable[[int], Rows]  # from a row on, all that there are
 
 
+class Stretch(NamedTuple):
+    """The rows of a journal that a checkpoint stands on."""
+
+    rows: int
+    width: int
+    digest: str  # SHA-256 of their bytes
+
+
 class Saved(NamedTuple):
     """What a checkpoint file holds."""
 
     value: Any
-    counts: Mapping[str, tuple[int, int]]  # journal -> rows, width
+    journals: Mapping[str, Stretch]
 
 
 class Loaded(NamedTuple):
@@ -67,14 +76,30 @@ def opened(text: str) -> Any:
     return codec.read(body)
 
 
-def write_surely(path: Path, text: str) -> None:
-    """Write a text file so that, even if the power fails, a reader sees all of it or none."""
+def write_surely(path: Path, text: str, before: Path | None = None) -> None:
+    """Write a text file so that, even if the power fails, a reader sees all of it or none.
+
+    Args:
+        path: where.
+        text: what.
+        before: where the file goes that is there already; `None`: it is replaced.
+    """
     part = path.with_name(f".{path.name}.part")
     with part.open("w", encoding="utf-8") as stream:
         stream.write(text)
         stream.flush()
         os.fsync(stream.fileno())
+    if before is not None and path.exists():
+        os.replace(path, before)  # noqa: PTH105
     os.replace(part, path)  # noqa: PTH105
+
+
+class _Written(NamedTuple):
+    """What of a journal is on the disk."""
+
+    rows: int
+    size: int  # bytes
+    sum: hashlib._Hash  # of them
 
 
 class Checkpoints:
@@ -87,7 +112,7 @@ class Checkpoints:
 
     def __init__(self, folder: Path, since: Loaded | None = None) -> None:
         self._folder = folder
-        self._counts: dict[str, int] = {}
+        self._written: dict[str, _Written] = {}
         if since is not None:
             self._go_on(since)
 
@@ -98,18 +123,14 @@ class Checkpoints:
             value: what `codec.written` can write.
             journals: by name; only rows that are new since the last checkpoint are written.
         """
-        shapes = {name: self._appended(name, journal) for name, journal in journals.items()}
-        text = sealed(Saved(value, shapes))
-        newest = self._folder / NEWEST
-        if newest.exists():
-            os.replace(newest, self._folder / BEFORE)  # noqa: PTH105
-        write_surely(newest, text)
+        rows = {name: self._appended(name, journal) for name, journal in journals.items()}
+        write_surely(self._folder / NEWEST, sealed(Saved(value, rows)), self._folder / BEFORE)
 
     def forget(self) -> None:
         """Remove all of it: the flight has ended."""
         for path in (self._folder / NEWEST, self._folder / BEFORE):
             path.unlink(missing_ok=True)
-        for name in self._counts:
+        for name in self._written:
             _journal(self._folder, name).unlink(missing_ok=True)
 
     def _go_on(self, since: Loaded) -> None:
@@ -118,16 +139,22 @@ class Checkpoints:
             os.replace(self._folder / BEFORE, self._folder / NEWEST)  # noqa: PTH105
         for name, rows in since.journals.items():
             os.truncate(_journal(self._folder, name), rows.nbytes)
-            self._counts[name] = len(rows)
+            self._written[name] = _Written(len(rows), rows.nbytes, _sum(_bytes(rows)))
 
-    def _appended(self, name: str, journal: Journal) -> tuple[int, int]:
-        """Write what is new; return how many rows there are now, and how wide they are."""
-        before = self._counts.get(name, 0)
-        fresh = journal(before)
-        with _journal(self._folder, name).open("ab") as stream:
-            stream.write(fresh.astype("<f8").tobytes())
-        self._counts[name] = before + len(fresh)
-        return self._counts[name], fresh.shape[1]
+    def _appended(self, name: str, journal: Journal) -> Stretch:
+        """Write what is new, over what a write that failed has left; return what there is now."""
+        before = self._written.get(name) or _Written(0, 0, _sum(b""))
+        fresh = journal(before.rows)
+        data, path = _bytes(fresh), _journal(self._folder, name)
+        with path.open("r+b" if before.rows else "wb") as stream:
+            stream.truncate(before.size)
+            stream.seek(before.size)
+            stream.write(data)
+        total = before.sum.copy()
+        total.update(data)
+        count = before.rows + len(fresh)
+        self._written[name] = _Written(count, before.size + len(data), total)
+        return Stretch(count, fresh.shape[1], total.hexdigest())
 
 
 def load(folder: Path) -> Loaded:
@@ -141,7 +168,7 @@ def load(folder: Path) -> Loaded:
         path = folder / name
         try:
             saved = opened(path.read_text(encoding="utf-8"))
-            journals = {name: _rows(folder, name, *shape) for name, shape in saved.counts.items()}
+            journals = {name: _rows(folder, name, it) for name, it in saved.journals.items()}
         except FileNotFoundError as error:
             if error.filename != str(path):
                 wrong.append(f"{error.filename}: no such file, though {name} needs it")
@@ -152,12 +179,26 @@ def load(folder: Path) -> Loaded:
     raise UsageError("\n".join(wrong) or f"{folder}: nothing to resume: it holds no checkpoint")
 
 
-def _rows(folder: Path, name: str, count: int, width: int) -> Rows:
-    """Return the first rows of a journal; what was appended after the checkpoint does not count."""
-    size = np.dtype("<f8").itemsize * count * width
-    with _journal(folder, name).open("rb") as stream:
-        flat = np.frombuffer(stream.read(size), "<f8")
-    return flat.reshape(count, width).astype(np.float64)
+def _rows(folder: Path, name: str, stretch: Stretch) -> Rows:
+    """Return the first rows of a journal; what was appended after the checkpoint does not count.
+
+    Raises:
+        NotReadableError: they are not those that were written.
+    """
+    path, count, width = _journal(folder, name), stretch.rows, stretch.width
+    with path.open("rb") as stream:
+        data = stream.read(np.dtype("<f8").itemsize * count * width)
+    if _sum(data).hexdigest() != stretch.digest:
+        raise NotReadableError(f"{path.name}, which it stands on, was cut short or changed")
+    return np.frombuffer(data, "<f8").reshape(count, width).astype(np.float64)
+
+
+def _bytes(rows: Rows) -> bytes:
+    return rows.astype("<f8").tobytes()
+
+
+def _sum(data: bytes) -> hashlib._Hash:
+    return hashlib.sha256(data)
 
 
 def _journal(folder: Path, name: str) -> Path:
@@ -167,4 +208,4 @@ def _journal(folder: Path, name: str) -> Path:
 
 
 def _digest(body: str) -> str:
-    return hashlib.sha256(body.encode()).hexdigest()
+    return _sum(body.encode()).hexdigest()

@@ -3,6 +3,7 @@
 Rates follow P1 section 9.2: poses and commands at every tick (20 Hz), goal, state, guards, estimate
 and timing at 10 Hz, status at 1 Hz. A transition, a change of a guard's answer, a new problem and
 an overrun are written at their own tick whatever the rate. Camera frames come at `image_rate`.
+What was recorded is with the operating system 0.05 s later: a kill loses one tick or two.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from missionkit.messages import CameraModel, Frame, Record
 from missionkit.recorder import encode, track, wire
 from missionkit.recorder.channels import Channels
 from missionkit.recorder.scenery import Scenery, scene_update
+from missionkit.recorder.sink import Job, Sink
 from missionkit.recorder.track import Track, Truth
 
 INFO, WARNING = 2, 3
@@ -56,6 +58,7 @@ class FlightRecorder:
         image_rate: camera frames a second at most; 0 keeps none.
         name: of the file; a flight that is resumed gets one for each part.
         past: the track of the parts before.
+        sink: writes what is recorded; without one that is done at once, and errors are raised.
 
     Raises:
         FileExistsError: the folder already holds a flight record.
@@ -70,15 +73,18 @@ class FlightRecorder:
         image_rate: float = 5.0,
         name: str = "flight.mcap",
         past: Track | None = None,
+        sink: Sink | None = None,
     ) -> None:
         self.track: Track = past or track.begin()
+        self._sink = sink
         self._channels = Channels(folder / name)
         self._camera = camera
         self._scenery = scenery
-        self._standing, self._status = Pace(10.0), Pace(1.0)
+        self._standing, self._status, self._kept = Pace(10.0), Pace(1.0), Pace(20.0)
         self._images = Pace(image_rate) if image_rate > 0.0 else None
         self._seen = Seen()
         self._hash = ""
+        self._closed = False
 
     def __enter__(self) -> Self:
         return self
@@ -100,19 +106,46 @@ class FlightRecorder:
             truth: where a simulated vehicle really is.
         """
         track.add(self.track, record, truth)
+        shown = None if frame is None or frame.image is None else frame
+        if shown is not None and not (self._images and self._images.due(record.now)):
+            shown = None  # what is not recorded does not wait in memory either
+        self._put(lambda: self._tick(record, shown, truth))
+
+    def close(self) -> str:
+        """Finish the file and return its digest, "" if that failed; closing twice does no harm."""
+        if not self._closed:
+            self._closed = True
+            self._put(self._finish)
+            if self._sink is not None:
+                self._sink.close()
+        return self._hash
+
+    def _put(self, job: Job) -> None:
+        def write() -> None:
+            try:
+                job()
+            except BaseException:
+                self._channels.abandon()
+                raise
+
+        if self._sink is None:
+            write()
+        else:
+            self._sink.put(write)
+
+    def _finish(self) -> None:
+        self._hash = self._channels.close()
+
+    def _tick(self, record: Record, frame: Frame | None, truth: Truth | None) -> None:
         at, stamp = wire.nanoseconds(record.now), wire.stamp(record.now)
         self._motion(record, truth, at, stamp)
         self._chart(record, at, stamp)
         if self._status.due(record.now):
             self._diagnostics(record, at, stamp)
-        if frame is not None and frame.image is not None:
+        if frame is not None:
             self._image(record, frame, at)
-
-    def close(self) -> str:
-        """Finish the file and return its digest; closing twice does no harm."""
-        if not self._hash:
-            self._hash = self._channels.close()
-        return self._hash
+        if self._kept.due(record.now):
+            self._channels.flush()
 
     def _motion(self, record: Record, truth: Truth | None, at: int, stamp: str) -> None:
         publish, seen = self._channels.publish, record.estimate
@@ -161,11 +194,10 @@ class FlightRecorder:
         if self._scenery is not None:
             publish("/scene", at, scene_update(self._scenery, stamp, encode.NED))
             self._scenery = None
-        self._channels.flush()
 
     def _image(self, record: Record, frame: Frame, at: int) -> None:
         """Write a camera frame and the markers found in it, both at the time of exposure."""
-        if frame.image is None or self._images is None or not self._images.due(record.now):
+        if frame.image is None:
             return
         from missionkit.perception.imaging import encode_jpeg  # noqa: PLC0415
 

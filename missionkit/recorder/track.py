@@ -60,17 +60,27 @@ def begin() -> Track:
     return Track([], [], [], [], [], {}, [], [], [])
 
 
-def rows(track: Track, first: int = 0) -> npt.NDArray[np.float64]:
-    """Return time, estimated and true position of the ticks from `first` on, (N, 7)."""
-    times, estimated = track.times[first:], track.estimated[first:]
-    true = track.true[first:] or [(np.nan, np.nan, np.nan)] * len(times)
+def rows(track: Track, first: int = 0, last: int | None = None) -> npt.NDArray[np.float64]:
+    """Return time, estimated and true position of the ticks from `first` to `last`, (N, 7)."""
+    times, estimated = track.times[first:last], track.estimated[first:last]
+    true = track.true[first:last] or [(np.nan, np.nan, np.nan)] * len(times)
     places = zip(times, estimated, true, strict=True)
     return np.array([(at, *where, *really) for at, where, really in places]).reshape(-1, 7)
 
 
 def without_rows(track: Track) -> Track:
-    """Return what does not grow at every tick; the timing of the ticks is left out too."""
-    return track._replace(times=[], estimated=[], true=[], cycles=[])
+    """Return a copy of what does not grow at every tick; the timing is left out too."""
+    return Track(
+        [],
+        [],
+        [],
+        [],
+        list(track.visits),
+        {name: list(spans) for name, spans in track.guards.items()},
+        list(track.transitions),
+        list(track.problems),
+        list(track.goals),
+    )
 
 
 def with_rows(track: Track, rows: npt.NDArray[np.float64]) -> Track:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import hashlib
 import os
 
 import numpy as np
@@ -49,7 +51,7 @@ def changed(text):
 
 
 def renewed(text):
-    return text.replace("checkpoint 1", "checkpoint 2")
+    return text.replace("checkpoint 2", "checkpoint 3")
 
 
 @pytest.mark.parametrize("damage", [cut, emptied, changed, renewed])
@@ -79,6 +81,68 @@ def test_rows_that_are_missing_are_noticed(tmp_path):
     (tmp_path / "checkpoint-truth.rows").unlink()
     with pytest.raises(UsageError, match=r"rows: no such file, though checkpoint.json needs it"):
         load(tmp_path)
+
+
+def test_rows_that_were_changed_are_told_and_the_checkpoint_before_is_used(tmp_path):
+    saved(tmp_path, 2, 7)
+    path = tmp_path / "checkpoint-truth.rows"
+    data = bytearray(path.read_bytes())
+    data[3 * 3 * 8] ^= 1  # of the fourth row, which the checkpoint before does not stand on
+    path.write_bytes(data)
+    found = load(tmp_path)
+    assert (found.value, found.name) == ({"rows": 2}, BEFORE)
+    assert found.wrong == (
+        f"{tmp_path / NEWEST}: this checkpoint cannot be used: "
+        "checkpoint-truth.rows, which it stands on, was cut short or changed",
+    )
+    data[0] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(UsageError, match=r"(?s)checkpoint\.json.*checkpoint-before\.json"):
+        load(tmp_path)
+
+
+def test_of_all_changes_of_a_bit_none_is_taken_for_the_truth(tmp_path):
+    """Whatever is read after a change is what was saved, then or before."""
+    rng, files = np.random.default_rng(7), tmp_path / "run"
+    files.mkdir()
+    saved(files, 4, 7)
+    whole = {path: path.read_bytes() for path in files.iterdir()}
+    for _ in range(600):
+        path = list(whole)[rng.integers(len(whole))]
+        data = bytearray(whole[path])
+        data[rng.integers(len(data))] ^= 1 << rng.integers(8)
+        path.write_bytes(data)
+        try:
+            found = load(files)
+        except UsageError:
+            pass
+        else:
+            assert found.value in ({"rows": 4}, {"rows": 7})
+            np.testing.assert_array_equal(found.journals["truth"], ROWS[: found.value["rows"]])
+        path.write_bytes(whole[path])
+
+
+def test_rows_that_were_half_written_when_the_disk_was_full_are_written_again(tmp_path):
+    files = saved(tmp_path, 2)
+    with (tmp_path / "checkpoint-truth.rows").open("ab") as stream:
+        stream.write(b"half a row")
+    files.save({"rows": 7}, journal(7))
+    np.testing.assert_array_equal(load(tmp_path).journals["truth"], ROWS[:7])
+
+
+def test_a_checkpoint_that_cannot_be_written_leaves_both_before_it(tmp_path, monkeypatch):
+    files = saved(tmp_path, 2, 4)
+
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint.os, "fsync", full)
+        with pytest.raises(OSError, match="No space left"):
+            files.save({"rows": 7}, journal(7))
+    assert load(tmp_path).value == {"rows": 4}
+    (tmp_path / NEWEST).unlink()
+    assert load(tmp_path).value == {"rows": 2}
 
 
 def test_without_any_there_is_nothing_to_resume(tmp_path):
@@ -143,7 +207,8 @@ def test_a_checkpoint_from_elsewhere_names_no_file_outside_the_folder(tmp_path):
     secret.write_bytes(b"12345678")
     run = tmp_path / "run"
     run.mkdir()
-    forged = checkpoint.Saved(1, {"x/../../checkpoint-x": (1, 1)})
+    digest = hashlib.sha256(b"12345678").hexdigest()
+    forged = checkpoint.Saved(1, {"x/../../checkpoint-x": checkpoint.Stretch(1, 1, digest)})
     (run / NEWEST).write_text(checkpoint.sealed(forged))
     with pytest.raises(UsageError, match="cannot be used"):
         load(run)

@@ -1,0 +1,81 @@
+"""A disk that is full, or a folder that has gone, changes nothing about how a flight goes."""
+
+import errno
+import json
+import resource
+import shutil
+from contextlib import contextmanager
+
+import pytest
+
+from missionkit.recorder import checkpoint
+from missionkit.recorder.channels import Channels
+
+HOP = "runs/hop-seed0"
+
+
+@contextmanager
+def at_most(size):
+    """Let no file grow beyond a size (bytes): the kernel refuses what is written behind it."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_a_rehearsal_flies_to_its_end_when_files_can_grow_no_more(call, hop):
+    assert call("run", "hop.yaml").exit_code == 0  # compiles what has to be
+    with at_most(20_000):
+        result = call("run", "hop.yaml")
+    assert result.exit_code == 0
+    assert "success: flown as planned" in result.stdout
+    told = result.stderr.splitlines()
+    assert told[0].startswith("the flight record: File too large")
+    assert told[1].startswith("checkpoints: File too large")
+    assert [line.count("; the flight goes on") for line in told] == [1, 1, 0]
+    assert "track.png: File too large" in told[2]
+    flown = json.loads((hop.parent / f"{HOP}-2" / "summary.json").read_text())
+    assert flown["outcome"] == "success"
+    assert flown["record_hash"] == ""
+    assert len([it for it in flown["problems"] if "File too large" in it]) == 3 - 1
+
+
+def test_a_folder_that_is_removed_in_flight_is_named(call, hop, monkeypatch):
+    save, count = checkpoint.Checkpoints.save, 0
+
+    def last(self, *arguments):
+        nonlocal count
+        count += 1
+        if count == 3:
+            shutil.rmtree("runs")
+        save(self, *arguments)
+
+    monkeypatch.setattr(checkpoint.Checkpoints, "save", last)
+    result = call("run", "hop.yaml")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("  ")
+    assert "success: flown as planned" in result.stdout
+    for what in ("the flight record: it was removed", "checkpoints: No such file", "summary.json"):
+        assert what in result.stderr
+
+
+@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EROFS, errno.EIO, errno.EACCES])
+def test_the_live_view_and_the_track_tell_what_failed_in_flight(call, hop, monkeypatch, code):
+    flush, count = Channels.flush, 0
+
+    def failing(self):
+        nonlocal count
+        count += 1
+        if count > 30:
+            raise OSError(code, "it does not work any more")
+        flush(self)
+
+    monkeypatch.setattr(Channels, "flush", failing)
+    result = call("run", "hop.yaml")
+    sentence = "the flight record: it does not work any more; the flight goes on"
+    assert (result.exit_code, result.stderr) == (0, sentence + "\n")
+    assert f"problem: {sentence}" in result.stdout
+    flown = json.loads((hop.parent / HOP / "summary.json").read_text())
+    assert [it.partition(": ")[2] for it in flown["problems"]] == [sentence]
