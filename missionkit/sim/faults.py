@@ -27,16 +27,23 @@ class Kind(NamedTuple):
 
 
 KINDS: Mapping[str, Kind] = {
+    "baro_stuck": Kind(None, "", "the barometer repeats the last height, with new times"),
     "camera_frozen": Kind(None, "", "the camera repeats its last frame, with its old time"),
     "camera_off": Kind(None, "", "no frames"),
     "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0),
+    "camera_flipped": Kind(None, "", "images arrive upside down"),
     "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
     "gnss_jump": Kind(10.0, "m", "fixes are off to the north by VALUE"),
     "gnss_drift": Kind(0.5, "m/s", "fixes wander off to the north at VALUE"),
+    "gnss_toggling": Kind(
+        4.0, "s", "fixes are lost as by gnss_lost for every other half of VALUE", least=0.02
+    ),
+    "imu_biased": Kind(2.0, "m/s²", "the accelerometer is off by VALUE forwards"),
     "marker_hidden": Kind(
         None, "id", "the marker VALUE (default: every marker) is covered", least=0.0
     ),
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
+    "range_lost": Kind(None, "", "the range finder says nothing"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
     "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0),
     "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
@@ -142,6 +149,15 @@ class Mishaps(NamedTuple):
     def active(self, name: str, now: float) -> bool:
         """Tell whether a fault of that name is active."""
         return self.since(name, now) is not None
+
+    def without_fixes(self, now: float) -> float | None:
+        """Return for how long (s) there have been no satellites, `None` when there are."""
+        lost, toggling = self.since("gnss_lost", now), self.since("gnss_toggling", now)
+        if lost is not None:
+            return lost[1]
+        if toggling is None or toggling[1] % toggling[0] >= 0.5 * toggling[0]:
+            return None
+        return toggling[1] % toggling[0]
 
     def hidden(self, now: float, ids: frozenset[int]) -> frozenset[int]:
         """Return which of the markers `ids` are covered at `now`."""

@@ -26,6 +26,7 @@ class Shot(NamedTuple):
     state: Vec3  # (13,) truth, see `layout`
     hidden: frozenset[int]
     repeat: bool  # frozen: the last frame comes again
+    flipped: bool  # upside down
 
 
 class Feed:
@@ -54,14 +55,21 @@ class Feed:
         return round(self._count * RATE / self._camera.rate)
 
     def expose(
-        self, x: Vec3, *, hidden: frozenset[int], delay: float, off: bool, frozen: bool
+        self,
+        x: Vec3,
+        *,
+        hidden: frozenset[int],
+        delay: float,
+        off: bool,
+        frozen: bool,
+        flipped: bool,
     ) -> None:
         """Take the exposure that is due now, with the true state `x` and the active faults."""
         at = self.next_step / RATE
         self._count += 1
         if not off:
             due = at + self._camera.latency + delay
-            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen))
+            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen, flipped))
 
     def deliver(self, now: float) -> Frame | None:
         """Return the newest frame that has arrived by `now` (s), if any; older ones are lost."""
@@ -71,8 +79,17 @@ class Feed:
         if shot is None:
             return None
         if not shot.repeat:
-            self._last = self._picture(shot)
+            picture = self._picture(shot)
+            self._last = self._upside_down(picture) if shot.flipped else picture
         return self._last
+
+    def _upside_down(self, frame: Frame) -> Frame:
+        """Return it turned by half a turn."""
+        if frame.image is not None:
+            return Frame(frame.at, np.ascontiguousarray(frame.image[::-1, ::-1]))
+        last = np.array([self._camera.width - 1.0, self._camera.height - 1.0])
+        found = frame.corners or ()
+        return Frame(frame.at, None, tuple((name, number, last - at) for name, number, at in found))
 
     def _picture(self, shot: Shot) -> Frame:
         x, exposure = shot.state, self._camera.exposure

@@ -67,12 +67,15 @@ class BaroSensor:
             model.drift_sd, model.drift_tau, self.beat.every / RATE
         )
         self._drift = 0.0
+        self._last: float | None = None  # m
 
-    def measure(self, at: float, x: Vec3) -> Baro:
-        """Return the height at `at` (s)."""
+    def measure(self, at: float, x: Vec3, *, stuck: bool) -> Baro:
+        """Return the height at `at` (s); one that is `stuck` repeats the last."""
         white, walk = self._noise.take(1)[0].tolist()
         self._drift = self._keep * self._drift + self._kick * walk
-        return Baro(at, -float(x[2]) + self._drift + self._sd * white)
+        if not stuck or self._last is None:
+            self._last = -float(x[2]) + self._drift + self._sd * white
+        return Baro(at, self._last)
 
 
 class MagnetometerSensor:

@@ -38,7 +38,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     Renderer: ("_sensor",),
     Sensor: ("_rng", "_gain"),
     GnssSensor: ("beat", "_noise", "_drift"),
-    BaroSensor: ("beat", "_noise", "_drift"),
+    BaroSensor: ("beat", "_noise", "_drift", "_last"),
     MagnetometerSensor: ("beat", "_noise"),
     FlowSensor: ("beat", "_noise", "_lost", "_before", "_since"),
     RangeSensor: ("beat", "_noise"),

@@ -188,6 +188,9 @@ class SimulatedVehicle:
         first = plant.step // layout.IMU_EVERY + 1
         rows = plant.advance(stop, self._extra_wind())
         period = layout.IMU_EVERY / layout.RATE
+        biased = self._mishaps.since("imu_biased", self.now)
+        if biased is not None:
+            rows[:, 0] += biased[0]
         self._inbox.imu += [
             Imu((first + n) * period, row[:3], row[3:]) for n, row in enumerate(rows)
         ]
@@ -229,13 +232,15 @@ class SimulatedVehicle:
         x, box = self._plant.state, self._inbox
         self._take_fix(step, now)
         if self._baro.beat.due(step):
-            box.baro = self._baro.measure(now, x)
+            stuck = self._mishaps.active("baro_stuck", now)
+            box.baro = self._baro.measure(now, x, stuck=stuck)
         if self._mag.beat.due(step):
             box.mag = self._mag.measure(now, x)
         if self._flow.beat.due(step):
             box.flow = self._flow.measure(now, x)
         if self._range.beat.due(step):
-            box.range = self._range.measure(now, x)
+            seen = self._range.measure(now, x)
+            box.range = None if self._mishaps.active("range_lost", now) else seen
         if self._scan.due(step):
             box.scan = self._look_around(now)
         if step == self._feed.next_step:
@@ -243,7 +248,7 @@ class SimulatedVehicle:
         self._telemetry(step, now)
 
     def _take_fix(self, step: int, now: float) -> None:
-        lost = self._mishaps.active("gnss_lost", now)
+        lost = self._mishaps.without_fixes(now) is not None
         self._plant.memory[layout.GNSS_OK] = float(not lost)
         if self._gnss.beat.due(step):
             jump = self._mishaps.since("gnss_jump", now) or (0.0, 0.0)
@@ -270,6 +275,7 @@ class SimulatedVehicle:
             delay=(faults.since("camera_delayed", now) or (0.0, 0.0))[0],
             off=faults.active("camera_off", now),
             frozen=faults.active("camera_frozen", now),
+            flipped=faults.active("camera_flipped", now),
         )
 
     def _telemetry(self, step: int, now: float) -> None:

@@ -145,6 +145,57 @@ def test_link_lost_silences_telemetry_but_not_sensors(perfect: World, pilot: Mak
     assert flight.seen[-1].status
 
 
+def test_gnss_toggling_loses_every_other_half(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect, "gnss_toggling=2@2")
+    flight.wait(6.0)
+    times = {round(seen.gnss.at, 3) for seen in flight.seen if seen.gnss}
+    lost = [t for t in np.arange(0.4, 5.8, 0.2).round(3) if t not in times]
+    assert lost == [2.0, 2.2, 2.4, 2.6, 2.8, 4.0, 4.2, 4.4, 4.6, 4.8]
+
+
+def test_a_barometer_that_is_stuck_repeats_itself_while_it_climbs(
+    perfect: World, pilot: Make
+) -> None:
+    flight = pilot(perfect, "baro_stuck@3+4")
+    flight.rise(5.0)
+    heights = {round(b.at, 1): b.height for seen in flight.seen if (b := seen.baro)}
+    assert len({heights[t] for t in (3.0, 3.5, 5.0, 6.9)}) == 1
+    assert heights[7.1] - heights[6.9] > 1.0
+    assert max(heights) > 7.5
+
+
+def test_range_lost_says_nothing_in_flight(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect, "range_lost@6+2")
+    flight.rise()
+    times = [seen.range.at for seen in flight.seen if seen.range]
+    assert not [t for t in times if 6.0 <= t < 8.0]
+    assert [t for t in times if t < 6.0]
+    assert [t for t in times if t >= 8.0]
+
+
+def test_imu_biased_adds_to_the_forward_axis(perfect: World, pilot: Make) -> None:
+    still = pilot(perfect, "imu_biased=1.5@1+1")
+    still.wait(3.0)
+    forwards = {round(i.at, 2): i.accel[0] for seen in still.seen for i in seen.imu}
+    assert forwards[0.9] == forwards[2.5] == pytest.approx(0.0, abs=1e-9)
+    assert forwards[1.5] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("use", ["corners", "rendered"])
+def test_camera_flipped_turns_pictures_and_corners_by_half_a_turn(
+    use: str, perfect: World, pilot: Make
+) -> None:
+    flights = [pilot(board(perfect), *faults, use=use) for faults in ((), ("camera_flipped",))]
+    for flight in flights:
+        flight.wait(0.5)
+    upright, flipped = (frames_of(flight)[-1] for flight in flights)
+    if use == "corners":
+        (_, _, before), (_, _, after) = upright.corners[0], flipped.corners[0]
+        np.testing.assert_allclose(after, np.array([639.0, 479.0]) - before, atol=1e-9)
+    else:
+        np.testing.assert_array_equal(flipped.image, upright.image[::-1, ::-1])
+
+
 def test_battery_sag_stays(perfect: World, pilot: Make) -> None:
     flight = pilot(perfect, "battery_sag=0.4@2+1")
     flight.wait(6.0)

@@ -94,8 +94,8 @@ class Autopilot:
         steer(state, SLICE)
         state.body.faulty([fault for fault in state.troubles.faults if fault.name in BODY])
         state.sensed.update(state.body.advance(round(state.now / SLICE + 1.0) * SLICE))
-        lost = state.troubles.active("gnss_lost", state.now)
-        state.lost_gnss_at = math.inf if lost is None else state.now - lost[1]
+        lost = state.troubles.without_fixes(state.now)
+        state.lost_gnss_at = math.inf if lost is None else state.now - lost
         if state.now >= state.silent_until:
             self._talk()
         for channel in state.channels:

@@ -3,8 +3,9 @@
 PX4: https://docs.px4.io/main/en/config/safety.html; `src/modules/commander/failsafe/failsafe.cpp`
 (fromOffboardLossActParam, fromNavDllOrRclActParam, fromBatteryWarningActParam) and
 `framework.cpp` (hold for COM_FAIL_ACT_T before the action, except after an offboard loss).
-ArduPilot: https://ardupilot.org/copter/docs/gcs-failsafe.html, /failsafe-battery.html,
-/ekf-inav-failsafe.html, /ac2_guidedmode.html (GUID_TIMEOUT), `ArduCopter/crash_check.cpp`.
+ArduPilot: https://ardupilot.org/copter/docs/radio-failsafe.html, /gcs-failsafe.html,
+/failsafe-battery.html, /ekf-inav-failsafe.html, /ac2_guidedmode.html (GUID_TIMEOUT),
+`ArduCopter/crash_check.cpp`.
 """
 
 from __future__ import annotations
@@ -30,6 +31,10 @@ GCS_LOSS = {  # FS_GCS_ENABLE
     7: Flight.HOLD,
 }
 BATTERY_LOW = {1: Flight.LAND, 2: Flight.RETURN, 3: Flight.RETURN, 4: Flight.RETURN}
+RC_LOSS = {1: Flight.HOLD, 2: Flight.RETURN, 3: Flight.LAND}  # NAV_RCL_ACT
+RC_EXCEPT = {Flight.MISSION: 1, Flight.HOLD: 2, Flight.COMMANDED: 4}  # bits of COM_RCL_EXCEPT
+RADIO_LOSS = {1: Flight.RETURN, 3: Flight.LAND, 4: Flight.RETURN, 5: Flight.RETURN}  # FS_THR_ENABLE
+RADIO_GOES_ON = {Flight.MISSION: 1, Flight.COMMANDED: 4}  # bits of FS_OPTIONS
 PILOT_GOES_ON = 16  # bit of FS_OPTIONS
 CRASHED_FOR = 2.0  # s until a crashed vehicle disarms
 Watch = Callable[[State], None]
@@ -118,6 +123,36 @@ def _gcs_lost(state: State) -> None:
         take_over(state, "GCS", action)
 
 
+def _rc_silence(state: State) -> float:
+    """Return for how long (s) nothing has come from the remote control."""
+    lost = state.troubles.active("rc_lost", state.now)
+    return 0.0 if lost is None else lost[1]
+
+
+def _rc_lost(state: State) -> None:
+    """Source: PX4 `failsafe.cpp` (checkStateAndMode, manual control loss)."""
+    value, does = state.parameters, state.mode.does
+    if _rc_silence(state) <= value["COM_RC_LOSS_T"]:
+        state.warned.discard("RC lost")
+        return
+    action = RC_LOSS.get(int(value["NAV_RCL_ACT"]))
+    excepted = int(value["COM_RCL_EXCEPT"]) & RC_EXCEPT.get(does, 0)
+    if action and state.in_air and does is not Flight.LAND and not excepted:
+        take_over(state, "RC lost", action, wait=value["COM_FAIL_ACT_T"])
+
+
+def _radio_lost(state: State) -> None:
+    """Source: ArduCopter `events.cpp` (failsafe_radio_on_event)."""
+    value, does = state.parameters, state.mode.does
+    if _rc_silence(state) <= value["RC_FS_TIMEOUT"]:
+        state.warned.discard("radio")
+        return
+    action = RADIO_LOSS.get(int(value["FS_THR_ENABLE"]))
+    goes_on = int(value["FS_OPTIONS"]) & RADIO_GOES_ON.get(does, 0)
+    if action and state.in_air and does is not Flight.LAND and not goes_on:
+        take_over(state, "radio", action)
+
+
 def _battery_low(state: State) -> None:
     value, charge = state.parameters, state.body.charge
     action = int(value["COM_LOW_BAT_ACT"])
@@ -159,6 +194,6 @@ def _blind(state: State, name: str) -> None:
 
 
 WATCHES: Mapping[str, tuple[Watch, ...]] = {
-    "px4": (_offboard_lost, _link_lost, _battery_low, _position_lost, fence.watch),
-    "ardupilot": (_guided_lost, _gcs_lost, _volts_low, _ekf_lost, fence.watch),
+    "px4": (_offboard_lost, _rc_lost, _link_lost, _battery_low, _position_lost, fence.watch),
+    "ardupilot": (_guided_lost, _radio_lost, _gcs_lost, _volts_low, _ekf_lost, fence.watch),
 }

@@ -27,11 +27,22 @@ WIRE: dict[str, Kind] = {
     "packets_lost": Kind(0.2, "1", "this part of the packets is lost", least=0.0, most=1.0),
     "packets_reordered": Kind(0.2, "1", "this part is overtaken by others", least=0.0, most=1.0),
     "pilot_mode": Kind(None, "mode", "the pilot changes the flight mode to VALUE, once"),
+    "rc_lost": Kind(None, "", "nothing comes from the remote control, which was there"),
     "reboot": Kind(1.5, "s", "the autopilot restarts and says nothing for VALUE", least=0.0),
     "streams_frozen": Kind(None, "", "messages repeat their old values, with their old times"),
     "streams_stopped": Kind(None, "", "nothing but heartbeats and answers"),
 }
-BODY = ("gnss_lost", "gnss_jump", "gnss_drift", "battery_sag", "wind_gust")
+BODY = (
+    "baro_stuck",
+    "battery_sag",
+    "gnss_drift",
+    "gnss_jump",
+    "gnss_lost",
+    "gnss_toggling",
+    "imu_biased",
+    "range_lost",
+    "wind_gust",
+)
 ONCE = ("pilot_mode", "reboot")
 
 
@@ -102,8 +113,15 @@ class Troubles:
 
     def active(self, name: str, now: float) -> tuple[float, float] | None:
         """Return (value, age in s) of the newest active fault of that name, or `None`."""
-        newest_first = tuple(reversed(self._faults))
-        return Mishaps(newest_first, self.entered).since(name, now)
+        return self._mishaps.since(name, now)
+
+    def without_fixes(self, now: float) -> float | None:
+        """Return for how long (s) there have been no satellites, `None` when there are."""
+        return self._mishaps.without_fixes(now)
+
+    @property
+    def _mishaps(self) -> Mishaps:
+        return Mishaps(tuple(reversed(self._faults)), self.entered)
 
     def strikes(self, name: str, now: float) -> float | None:
         """Return the value of a fault that happens once, when it does."""

@@ -49,6 +49,8 @@ def sys_status(state: State) -> Message:
         there &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
     if state.gnss_lost:
         health &= ~mavlink.MAV_SYS_STATUS_SENSOR_GPS
+    if state.troubles.active("rc_lost", state.now):
+        health &= ~mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
     if rules.problems(state):
         health &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
     reading = state.sensed.battery

@@ -49,6 +49,54 @@ def test_px4_takes_over_when_setpoints_stop(station: Make, action: int, mode: st
     assert px4.truth.velocity[0] < 0.2
 
 
+@pytest.mark.parametrize(("action", "mode"), [(1, "LOITER"), (2, "RTL"), (3, "LAND")])
+def test_px4_without_its_remote_control_holds_and_then_acts(
+    station: Make, action: int, mode: str
+) -> None:
+    px4 = station("px4")
+    px4.state.parameters.set("NAV_RCL_ACT", action)
+    flying(px4)
+    trouble(px4, "rc_lost")
+    waited = px4.until(lambda: px4.state.mode.name != "OFFBOARD", 2.0)
+    assert waited == pytest.approx(0.5, abs=0.05)
+    assert px4.state.mode.name == "LOITER"
+    px4.run(5.2)
+    assert px4.state.mode.name == mode
+    assert px4.state.failsafe == "RC lost"
+
+
+@pytest.mark.parametrize(
+    ("dialect", "parameter", "value"),
+    [
+        ("px4", "COM_RCL_EXCEPT", 4),
+        ("px4", "NAV_RCL_ACT", 0),
+        ("ardupilot", "FS_OPTIONS", 4),
+        ("ardupilot", "FS_THR_ENABLE", 0),
+    ],
+)
+def test_one_that_is_commanded_may_do_without_a_remote_control(
+    station: Make, dialect: str, parameter: str, value: int
+) -> None:
+    vehicle = station(dialect)
+    vehicle.state.parameters.set(parameter, value)
+    flying(vehicle)
+    trouble(vehicle, "rc_lost")
+    vehicle.run(3.0, vehicle.velocity(2.0, 0.0, 0.0))
+    assert vehicle.state.mode.does == "commanded"
+    assert vehicle.truth.velocity[0] > 1.8
+
+
+@pytest.mark.parametrize(("action", "mode"), [(1, "RTL"), (3, "LAND")])
+def test_ardupilot_without_its_remote_control_acts(station: Make, action: int, mode: str) -> None:
+    copter = station("ardupilot")
+    copter.state.parameters.set("FS_THR_ENABLE", action)
+    flying(copter)
+    trouble(copter, "rc_lost")
+    waited = copter.until(lambda: copter.state.mode.name != "GUIDED", 2.0)
+    assert waited == pytest.approx(1.0, abs=0.05)
+    assert copter.state.mode.name == mode
+
+
 def test_px4_waits_as_long_as_its_parameter_says(station: Make) -> None:
     px4 = station("px4")
     px4.state.parameters.set("COM_OF_LOSS_T", 0.3)
