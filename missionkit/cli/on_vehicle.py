@@ -55,9 +55,9 @@ def run_on_vehicle(
         share=share_of(order.share, mission),
         system=order.system,
     )
-    folder, past = folder_of(order, mission, origin, "vehicle", before)
-    flight = Ready(mission, world, plan, vehicle, folder, past)
-    return guarded(order, folder.path, lambda: _flown(order, flight))
+    with folder_of(order, mission, origin, "vehicle", before) as (folder, past):
+        flight = Ready(mission, world, plan, vehicle, folder, past)
+        return guarded(order, folder.path, lambda: _flown(order, flight))
 
 
 class Ready(NamedTuple):

@@ -6,6 +6,7 @@ import difflib
 import hashlib
 import json
 import os
+import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -100,10 +101,33 @@ def recalled(order: Order, origin: Origin) -> Order:
     return order._replace(
         mission=Path(origin.mission) if order.mission == Path() else order.mission,
         settings=order.settings or origin.settings,
-        plugins=order.plugins or tuple(map(Path, origin.plugins)),
         seed=origin.seed,
         faults=origin.faults,
     )
+
+
+def check_plugins(order: Order, before: Origin) -> None:
+    """Refuse plug-in files that the user did not name, or that were changed, before any is run.
+
+    A folder may come from anywhere: what it says is read, never run. Only `--plugin` on the
+    command line makes a file run (docs/decisions/0019-recording.md).
+
+    Raises:
+        UsageError: one is missing on the command line, or is not the one that was flown.
+    """
+    if before.plugins and not order.plugins:
+        named = " ".join(f"--plugin {shlex.quote(path)}" for path in before.plugins)
+        raise UsageError(
+            f"{order.resume}: this run was flown with plug-in files, and a folder's word runs "
+            f"none; read them, and name them yourself: {named}"
+        )
+    root = Path(before.mission).parent
+    names = [os.path.relpath(path.resolve(), root) for path in order.plugins if path.is_file()]
+    texts = {name: _text(root / name) for name in names}
+    flown = {name: text for name, text in before.texts.items() if name in texts}
+    lines = list(_changes(flown, texts))
+    if lines and not order.force:
+        raise UsageError("\n".join([f"{order.resume}: a plug-in is not the one flown", *lines]))
 
 
 def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:
@@ -123,16 +147,20 @@ def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> Non
 
 def differences(before: Origin, now: Origin) -> Iterator[str]:
     """Yield lines that say in what two origins differ: files as unified differences."""
-    for name in sorted({*before.texts, *now.texts}):
-        old, new = before.texts.get(name, "").splitlines(), now.texts.get(name, "").splitlines()
-        titles = (f"{name} (as flown)", f"{name} (now)")
-        yield from difflib.unified_diff(old, new, *titles, n=0, lineterm="")
+    yield from _changes(before.texts, now.texts)
     for name in sorted({*before.parameters, *now.parameters}):
         was, is_now = before.parameters.get(name), now.parameters.get(name)
         if was != is_now:
             yield f"parameter {name}: {was} as flown, {is_now} now"
     if before.version != now.version:
         yield f"missionkit: {before.version} as flown, {now.version} now"
+
+
+def _changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    for name in sorted({*before, *now}):
+        old, new = before.get(name, "").splitlines(), now.get(name, "").splitlines()
+        titles = (f"{name} (as flown)", f"{name} (now)")
+        yield from difflib.unified_diff(old, new, *titles, n=0, lineterm="")
 
 
 def _text(path: Path) -> str:

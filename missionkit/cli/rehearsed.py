@@ -31,14 +31,14 @@ def run_in_simulator(
         UsageError: an option does not fit, or the mission was changed.
     """
     ready = _staged(order, mission, catalogue)
-    folder, past = folder_of(
+    with folder_of(
         order,
         mission,
         before,
         f"seed{order.seed}",
         lambda path, stamp: since(path, order.gap, stamp),
-    )
-    return guarded(order, folder.path, lambda: _flown(order, ready, folder, past))
+    ) as (folder, past):
+        return guarded(order, folder.path, lambda: _flown(order, ready, folder, past))
 
 
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:

@@ -10,7 +10,7 @@ from missionkit.chart.model.mission import Mission
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.keys import planned
 from missionkit.cli.order import Order
-from missionkit.cli.origin import found_origin, recalled
+from missionkit.cli.origin import check_plugins, found_origin, recalled
 from missionkit.errors import ExitCode, FileError, Level
 
 
@@ -23,7 +23,9 @@ def run(order: Order) -> ExitCode:
         VehicleError: the vehicle could not be reached, or is to be left alone.
     """
     before = None if order.resume is None else found_origin(order.resume)
-    order = order if before is None else recalled(order, before)
+    if before is not None:
+        order = recalled(order, before)
+        check_plugins(order, before)
     catalogue = assemble(order.plugins)
     mission = load(order.mission, catalogue, overrides(order.settings))
     refuse(mission, catalogue)

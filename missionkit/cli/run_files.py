@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -21,7 +22,7 @@ from missionkit.cli.outcome import numbers
 from missionkit.engine.flight import Plan
 from missionkit.recorder.checkpoint import Loaded
 from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.folder import free_name, keep_mission, run_folder
+from missionkit.recorder.folder import free_name, held, keep_mission, run_folder
 from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import Scenery
 from missionkit.recorder.sink import Reports, Sink
@@ -107,14 +108,15 @@ def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
     return summary.model_copy(update={"problems": (*summary.problems, *late)})
 
 
+@contextmanager
 def folder_of(
     order: Order,
     mission: Mission,
     before: Origin | None,
     label: str,
     found: Callable[[Path, str], P],
-) -> tuple[Folder, P | None]:
-    """Return the folder of a run, and what it goes on from.
+) -> Iterator[tuple[Folder, P | None]]:
+    """Hold the folder of a run, and what it goes on from, while this context is open.
 
     Args:
         order: of the command line.
@@ -124,18 +126,19 @@ def folder_of(
         found: reads the checkpoint of a folder, given the stamp of the mission as it is now.
 
     Raises:
-        UsageError: the mission was changed, or there is no checkpoint to go on from.
+        UsageError: another process flies this run, the mission was changed, or there is no
+            checkpoint to go on from.
     """
-    origin, past = origin_of(order, mission), None
-    if before is None or order.resume is None:
-        path = run_folder(order.out, mission.name, label)
-    else:
-        path = order.resume
-        check_same(before, origin, path, force=order.force)
-        past = found(path, stamp(origin))
-        for wrong in past.loaded.wrong:
-            print(wrong, file=sys.stderr)  # noqa: T201
-    if before != origin:
-        keep_mission(path, order.mission)
-        keep_origin(path, origin)
-    return Folder(path, stamp(origin)), past
+    origin = origin_of(order, mission)
+    path = order.resume or run_folder(order.out, mission.name, label)
+    with held(path):
+        past = None
+        if before is not None:
+            check_same(before, origin, path, force=order.force)
+            past = found(path, stamp(origin))
+            for wrong in past.loaded.wrong:
+                print(wrong, file=sys.stderr)  # noqa: T201
+        if before != origin:
+            keep_mission(path, order.mission)
+            keep_origin(path, origin)
+        yield Folder(path, stamp(origin)), past

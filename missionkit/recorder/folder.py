@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import fcntl
 import itertools
 import os
 import re
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from missionkit.errors import UsageError
 
 
 def run_folder(root: Path, mission: str, label: str) -> Path:
@@ -30,6 +35,30 @@ def run_folder(root: Path, mission: str, label: str) -> Path:
             continue
         return folder
     raise AssertionError  # count never ends
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Keep other processes from flying the run in a folder while this context is open.
+
+    The kernel lets go of it when the process ends, however. Some network file systems know no
+    locks: there nothing is held.
+
+    Raises:
+        UsageError: another process flies it.
+    """
+    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            why = "another missionkit is flying this run; wait for it, or end it first"
+            raise UsageError(f"{folder}: {why}") from None
+        except OSError:  # no locks here
+            pass
+        yield
+    finally:
+        os.close(number)
 
 
 def keep_mission(folder: Path, mission: Path) -> Path:

@@ -13,6 +13,7 @@ import pytest
 from missionkit.cli import rehearsed as command
 from missionkit.recorder import checkpoint
 from missionkit.recorder.checkpoint import BEFORE, NEWEST, load
+from missionkit.recorder.folder import held
 from missionkit.recorder.reading import read
 from missionkit.rehearsal import Kept
 
@@ -318,12 +319,70 @@ def test_what_a_foreign_plug_in_remembers_begins_anew_and_is_told(call, killed, 
     up = "behavior: {use: stare}\n    transitions: [{to: land, when: {use: patient}}, "
     stay.write_text(STAY.replace("transitions: [{to: land, after", f"{up}{{to: land, after"))
     folder = killed(5.0, "--plugin", "mine.py")
-    result = call("run", "--resume", str(folder))
+    result = call("run", "--resume", str(folder), "--plugin", "mine.py")
     assert (result.exit_code, result.stderr) == (0, "")
     assert "what stare remembers in up cannot be saved: it begins anew" in result.stdout
     assert "what patient remembers cannot be saved: it begins anew" in result.stdout
     notes = [entry.data["note"] for entry in read(folder / "flight-2.mcap", "/state")]
     assert notes[0] == "stared 0"
+
+
+PLANTED = """\
+from pathlib import Path
+
+Path("was_run").touch()
+"""
+
+
+def test_a_plug_in_that_only_the_folder_names_is_never_run(call, killed, stay, tmp_path):
+    (tmp_path / "mine.py").write_text(FOREIGN)
+    folder = killed(5.0, "--plugin", "mine.py")
+    (tmp_path / "mine.py").write_text(PLANTED)
+    result = call("run", "--resume", str(folder))
+    assert (result.exit_code, result.stderr) == (
+        2,
+        f"{folder}: this run was flown with plug-in files, and a folder's word runs none; read "
+        f"them, and name them yourself: --plugin {tmp_path / 'mine.py'}\n",
+    )
+    assert not (tmp_path / "was_run").exists()
+
+
+def test_a_plug_in_that_was_changed_is_refused_before_it_is_run(call, killed, tmp_path):
+    (tmp_path / "mine.py").write_text(FOREIGN)
+    folder = killed(5.0, "--plugin", "mine.py")
+    (tmp_path / "mine.py").write_text(PLANTED + FOREIGN)
+    result = call("run", "--resume", str(folder), "--plugin", "mine.py")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"{folder}: a plug-in is not the one flown\n--- mine.py")
+    assert not (tmp_path / "was_run").exists()
+    forced = call("run", "--resume", str(folder), "--plugin", "mine.py", "--force")
+    assert forced.exit_code == 0
+
+
+def test_two_do_not_go_on_with_one_flight(call, killed):
+    folder = killed()
+    with held(folder):
+        result = call("run", "--resume", str(folder))
+    assert (result.exit_code, result.stderr) == (
+        2,
+        f"{folder}: another missionkit is flying this run; wait for it, or end it first\n",
+    )
+    assert call("run", "--resume", str(folder)).exit_code == 0
+
+
+def test_a_flight_under_way_is_not_gone_on_with_by_another(call, stay, monkeypatch):
+    inner = []
+    save = command.Saving.__call__
+
+    def meanwhile(self, kept):
+        save(self, kept)
+        if not inner:
+            inner.append(call("run", "--resume", "runs/stay-seed0"))
+
+    monkeypatch.setattr(command.Saving, "__call__", meanwhile)
+    assert call("run", "stay.yaml").exit_code == 0
+    assert inner[0].exit_code == 2
+    assert "another missionkit is flying this run" in inner[0].stderr
 
 
 def test_a_process_that_is_killed_leaves_what_another_goes_on_from(stay, tmp_path):
