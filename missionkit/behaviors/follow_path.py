@@ -22,6 +22,7 @@ LEAD = 0.3  # s; the vehicle answers so late
 LOOK = 1.0  # m ahead on the path, where the nose points
 REST = 0.5  # s between two plans
 STANDING = 0.1  # m/s, slow enough to plan
+AWAY = 0.3  # m along a path; nearer it has not left the place where it stood
 NO_PATH = "path.none"
 PLANNED = "path.planned"
 
@@ -34,7 +35,7 @@ class OnPath(NamedTuple):
     spots: tuple[Spot, ...] = ()  # the path; none yet, or stopping to plan
     along: float = 0.0  # m, how far it has been flown
     sensed: tuple[Spot, ...] = ()  # what stood in the way and is not on the map
-    held: Spot | None = None  # where it stands without one
+    held: Spot | None = None  # where it stands without one, or stood last
     again: float = -math.inf  # s, not to be planned before
     why: str = "stopping to plan"
 
@@ -54,9 +55,11 @@ class FollowPath(Behavior):
     The path is flown at `speed`, slower before its corners, at `height` above the take-off point
     or the height it began with; the nose looks along it, or stays with `heading` free. What the
     scan sees within `look_ahead` nearer to the path than half-way between `clearance` and what was
-    planned for, or a wall that is new on the map, stops the vehicle; standing, it plans anew round
-    it. Raises the events `path.planned`, and `path.none` when there is no way; it then tries again
-    every `patience`.
+    planned for, or a wall that is new on the map, stops the vehicle; standing, it plans a new path
+    round it. While it stands it keeps the clearance to what the scan sees, however much its
+    position drifts; a path that is blocked before it was flown does not move the place where it
+    stands. Raises the events `path.planned`, and `path.none` when there is no way; it then tries
+    again every `patience`.
     """
 
     kind: ClassVar[str] = "follow_path"
@@ -92,7 +95,7 @@ class FollowPath(Behavior):
         events: tuple[str, ...] = ()
         if not on.spots:
             standing = math.hypot(seen.velocity[0], seen.velocity[1]) < STANDING
-            on = on._replace(held=on.held or _braked(seen))
+            on = on._replace(held=self._kept_off(seen, on.held or _braked(seen)))
             if not standing or seen.now < on.again:
                 return self._waiting(on, towards)
             on = self._planned(seen, seen.map, goal, on)
@@ -103,7 +106,8 @@ class FollowPath(Behavior):
         here = _spot(seen)
         on = on._replace(along=follow.nearest(path, on.along, here))
         if self._blocked(seen, seen.map, path, on.along):
-            on = on._replace(spots=(), held=_braked(seen), why="the path is blocked: stopping")
+            held = on.held if on.along < AWAY and on.held is not None else _braked(seen)
+            on = on._replace(spots=(), held=held, why="the path is blocked: stopping")
             return self._waiting(on, towards, events)
         arrived = math.dist(here, goal) <= self.within and norm(seen.velocity) < 0.3
         guidance = self._guidance(path, on, here)
@@ -165,9 +169,7 @@ class FollowPath(Behavior):
                 why = str(error)
             else:
                 after = seen.now + REST
-                return on._replace(
-                    spots=route.spots, along=0.0, sensed=sensed, held=None, again=after
-                )
+                return on._replace(spots=route.spots, along=0.0, sensed=sensed, again=after)
         return on._replace(again=seen.now + self.patience, why=why)
 
     def _blocked(
@@ -181,6 +183,12 @@ class FollowPath(Behavior):
         return seen.obstacles is not None and in_the_way(
             seen.obstacles, ahead, 0.5 * (self._keep + self._radius(0.0)), _spot(seen)
         )
+
+    def _kept_off(self, seen: Estimate, held: Spot) -> Spot:
+        """Return where to stand, with the clearance to what the scan sees: reckoning drifts."""
+        from missionkit.planning.blockage import backed_off  # noqa: PLC0415
+
+        return held if seen.obstacles is None else backed_off(held, seen.obstacles, self._keep)
 
     def _waiting(self, on: OnPath, towards: Goal, events: tuple[str, ...] = ()) -> Step:
         """Stand where there is no path yet."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from missionkit.messages import Occupancy
-from missionkit.planning.blockage import NEARER, in_the_way, walled
+from missionkit.planning.blockage import NEARER, backed_off, in_the_way, walled
 
 NAN = math.nan
 
@@ -22,14 +22,14 @@ def gaps(points, start, end):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_what_is_near_is_in_the_way_unless_it_is_nearer_to_the_vehicle(seed):
+def test_what_is_near_is_in_the_way_unless_the_vehicle_is_as_near_to_something(seed):
     rng = np.random.default_rng(seed)
     answers = set()
     for _ in range(50):
         points, here = rng.uniform(-3.0, 3.0, (5, 3)), tuple(rng.uniform(-3.0, 3.0, 2))
         spots = [tuple(spot) for spot in rng.uniform(-3.0, 3.0, (4, 2))]
         pieces = list(pairwise(spots))
-        least = np.minimum(0.5, np.linalg.norm(points[:, :2] - here, axis=1) - NEARER)
+        least = min(0.5, np.linalg.norm(points[:, :2] - here, axis=1).min() - NEARER)
         expected = any((gaps(points, *piece) < least).any() for piece in pieces)
         assert in_the_way(points, pieces, 0.5, here) == expected
         answers.add(expected)
@@ -41,6 +41,24 @@ def test_a_path_that_leads_nearer_by_no_more_than_the_noise_is_free():
     by = lambda nearer: [((0.0, nearer), (1.0, nearer))]  # noqa: E731
     assert not in_the_way(beside, by(0.02), 0.5, (0.0, 0.0))
     assert in_the_way(beside, by(0.08), 0.5, (0.0, 0.0))
+
+
+def test_a_path_along_a_wall_that_the_vehicle_is_too_near_to_is_free():
+    """It comes nearer to each part of the wall that it passes, and never nearer to the wall."""
+    wall = np.array([(0.7, east, 0.0) for east in np.arange(-2.0, 2.0, 0.1)])
+    assert not in_the_way(wall, [((0.0, 0.0), (0.0, 1.5))], 1.0, (0.0, 0.0))
+    assert in_the_way(wall, [((0.0, 0.0), (0.1, 1.5))], 1.0, (0.0, 0.0))
+    assert in_the_way(wall, [((0.0, 0.0), (0.0, 1.5))], 1.0, (-0.4, 0.0))
+
+
+def test_backing_off_keeps_the_distance_where_there_is_room_behind():
+    wall = np.array([(0.7, east, 0.0) for east in np.arange(-2.0, 2.05, 0.1)])
+    spot = backed_off((0.0, 0.0), wall, 0.9)
+    assert spot == pytest.approx((-0.2, 0.0))
+    assert backed_off(spot, wall, 0.9) == pytest.approx(spot)
+    behind = np.array([(-0.75, 0.0, 0.0), (NAN, 0.0, 0.0)])
+    assert backed_off((0.0, 0.0), np.concatenate((wall, behind)), 0.9) == (0.0, 0.0)
+    assert backed_off((0.0, 0.0), np.empty((0, 3)), 0.9) == (0.0, 0.0)
 
 
 def test_nothing_sensed_or_nothing_ahead_is_free():
