@@ -10,17 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from missionkit.campaign.chain import Chain, Way, estimate, likeliest
+from missionkit.campaign.paired import Paired, compared
 from missionkit.campaign.plan import Campaign
 from missionkit.campaign.row import NO_FLIGHT, Row
-from missionkit.campaign.statistics import (
-    Interval,
-    Paired,
-    bootstrap,
-    compared,
-    differences,
-    quantile,
-    wilson,
-)
+from missionkit.campaign.statistics import Interval, bootstrap, differences, quantile, wilson
 from missionkit.campaign.stopping import Decision, decision
 from missionkit.campaign.vary import name_of, variants
 
@@ -122,7 +115,7 @@ def _measure(name: str, rows: Sequence[Row], rng: np.random.Generator) -> Measur
 def _comparison(first: Variant, other: Variant, rng: np.random.Generator) -> Comparison:
     ours = {row.seed: row for row in first.rows}
     pairs = [(ours[row.seed], row) for row in other.rows if row.seed in ours]
-    success = compared([a.succeeded for a, _ in pairs], [b.succeeded for _, b in pairs], rng)
+    success = compared([a.succeeded for a, _ in pairs], [b.succeeded for _, b in pairs])
     changes = []
     for name in measured([row for pair in pairs for row in pair]):
         column = [(a.metrics.get(name), b.metrics.get(name)) for a, b in pairs]

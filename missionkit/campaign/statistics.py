@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import binomtest, norm
+from scipy.stats import norm
 
 Numbers = npt.NDArray[np.float64]
 
@@ -90,33 +90,7 @@ def bootstrap(
     return Interval(float(statistic(sample)), float(low), float(high))
 
 
-class Paired(NamedTuple):
-    """A variant against another on the same random numbers."""
-
-    n: int  # seeds flown by both
-    only_first: int  # seeds on which only the first succeeded
-    only_second: int
-    gain: Interval  # of the second in success rate
-    p_value: float  # of McNemar's exact test: that nothing but chance makes them differ
-
-
-def compared(first: Sequence[bool], second: Sequence[bool], rng: np.random.Generator) -> Paired:
-    """Compare two variants whose runs of equal place had equal seeds.
-
-    Source: Q. McNemar, "Note on the sampling error of the difference between correlated
-    proportions", 1947; exact, by the binomial distribution of the seeds that decide.
-    """
-    gains = np.array(second, dtype=float) - np.array(first, dtype=float)
-    up, down = int((gains > 0).sum()), int((gains < 0).sum())
-    p_value = float(binomtest(up, up + down).pvalue) if up + down else 1.0
-    return Paired(len(gains), down, up, bootstrap(gains.tolist(), _mean, rng), p_value)
-
-
 def differences(first: Sequence[float | None], second: Sequence[float | None]) -> list[float]:
     """Return second minus first where both were measured."""
     pairs = zip(first, second, strict=True)
     return [b - a for a, b in pairs if a is not None and b is not None]
-
-
-def _mean(drawn: Numbers) -> Numbers:
-    return np.asarray(drawn.mean(axis=-1))

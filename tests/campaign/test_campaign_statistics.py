@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionkit.campaign.statistics import bootstrap, compared, differences, quantile, wilson
+from missionkit.campaign.statistics import bootstrap, differences, quantile, wilson
 
 
 @pytest.mark.parametrize("n", [1, 7, 40, 500])
@@ -53,28 +53,6 @@ def test_large_samples_are_drawn_in_pieces_of_the_same_kind():
     values = np.random.default_rng(5).normal(size=4_000)
     drawn = quantile(values, 0.5, np.random.default_rng(6))
     assert drawn.width == pytest.approx(2 * 1.96 * 1.2533 / math.sqrt(4_000), rel=0.15)
-
-
-def test_variants_are_compared_seed_by_seed():
-    first = [True] * 60 + [False] * 12 + [True] * 3 + [False] * 5
-    second = [True] * 60 + [True] * 12 + [False] * 3 + [False] * 5
-    paired = compared(first, second, np.random.default_rng(0))
-    assert (paired.n, paired.only_first, paired.only_second) == (80, 3, 12)
-    assert paired.p_value == pytest.approx(stats.binomtest(3, 15).pvalue)
-    assert paired.gain.value == pytest.approx(9 / 80)
-    se = math.sqrt((15 / 80 - (9 / 80) ** 2) / 80)
-    assert paired.gain.low == pytest.approx(9 / 80 - 1.96 * se, abs=0.015)
-    assert compared([True], [True], np.random.default_rng(0)).p_value == 1.0
-
-
-def test_common_random_numbers_tell_what_separate_ones_do_not():
-    """Most of a flight's fate is its seed; the pairs see the small gain, two samples do not."""
-    rng = np.random.default_rng(7)
-    luck = rng.random(400)
-    first, second = (luck < 0.80).tolist(), (luck < 0.83).tolist()
-    assert compared(first, second, rng).p_value < 0.01
-    table = [[sum(first), 400 - sum(first)], [sum(second), 400 - sum(second)]]
-    assert stats.fisher_exact(table).pvalue > 0.2
 
 
 def test_differences_are_taken_where_both_were_measured():
