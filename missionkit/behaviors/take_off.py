@@ -15,7 +15,7 @@ CLIMBING = "take_off"  # the autopilot's mode
 
 
 class TakeOff(Behavior):
-    """Wait until ready, arm, and let the autopilot climb to `height`.
+    """Wait until ready and placed, arm, and let the autopilot climb to `height`.
 
     Requests are repeated until the vehicle's own status confirms them. Done within `within` of
     the height, or when the autopilot, which has its own idea of the height, stops climbing.
@@ -28,9 +28,12 @@ class TakeOff(Behavior):
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
         status = seen.status
-        if status is None or not status.armed:
+        if status is None or not status.in_air:
             if not seen.health.aligned:
                 return Step(note="waiting for the estimate to align")
+            if not seen.health.placed or seen.health.diverged:
+                return Step(note="waiting for a position: none has been accepted lately")
+        if status is None or not status.armed:
             if status is None or not status.ready:
                 return Step(note="waiting for the vehicle's own checks")
             return Step(action=Action.ARM, note="arming")

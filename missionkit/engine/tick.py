@@ -66,7 +66,9 @@ def tick(
         fired=decision.fired,
         command=command,
         step_note=step.note,
-        problems=decision.problems + _news(hands.failing, memory.hands.failing),
+        problems=observation.problems
+        + decision.problems
+        + _news(hands.failing, memory.hands.failing),
         estimate=seen,
     )
     following = Memory(observation.now, senses, chart, hands)

@@ -40,7 +40,7 @@ def reckoned(known: Reckoning, seen: Observation, quality: float = 0.3) -> Recko
     if seen.range is not None:
         known = known._replace(distance=seen.range.distance)
     flow = seen.flow
-    if flow is None or known.distance is None or flow.quality < quality:
+    if flow is None or flow.rates is None or known.distance is None or flow.quality < quality:
         return known
     v = across(flow.flow, flow.rates, known.distance)
     if not np.isfinite(v).all():

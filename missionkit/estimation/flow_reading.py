@@ -36,6 +36,7 @@ def state(
             vision_at=None,
             position_sd=sd,
             rejected=known.refused,
+            placed=known.aligned,
         ),
         targets={
             name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)

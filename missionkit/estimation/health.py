@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 MEMORY = 50
 """How many refused fixes in a row are remembered."""
+PLACED_FOR = 3.0
+"""For how long after a fix or a sighting (s) it is known where the vehicle is."""
 STRAY = [layout.AT, layout.Z, layout.Z + 1, layout.Z + 2]
 """What is remembered of them."""
 
@@ -36,6 +38,15 @@ def begin() -> Tally:
     """Return the counts before the first measurement."""
     n = layout.KINDS
     return Tally((-math.inf,) * n, (math.inf,) * n, (0,) * n, np.empty((0, 4)), 0)
+
+
+def stood(tally: Tally, fixes: Mat) -> Tally:
+    """Return the counts after an alignment that took fixes (n, 7), time first, for its place."""
+    if not len(fixes):
+        return tally
+    accepted = list(tally.accepted_at)
+    accepted[FIX] = float(fixes[-1, 0])
+    return tally._replace(accepted_at=tuple(accepted))
 
 
 def counted(tally: Tally, out: Outcome, bad: list[Vec3], now: float) -> Tally:
@@ -111,10 +122,17 @@ def unaligned(settings: VisualInertialEkf) -> Health:
         vision_at=None,
         position_sd=settings.origin_sd,
         rejected=0,
+        placed=False,
     )
 
 
-def health(tally: Tally, sd: float, *, lost: bool) -> Health:
+def placed(tally: Tally, now: float, s: VisualInertialEkf) -> bool:
+    """Say whether something tells where the vehicle is: it could take off."""
+    latest = max(tally.accepted_at[FIX], tally.accepted_at[SIGHT])
+    return s.flow or now - latest <= PLACED_FOR
+
+
+def health(tally: Tally, sd: float, *, lost: bool, placed: bool) -> Health:
     """Return the health of an aligned filter: `sd` (m, horizontal), `lost` if it diverged."""
     return Health(
         aligned=True,
@@ -123,6 +141,7 @@ def health(tally: Tally, sd: float, *, lost: bool) -> Health:
         vision_at=_known(tally.accepted_at[SIGHT]),
         position_sd=sd,
         rejected=max(tally.refused),
+        placed=placed,
     )
 
 

@@ -94,6 +94,27 @@ def outcome(past: History, row: Vec3) -> int | None:
     return None if logged is None else int(logged[layout.OUTCOME])
 
 
+def newest(past: History, kinds: tuple[int, ...]) -> list[Vec3]:
+    """Return the decided rows (21,) of the newest time at which one of the first kind was decided.
+
+    The first kind comes first.
+    """
+    log = past.log
+    decided = log[log[:, layout.OUTCOME] != layout.PENDING]
+    first = decided[decided[:, layout.KIND] == kinds[0]]
+    if not len(first):
+        return []
+    same = decided[decided[:, layout.AT] == first[-1, layout.AT]]
+    return [r for kind in kinds for r in same[same[:, layout.KIND] == kind][:1]]
+
+
+def pending(row: Vec3) -> Vec3:
+    """Return a row (21,) of the log as it was before anything was decided."""
+    fresh = row.copy()
+    fresh[layout.OUTCOME :] = 0.0
+    return fresh
+
+
 def without(past: History, rows: list[Vec3]) -> History:
     """Return the history with these measurements struck from its log, to be submitted again."""
     struck = np.zeros(len(past.log), dtype=bool)

@@ -16,8 +16,8 @@ from missionkit.messages import Imu, Observation, Sighting
 if TYPE_CHECKING:
     from missionkit.estimation.visual_inertial import VisualInertialEkf
 
-LEAST_SD, MOST_SD = 1e-3, 1e3
-"""A sensor that claims to be better or worse is not believed (m, m/s)."""
+LEAST_SD, MOST_SD = 1e-3, 900.0
+"""A sensor that claims to be better or worse is not believed (m, m/s); squared, below LARGEST."""
 LARGEST = 1e6
 """No place or sensor reading is larger than this, in SI units."""
 NOWHERE = (math.nan, math.nan, math.nan)
@@ -58,12 +58,12 @@ def samples(imu: Sequence[Imu]) -> Mat:
 
 def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3]:
     """Return the log rows of everything but inertial samples in `observation`."""
-    rows = []
+    rows: list[Vec3] = []
     if (fix := observation.gnss) is not None:
-        rows = [
-            row(layout.FIX, fix.at, fix.position, _variance(fix.position_sd)),
-            row(layout.FIX_VELOCITY, fix.at, fix.velocity, _variance(fix.velocity_sd)),
-        ]
+        rows.append(row(layout.FIX, fix.at, fix.position, _variance(fix.position_sd)))
+        if fix.velocity is not None:
+            noise = _variance(fix.velocity_sd)
+            rows.append(row(layout.FIX_VELOCITY, fix.at, fix.velocity, noise))
     if (baro := observation.baro) is not None:
         noise = np.square(settings.baro_sd)
         rows.append(row(layout.HEIGHT, baro.at, (baro.height, 0.0, 0.0), noise))

@@ -22,10 +22,10 @@ from missionkit.estimation import (
 )
 from missionkit.estimation.algebra import multiply
 from missionkit.estimation.history import History
-from missionkit.estimation.layout import ACCEPTED, FIX, OUTCOME, REJECTED, RESIDUAL
+from missionkit.estimation.layout import ACCEPTED, AT, FIX, FIX_VELOCITY, OUTCOME, REJECTED
 from missionkit.estimation.memory import Mark, NavMemory, NavState
 from missionkit.frames import STILL, FrameTree, Timed, held
-from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, norm
+from missionkit.geometry import IDENTITY, Mat, Transform, Vec3
 from missionkit.messages import Observation, Sighting
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ class Navigator:
             return self._align(known, observation)
         rows = measurements.observed(observation, self._settings)
         after = self._advance(known, known.past, measurements.samples(observation.imu), rows)
-        return after if observation.gnss is None else self._recover(after, observation, rows)
+        more = after.tally.refused[FIX] > known.tally.refused[FIX]
+        return self._recover(after) if more else after
 
     def fuse(self, known: NavMemory, sightings: tuple[Sighting, ...]) -> NavMemory:
         """Return the memory after sightings, each of which counts at its exposure's time.
@@ -120,7 +121,8 @@ class Navigator:
         if start is None:
             return known._replace(heard=heard)
         past = history.begin(start.at, start.x, start.P)
-        return known._replace(heard=alignment.begin(), last=heard.imu[-1], past=past)
+        tally = health.stood(known.tally, heard.fixes)
+        return known._replace(heard=alignment.begin(), last=heard.imu[-1], past=past, tally=tally)
 
     def _advance(
         self, known: NavMemory, past: History, samples: Mat, rows: list[Vec3]
@@ -136,23 +138,20 @@ class Navigator:
         tally = health.counted(known.tally, out, bad, known.now)
         return known._replace(past=out.history, last=last, tally=tally)
 
-    def _recover(self, known: NavMemory, observation: Observation, rows: list[Vec3]) -> NavMemory:
+    def _recover(self, known: NavMemory) -> NavMemory:
         """Believe a fix that was refused, if it is time to; the jump goes into world <- odom."""
-        fix, past, fixes = observation.gnss, known.past, rows[:2]
-        if fix is None or past is None or not known.tally.refused[FIX]:
+        past = known.past
+        fixes = [] if past is None else history.newest(past, (FIX, FIX_VELOCITY))
+        if past is None or not fixes or fixes[0][OUTCOME] != REJECTED:
             return known
-        logged = [history.found(past, r) for r in fixes]
-        decided = [r for r in logged if r is not None]
-        if len(decided) < 2 or decided[0][OUTCOME] != REJECTED:
-            return known
-        misses = [norm(r[RESIDUAL:]) for r in decided]
-        forget = recovery.forget_vehicle(known.tally, fix, misses, known.now, self._settings)
+        forget = recovery.forget_vehicle(known.tally, fixes, known.now, self._settings)
         if forget is None:
             return known
-        known = self._advance(known, history.without(past, fixes), NO_IMU, [forget, *fixes])
+        at, again = float(fixes[0][AT]), [history.pending(r) for r in fixes]
+        known = self._advance(known, history.without(past, fixes), NO_IMU, [forget, *again])
         before, after = past.xs[-1][0:3], (known.past or past).xs[-1][0:3]
         total = known.corrections[-1].transform.translation + after - before
-        moved = Timed(fix.at, Transform(IDENTITY, total))
+        moved = Timed(at, Transform(IDENTITY, total))
         return known._replace(corrections=(known.corrections[-1], moved))
 
     def _look(self, known: NavMemory, seen: Sighting, row: Vec3) -> NavMemory:

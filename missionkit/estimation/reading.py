@@ -31,7 +31,12 @@ def aligned(
         velocity=x[3:6].copy(),
         attitude=x[6:10].copy(),
         rates=known.last[4:7] - x[GYRO_BIAS:LANDMARKS],
-        health=health.health(known.tally, sd, lost=lost),
+        health=health.health(
+            known.tally,
+            sd,
+            lost=lost,
+            placed=health.placed(known.tally, known.now, settings),
+        ),
         targets={n: _target(n, i, x, P, known.marks[i]) for i, n in enumerate(names)},
         covariance=P[:D_LANDMARKS, :D_LANDMARKS].copy(),
         correction=known.corrections[-1].transform.translation,

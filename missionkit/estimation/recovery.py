@@ -17,9 +17,8 @@ import numpy as np
 from missionkit.estimation import layout
 from missionkit.estimation.health import Tally, refused_for
 from missionkit.estimation.layout import FIX, FIX_VELOCITY, SIGHT
-from missionkit.estimation.measurements import MOST_SD, row
-from missionkit.geometry import Mat, Vec3
-from missionkit.messages import Gnss
+from missionkit.estimation.measurements import row
+from missionkit.geometry import Mat, Vec3, norm
 
 if TYPE_CHECKING:
     from missionkit.estimation.visual_inertial import VisualInertialEkf
@@ -46,19 +45,19 @@ def straightened(strays: Mat) -> Mat:
 
 
 def forget_vehicle(
-    tally: Tally, fix: Gnss, misses: list[float], now: float, settings: VisualInertialEkf
+    tally: Tally, fixes: list[Vec3], now: float, settings: VisualInertialEkf
 ) -> Vec3 | None:
-    """Return the log row that makes room for `fix`, None if it is not to be believed.
+    """Return the log row that makes room for a fix, None if it is not to be believed.
 
     Args:
         tally: the counts.
-        fix: the newest, refused.
-        misses: how far its position (m) and velocity (m/s) are from the estimate.
+        fixes: decided rows (21,) of the newest: the refused position, and its velocity if it has
+            one.
         now: the time (s).
         settings: the limits.
     """
     seen_ago = now - tally.accepted_at[SIGHT]
-    sd = math.hypot(*np.minimum(fix.position_sd, MOST_SD).tolist())
+    sd = math.sqrt(float(fixes[0][layout.NOISE : layout.EXTRA : 4].sum()))
     if (
         refused_for(tally, (FIX,), now) < settings.reset_after
         or seen_ago < settings.blind_after
@@ -66,10 +65,12 @@ def forget_vehicle(
     ):
         return None
     drift = (0.0, 0.0, 0.0)
+    misses = [norm(r[layout.RESIDUAL :]) for r in fixes]
     if refused_for(tally, (FIX_VELOCITY,), now) > settings.blind_after:
-        velocity_sd = settings.reset_velocity_sd + misses[1]
+        velocity_sd = settings.reset_velocity_sd + (misses[1] if len(misses) > 1 else 0.0)
         drift = (velocity_sd, settings.reset_angle_sd, settings.accel_bias_sd)
-    return row(layout.FORGET_VEHICLE, fix.at, drift, NOTHING, extra=sd + misses[0])
+    at = float(fixes[0][layout.AT])
+    return row(layout.FORGET_VEHICLE, at, drift, NOTHING, extra=sd + misses[0])
 
 
 def forget_target(sighting: Vec3) -> Vec3:

@@ -16,7 +16,7 @@ READY = Quantity("ready by its own checks", most=1.0, whole=True)
 
 
 class Ready(Guard):
-    """Holds when the estimate is aligned, the vehicle passes its checks and has `charge` left."""
+    """Holds when a position is known and the vehicle passes its own checks with `charge` left."""
 
     kind: ClassVar[str] = "ready"
     charge: Fraction = 0.5
@@ -30,6 +30,8 @@ class Ready(Guard):
             return Verdict.unknown("the vehicle has fallen silent")
         if not seen.health.aligned:
             return Verdict(holds=False, why="the estimate is not aligned yet")
+        if not seen.health.placed:
+            return Verdict(holds=False, why="no position has been accepted lately")
         if not seen.status.ready:
             return Verdict(holds=False, why="the vehicle's own checks fail")
         return Verdict.at_least(seen.battery.charge, self.charge)

@@ -35,6 +35,7 @@ class Health(NamedTuple):
     vision_at: float | None  # s, last accepted visual pose
     position_sd: float  # m, horizontal, 1 sigma
     rejected: int  # measurements in a row that failed the gate
+    placed: bool = True  # the position has a source: a fix or sighting taken lately, or flow
 
 
 class Goal(NamedTuple):

@@ -28,9 +28,9 @@ class Gnss(NamedTuple):
 
     at: float  # s
     position: Vec3  # (3,), m, NED
-    velocity: Vec3  # (3,), m/s, NED
+    velocity: Vec3 | None  # (3,), m/s, NED; None: the receiver does not know it
     position_sd: Vec3  # (3,), m
-    velocity_sd: float  # m/s
+    velocity_sd: float | Vec3  # m/s, for all axes or (3,); infinite: that axis is not known
 
 
 class Baro(NamedTuple):
@@ -57,7 +57,7 @@ class OpticalFlow(NamedTuple):
 
     at: float  # s
     flow: npt.NDArray[np.float64]  # (2,), rad/s, of the image towards the body's x and y
-    rates: Vec3  # (3,), rad/s, FRD, bias included
+    rates: Vec3 | None  # (3,), rad/s, FRD, bias included; None: it has no gyroscope of its own
     over: float  # s, length of the interval
     quality: float  # 0 to 1; 0: nothing was measured
 
@@ -141,3 +141,4 @@ class Observation:
     cycle: Cycle = NO_CYCLE  # of the tick before
     flow: OpticalFlow | None = None
     range: Range | None = None
+    problems: tuple[str, ...] = ()  # what arrived and could not be used, and why; for the record

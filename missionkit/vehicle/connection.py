@@ -23,6 +23,16 @@ from missionkit.vehicle.plan_items import Item
 
 LOOK = 0.1  # s between two looks at which systems are there
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
+SENSORS = frozenset(  # may come from other components of the vehicle, such as a sensor of its own
+    (
+        "BATTERY_STATUS",
+        "DISTANCE_SENSOR",
+        "OBSTACLE_DISTANCE",
+        "OPTICAL_FLOW",
+        "OPTICAL_FLOW_RAD",
+    )
+)
+_STAMPS = ("time_usec", "time_boot_ms")
 _TARGETED = frozenset(("COMMAND_LONG", "SET_POSITION_TARGET_LOCAL_NED", "SET_ATTITUDE_TARGET"))
 
 Receiver = Callable[[str, dict[str, Any]], None]
@@ -89,11 +99,21 @@ class Link:
         return await _systems(self._mavsdk)
 
     def listen(self, names: Iterable[str], receive: Receiver) -> None:
-        """Call `receive` on MAVSDK's thread with every message of the autopilot of these names."""
+        """Call `receive` on MAVSDK's thread with every message of the autopilot of these names.
+
+        Those of SENSORS may come from any component of the vehicle; the stamps of another one's
+        clock are taken out.
+        """
 
         def arrived(message: MavlinkMessage, _: object) -> None:
-            if message.system_id == self.system_id and message.component_id == AUTOPILOT:
-                receive(message.message_name, json.loads(message.fields_json))
+            if message.system_id != self.system_id:
+                return
+            fields = json.loads(message.fields_json)
+            if message.component_id == AUTOPILOT:
+                receive(message.message_name, fields)
+            elif message.message_name in SENSORS:
+                own = {key: value for key, value in fields.items() if key not in _STAMPS}
+                receive(message.message_name, {**own, "component": message.component_id})
 
         for name in names:
             self._subscriptions.append(self._direct.subscribe_message(name, arrived))

@@ -49,7 +49,12 @@ INTERVALS: Mapping[int, float] = {
     31: 50.0,  # ATTITUDE_QUATERNION
     32: 20.0,  # LOCAL_POSITION_NED
     105: 250.0,  # HIGHRES_IMU, every sample: PX4's are means since the one before
+    49: 0.5,  # GPS_GLOBAL_ORIGIN: where the local frame begins
+    100: 20.0,  # OPTICAL_FLOW
+    106: 20.0,  # OPTICAL_FLOW_RAD
     115: 50.0,  # HIL_STATE_QUATERNION, from simulators only
+    124: 5.0,  # GPS2_RAW
+    132: 20.0,  # DISTANCE_SENSOR
     147: 2.0,  # BATTERY_STATUS
     242: 1.0,  # HOME_POSITION
     245: 5.0,  # EXTENDED_SYS_STATE
@@ -63,7 +68,9 @@ SCALED: Mapping[int, float] = {
     27: 100.0,  # RAW_IMU
     29: 10.0,  # SCALED_PRESSURE
 }
-OPTIONAL = frozenset((0, 2, 115, 330, 331))  # nothing is missing without these
+OPTIONAL = frozenset(
+    (0, 2, 49, 100, 106, 115, 124, 132, 330, 331)
+)  # nothing is missing without these
 
 
 def _px4(main: int, sub: int = 0) -> int:

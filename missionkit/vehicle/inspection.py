@@ -11,7 +11,8 @@ import numpy as np
 from missionkit.geometry import rotate
 from missionkit.vehicle import readings
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.cache import Fields, Message
+from missionkit.vehicle.cache import Cache, Fields, Message
+from missionkit.vehicle.home import home_message
 from missionkit.vehicle.preflight import Findings, Report, judged
 from missionkit.vehicle.state import SENSORS
 from missionkit.vehicle.streams import boot_time
@@ -42,10 +43,16 @@ async def told(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) ->
     """Ask for streams until a message of each name has come; say whether that was in time (s)."""
     for _ in range(round(patience / LOOK)):
         vehicle.streams.tend()
-        if all(vehicle.cache.latest(name) is not None for name in names):
+        if all(_is_told(vehicle.cache, name) for name in names):
             return True
         await asyncio.sleep(LOOK)
     return False
+
+
+def _is_told(cache: Cache, name: str) -> bool:
+    if name == "HOME_POSITION":
+        return home_message(cache) is not None
+    return cache.latest(name) is not None
 
 
 def _parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from missionkit.geometry import Transform, Vec3, vec
 from missionkit.vehicle import readings
 from missionkit.vehicle.cache import Cache, Message
+from missionkit.vehicle.home import local_home
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.origin import Origin
 
@@ -41,7 +42,7 @@ def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | Non
     placed = cache.latest("LOCAL_POSITION_NED", FRESH)
     if turned is None or placed is None:
         return None
-    return _estimated(turned, placed, cache.latest("HOME_POSITION"), observer)
+    return _estimated(turned, placed, local_home(cache), observer)
 
 
 def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
@@ -56,7 +57,7 @@ def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
 
 
 def _estimated(
-    turned: Message, placed: Message, home: Message | None, observer: Observer
+    turned: Message, placed: Message, home: Vec3 | None, observer: Observer
 ) -> Pose | None:
     attitude = readings.turned(turned.fields)
     position = readings.triple(placed.fields, "x", "y", "z")
@@ -67,7 +68,6 @@ def _estimated(
         return None
     if at is None or since is None:
         return None
-    base = None if home is None else readings.triple(home.fields, "x", "y", "z")
-    start = vec(0.0, 0.0, 0.0) if base is None else base
+    start = vec(0.0, 0.0, 0.0) if home is None else home
     body = Transform(attitude, position - start + (at - since) * velocity)
     return Pose(at, body, velocity, rates)

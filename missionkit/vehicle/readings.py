@@ -1,6 +1,6 @@
 """From single MAVLink messages to what missionkit calls the same thing; None where it says nothing.
 
-Sources: MAVLink common.xml, messages 24, 105, 147, 330.
+Sources: MAVLink common.xml, messages 24, 31, 105, 124.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missionkit.geometry import Quat, Vec3, from_euler, norm, to_matrix, vec, yaw_of
-from missionkit.messages import Baro, Battery, Gnss, Imu, Magnetometer, Scan
+from missionkit.geometry import Quat, Vec3, norm, vec
+from missionkit.messages import Baro, Gnss, Imu, Magnetometer
 from missionkit.vehicle.cache import Fields
 from missionkit.vehicle.origin import Origin
 
@@ -20,7 +20,6 @@ _FIX_3D = 3
 _UNKNOWN = 65535
 _LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not believed
 _COARSE = (2.5, 4.0, 0.3)  # m, m, m/s of receivers that do not say
-_BODY_FRD = 12
 
 
 def triple(fields: Fields, *names: str) -> Vec3 | None:
@@ -61,51 +60,45 @@ def baro(fields: Fields, at: float, ground: float) -> Baro | None:
     return None if height is None else Baro(at, height - ground)
 
 
-def gnss(fields: Fields, at: float, origin: Origin, climb: float) -> Gnss | None:
-    """Return the fix of GPS_RAW_INT; its vertical speed (m/s, up) comes from elsewhere."""
-    if int(fields["fix_type"]) < _FIX_3D:
+def fixed(fields: Fields) -> bool:
+    """Say whether a GPS_RAW_INT or GPS2_RAW has a fix in three dimensions."""
+    return int(fields["fix_type"]) >= _FIX_3D
+
+
+def gnss(fields: Fields, at: float, origin: Origin, climb: float | None) -> Gnss | None:
+    """Return the fix of GPS_RAW_INT or GPS2_RAW; what it does not know is left out.
+
+    Args:
+        fields: of the message.
+        at: when it was valid (s).
+        origin: of the mission.
+        climb: m/s, up, which these messages do not tell; None: not known.
+    """
+    if not fixed(fields):
         return None
     place = origin.local(1e-7 * fields["lat"], 1e-7 * fields["lon"], 1e-3 * fields["alt"])
-    speed, course = fields["vel"], fields["cog"]
-    if _UNKNOWN in (speed, course):
-        return None
-    angle = math.radians(0.01 * course)
-    velocity = 0.01 * speed * vec(math.cos(angle), math.sin(angle), 0.0) - vec(0.0, 0.0, climb)
     flat = _accuracy(fields, "h_acc", _COARSE[0])
     position_sd = np.maximum(vec(flat, flat, _accuracy(fields, "v_acc", _COARSE[1])), _LEAST_SD)
-    return Gnss(at, place, velocity, position_sd, _accuracy(fields, "vel_acc", _COARSE[2]))
+    speed_sd = _accuracy(fields, "vel_acc", _COARSE[2])
+    sd = vec(speed_sd, speed_sd, math.inf if climb is None else speed_sd)
+    velocity = _over_ground(fields)
+    if velocity is not None and climb is not None:
+        velocity = velocity - vec(0.0, 0.0, climb)
+    return Gnss(at, place, velocity, position_sd, sd)
+
+
+def _over_ground(fields: Fields) -> Vec3 | None:
+    """Return the velocity over ground (3,), m/s; standing still needs no course."""
+    speed, course = int(fields["vel"]), int(fields["cog"])
+    if speed == _UNKNOWN or (course == _UNKNOWN and speed > 0):
+        return None
+    angle = 0.0 if course == _UNKNOWN else math.radians(0.01 * course)
+    return 0.01 * speed * vec(math.cos(angle), math.sin(angle), 0.0)
 
 
 def _accuracy(fields: Fields, name: str, otherwise: float) -> float:
     said = fields.get(name, 0)
     return 1e-3 * float(said) if said else otherwise
-
-
-def battery(fields: Fields, at: float) -> Battery | None:
-    """Return the state of BATTERY_STATUS, if it estimates the charge."""
-    remaining = int(fields["battery_remaining"])
-    if remaining < 0:
-        return None
-    cells = [value for value in fields["voltages"] if value != _UNKNOWN]
-    return Battery(at, 0.01 * remaining, 1e-3 * sum(cells))
-
-
-def scan(fields: Fields, at: float, attitude: Quat) -> Scan | None:
-    """Return the points of OBSTACLE_DISTANCE, a levelled ring around the vehicle, in FRD.
-
-    Only rings that turn with the vehicle are understood (MAV_FRAME_BODY_FRD).
-    """
-    if int(fields["frame"]) != _BODY_FRD:
-        return None
-    distances = np.asarray(fields["distances"], dtype=np.float64)
-    step = float(fields["increment_f"] or fields["increment"])
-    hit = (distances >= fields["min_distance"]) & (distances <= fields["max_distance"])
-    hit &= distances != _UNKNOWN
-    angles = np.radians(float(fields["angle_offset"]) + step * np.flatnonzero(hit))
-    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-    level = to_matrix(from_euler(0.0, 0.0, yaw_of(attitude)))
-    points = (0.01 * distances[hit, None] * ring) @ level.T @ to_matrix(attitude)
-    return Scan(at, points, 0.01 * float(fields["max_distance"]))
 
 
 def turned(fields: Fields) -> Quat | None:

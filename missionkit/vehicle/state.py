@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from missionkit.vehicle.cache import Cache
 from missionkit.vehicle.dialect import Dialect, word
+from missionkit.vehicle.home import home_message, local_home
 
 _ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
 _GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
 _ON_GROUND, _IN_AIR, _TAKING_OFF, _LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
 _POWERED = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
+_BEHIND = 2.0  # s that EXTENDED_SYS_STATE may be older than the heartbeat: it has stopped
 
 SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
 
@@ -41,14 +43,15 @@ class State:
     def in_air(self) -> bool | None:
         """Whether it flies; armed and active counts as flying where it does not say.
 
-        Disarmed it does not, whatever was said last: that may be old, its heartbeat is not.
+        Disarmed it does not, whatever was said last: that may be old, its heartbeat is not. What
+        EXTENDED_SYS_STATE said counts no longer once heartbeats come without it.
         """
         if self.armed is False:
             return False
-        landed = self._cache.latest("EXTENDED_SYS_STATE")
-        if landed is not None and int(landed["landed_state"]) != 0:
+        beat, landed = self._cache.latest("HEARTBEAT"), self._cache.latest("EXTENDED_SYS_STATE")
+        stopped = landed is None or (beat is not None and beat.arrived - landed.arrived > _BEHIND)
+        if landed is not None and not stopped and int(landed["landed_state"]) != 0:
             return int(landed["landed_state"]) in {_IN_AIR, _TAKING_OFF, _LANDING}
-        beat = self._cache.latest("HEARTBEAT")
         if beat is None:
             return None
         return bool(self.armed) and int(beat["system_status"]) in _POWERED
@@ -79,10 +82,8 @@ class State:
     @property
     def placed(self) -> bool:
         """Whether it knows where it is: home, and a position of its own."""
-        return all(
-            self._cache.latest(name, 2.0 if age else None) is not None
-            for name, age in (("HOME_POSITION", False), ("LOCAL_POSITION_NED", True))
-        )
+        local = self._cache.latest("LOCAL_POSITION_NED", 2.0)
+        return local is not None and home_message(self._cache) is not None
 
     @property
     def ready(self) -> bool:
@@ -95,11 +96,10 @@ class State:
     @property
     def height(self) -> float | None:
         """Height above home (m)."""
-        local, home = self._cache.latest("LOCAL_POSITION_NED"), self._cache.latest("HOME_POSITION")
+        local, home = self._cache.latest("LOCAL_POSITION_NED"), local_home(self._cache)
         if local is None or local["z"] is None:
             return None
-        base = 0.0 if home is None or home["z"] is None else float(home["z"])
-        return base - float(local["z"])
+        return (0.0 if home is None else float(home[2])) - float(local["z"])
 
     def _healthy(self, bit: int) -> bool | None:
         said = self._cache.latest("SYS_STATUS")

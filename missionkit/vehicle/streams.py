@@ -30,9 +30,14 @@ NAMES: Mapping[int, str] = {
     29: "SCALED_PRESSURE",
     31: "ATTITUDE_QUATERNION",
     32: "LOCAL_POSITION_NED",
+    49: "GPS_GLOBAL_ORIGIN",
     77: "COMMAND_ACK",
+    100: "OPTICAL_FLOW",
     105: "HIGHRES_IMU",
+    106: "OPTICAL_FLOW_RAD",
     115: "HIL_STATE_QUATERNION",
+    124: "GPS2_RAW",
+    132: "DISTANCE_SENSOR",
     147: "BATTERY_STATUS",
     242: "HOME_POSITION",
     245: "EXTENDED_SYS_STATE",
@@ -40,8 +45,19 @@ NAMES: Mapping[int, str] = {
     330: "OBSTACLE_DISTANCE",
     331: "ODOMETRY",
 }
-QUEUED = frozenset(
-    ("ATTITUDE_QUATERNION", "HIGHRES_IMU", "GPS_RAW_INT", "OBSTACLE_DISTANCE", "STATUSTEXT")
+QUEUED = frozenset(  # every one counts, or several sensors send the same message
+    (
+        "ATTITUDE_QUATERNION",
+        "BATTERY_STATUS",
+        "DISTANCE_SENSOR",
+        "GPS2_RAW",
+        "GPS_RAW_INT",
+        "HIGHRES_IMU",
+        "OBSTACLE_DISTANCE",
+        "OPTICAL_FLOW",
+        "OPTICAL_FLOW_RAD",
+        "STATUSTEXT",
+    )
 )
 ENOUGH = 0.3  # of the rate that was asked for: not every inertial unit has 250 Hz
 SINCE_1970 = 1e15  # us: a larger stamp does not count from the boot

@@ -14,6 +14,7 @@ from missionkit.messages import Action
 
 GROUND = {"armed": False, "in_air": False, "mode": "hold"}
 UNALIGNED = calm().health._replace(aligned=False)
+NOWHERE = calm().health._replace(placed=False)
 
 
 def ground(height: float = 0.0, **changes):
@@ -46,6 +47,14 @@ def test_take_off_waits_arms_climbs_and_is_done():
     ]
     assert steps[5].height == 5.0
     assert all(step.guidance is None for step in steps)
+
+
+@pytest.mark.parametrize("armed", [False, True])
+def test_nothing_takes_off_without_a_position(armed):
+    said = status(**GROUND | {"armed": armed})
+    (step,) = play(TakeOff(), [ground(status=said, health=NOWHERE)])
+    assert (step.action, step.done) == (None, False)
+    assert "waiting for a position" in step.note
 
 
 def test_take_off_is_done_when_the_autopilot_thinks_it_is_high_enough():

@@ -98,5 +98,6 @@ def test_without_a_fix_the_take_off_point_is_the_origin():
     )
     state = navigator.read(memory)
     assert state.health.aligned
+    assert not state.health.placed
     assert state.health.gnss_at is None
     assert state.health.position_sd == pytest.approx(QUIET.origin_sd, rel=0.05)

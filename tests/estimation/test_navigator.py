@@ -213,6 +213,62 @@ def test_a_jump_is_sat_out_then_believed():
     assert np.linalg.norm(tree.lookup("odom", "base", 15.9).translation - position(15.9)) < 1.5
 
 
+def test_fixes_stamped_just_after_the_newest_inertial_sample_are_believed_as_well():
+    """They wait for the sample that reaches their time, which comes with a later observation."""
+    nav, jump = navigator(), vec(0, 8, 0)
+    flight = Flight(np.random.default_rng(0), SETTINGS)
+    memory = nav.begin()
+    for n in range(1, round(16.0 / TICK) + 1):
+        seen = flight.tick(n, delay=-0.004)
+        memory = nav.propagate(memory, seen if n * TICK < 8.0 else jumped(jump)(seen))
+    state = nav.read(memory)
+    assert np.linalg.norm(state.position - position(16.0) - jump) < 1.0
+    assert state.health.rejected == 0
+
+
+def velocity_known(*axes):
+    """A receiver that knows its velocity along some axes only."""
+
+    def change(o):
+        if o.gnss is None:
+            return o
+        if not axes:
+            return dataclasses.replace(o, gnss=o.gnss._replace(velocity=None))
+        said, sd = vec(0, 0, 0), np.full(3, np.inf)
+        for axis in axes:
+            said[axis], sd[axis] = o.gnss.velocity[axis], o.gnss.velocity_sd
+        return dataclasses.replace(o, gnss=o.gnss._replace(velocity=said, velocity_sd=sd))
+
+    return change
+
+
+@pytest.mark.parametrize("axes", [(), (0, 1)])
+def test_a_fix_with_part_of_the_velocity_still_holds_the_position(axes):
+    nav = navigator()
+    state = nav.read(fly(nav, 20.0, change=velocity_known(*axes)))
+    assert state.health.rejected == 0
+    assert state.health.gnss_at == pytest.approx(19.9)
+    assert off_by(state, 20.0) < 1.0
+    np.testing.assert_allclose(state.velocity, velocity(20.0), atol=0.4)
+
+
+def test_a_jump_is_believed_without_a_velocity_too():
+    nav, jump = navigator(), vec(0, 8, 0)
+    silent = velocity_known()
+    memory = fly(nav, 8.0, change=silent)
+    memory = fly(nav, 18.0, since=8.0, memory=memory, change=lambda o: silent(jumped(jump)(o)))
+    assert np.linalg.norm(nav.read(memory).position - position(18.0) - jump) < 1.5
+
+
+def test_it_is_placed_while_fixes_or_sightings_are_accepted(flown):
+    nav, memory = flown
+    assert nav.read(memory).health.placed
+    blind = fly(nav, 14.0, since=10.0, memory=memory, change=without("gnss"))
+    assert not nav.read(blind).health.placed
+    sighted = fly(nav, 14.0, since=10.0, memory=memory, change=without("gnss"), seen=look)
+    assert nav.read(sighted).health.placed
+
+
 def test_while_the_target_is_in_view_a_jump_is_never_believed():
     nav = navigator()
     memory = fly(nav, 8.0, seen=look)

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from missionkit.geometry import from_euler, rotate, vec
+from missionkit.geometry import vec
 from missionkit.vehicle import readings
 from missionkit.vehicle.dialect import ARDUPILOT, PX4, dialect_of, word
 from missionkit.vehicle.origin import Origin
@@ -45,13 +45,30 @@ def test_a_fix_is_read_in_metres_from_home():
     np.testing.assert_allclose(fix.position, (0.0, 0.0, -10.0), atol=0.02)
     np.testing.assert_allclose(fix.velocity, (0.0, 5.0, -1.5), atol=1e-9)
     np.testing.assert_allclose(fix.position_sd, (1.5, 1.5, 2.5))
-    assert fix.velocity_sd == pytest.approx(0.08)
+    np.testing.assert_allclose(fix.velocity_sd, 0.08)
 
 
 def test_no_fix_is_no_reading_and_unknown_accuracy_is_coarse():
     assert readings.gnss({**FIX, "fix_type": 2}, 3.0, HOME, 0.0) is None
-    assert readings.gnss({**FIX, "vel": 65535}, 3.0, HOME, 0.0) is None
     assert readings.gnss({**FIX, "h_acc": 0}, 3.0, HOME, 0.0).position_sd[0] == 2.5
+
+
+@pytest.mark.parametrize("unknown", [{"cog": 65535}, {"vel": 65535}, {"vel": 65535, "cog": 65535}])
+def test_a_part_that_the_receiver_does_not_know_leaves_the_rest(unknown):
+    fix = readings.gnss({**FIX, **unknown}, 3.0, HOME, climb=1.5)
+    np.testing.assert_allclose(fix.position, (0.0, 0.0, -10.0), atol=0.02)
+    assert fix.velocity is None
+
+
+def test_standing_still_needs_no_course():
+    fix = readings.gnss({**FIX, "vel": 0, "cog": 65535}, 3.0, HOME, climb=0.0)
+    np.testing.assert_array_equal(fix.velocity, 0.0)
+
+
+def test_a_climb_that_is_not_known_is_not_said_to_be_zero():
+    fix = readings.gnss(FIX, 3.0, HOME, climb=None)
+    np.testing.assert_allclose(fix.velocity[:2], (0.0, 5.0), atol=1e-9)
+    np.testing.assert_array_equal(fix.velocity_sd, (0.08, 0.08, math.inf))
 
 
 @pytest.mark.parametrize("latitude", [-60.0, 0.0, 47.0, 80.0])
@@ -65,34 +82,6 @@ def test_metres_agree_with_the_length_of_a_degree():
     """Lengths of one degree at 45 degrees north on WGS 84: 111,131.8 m and 78,846.8 m."""
     north = Origin(45.0, 10.0, 0.0).local(45.001, 10.001, 0.0)
     np.testing.assert_allclose(north[:2], (111.1318, 78.8468), rtol=2e-5)
-
-
-def test_battery_is_unknown_rather_than_empty():
-    cells = [4100, 4100, 4090, 4110, *(65535,) * 6]
-    read = readings.battery({"battery_remaining": 87, "voltages": cells}, 2.0)
-    assert (read.charge, read.voltage) == (pytest.approx(0.87), pytest.approx(16.4))
-    assert readings.battery({"battery_remaining": -1, "voltages": cells}, 2.0) is None
-
-
-def ring(**hits):
-    distances = [1201] * 72
-    for index, distance in hits.items():
-        distances[int(index[1:])] = distance
-    return {
-        "frame": 12, "distances": distances, "increment": 5, "increment_f": 0.0,
-        "angle_offset": 0.0, "min_distance": 20, "max_distance": 1200,
-    }  # fmt: skip
-
-
-def test_a_scan_is_a_levelled_ring_whose_points_turn_with_the_body():
-    attitude = from_euler(0.2, -0.1, 1.0)
-    scan = readings.scan(ring(i0=300, i18=500, i36=10, i40=65535), 2.0, attitude)
-    world = np.array([rotate(attitude, point) for point in scan.points])
-    ahead, right = (math.cos(1.0), math.sin(1.0)), (-math.sin(1.0), math.cos(1.0))
-    np.testing.assert_allclose(world[0], (3.0 * ahead[0], 3.0 * ahead[1], 0.0), atol=1e-9)
-    np.testing.assert_allclose(world[1], (5.0 * right[0], 5.0 * right[1], 0.0), atol=1e-9)
-    assert len(world) == 2
-    assert readings.scan({**ring(), "frame": 0}, 2.0, attitude) is None
 
 
 def test_modes_have_the_missions_words():

@@ -198,6 +198,8 @@ def gps_raw_int(state: State) -> Message | None:
 
 def _ground_track(fix: Gnss) -> tuple[int, int]:
     """Return speed (cm/s) and course (cdeg) over ground."""
+    if fix.velocity is None:
+        return FAR, FAR
     north, east = float(fix.velocity[0]), float(fix.velocity[1])
     course = math.degrees(math.atan2(east, north)) % 360.0
     return round(100.0 * math.hypot(north, east)), round(100.0 * course) % 36000
@@ -206,7 +208,12 @@ def _ground_track(fix: Gnss) -> tuple[int, int]:
 def _accuracy(fix: Gnss) -> tuple[int, int, int, int]:
     """Return accuracies of place, height (mm), speed (mm/s) and heading (1e-5 deg, unknown)."""
     level = norm(vec(fix.position_sd[0], fix.position_sd[1], 0.0))
-    return round(1e3 * level), round(1e3 * fix.position_sd[2]), round(1e3 * fix.velocity_sd), 0
+    return (
+        round(1e3 * level),
+        round(1e3 * fix.position_sd[2]),
+        round(1e3 * float(np.max(fix.velocity_sd))),
+        0,
+    )
 
 
 def battery_status(state: State) -> Message | None:
