@@ -5,13 +5,14 @@ There is no registry: the command line builds one catalogue and hands it down.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
-from importlib.metadata import entry_points
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, cast
 
 from missionkit.behaviors import ALL as BEHAVIORS
+from missionkit.chart.plugin_check import wrong_with
 from missionkit.chart.plugin_file import plugins_of
 from missionkit.errors import UsageError
 from missionkit.estimation.flow_kalman import FlowKalman
@@ -37,6 +38,7 @@ class Catalogue:
     detectors: Plugins
     planners: Plugins
     kinds: Mapping[str, StateKind]
+    broken: Mapping[tuple[str, str], str] = field(default_factory=dict)  # group, name -> why
 
     def group(self, name: str) -> Plugins:
         """Return the plug-ins of one of `GROUPS`."""
@@ -62,14 +64,24 @@ class Catalogue:
     def with_entry_points(self) -> Catalogue:
         """Return a catalogue with the plug-ins of installed packages.
 
-        Raises:
-            UsageError: one cannot be imported, is no plug-in, or takes a name that is taken.
+        One that cannot be used does no harm to missions that do not use it: it is in `broken`.
         """
         catalogue = self
         for group in GROUPS:
             for entry in entry_points(group=f"missionkit.{group}"):
-                catalogue = catalogue.extended(group, [_loaded(entry.name, entry.load)])
+                catalogue = catalogue._with_entry(group, entry)
         return catalogue
+
+    def _with_entry(self, group: str, entry: EntryPoint) -> Catalogue:
+        try:
+            return self.extended(group, [_loaded(group, entry)])
+        except UsageError as error:
+            broken = {**self.broken, (group, entry.name): str(error)}
+            taken = self.group(group).get(entry.name)
+            if taken is None or taken.__module__.startswith("missionkit."):
+                return replace(self, broken=broken)
+            others = {k: it for k, it in self.group(group).items() if it is not taken}
+            return replace(self, broken=broken, **cast(dict[str, Any], {group: others}))
 
     def with_file(self, path: Path) -> Catalogue:
         """Return a catalogue with the guards and behaviours that a Python file defines.
@@ -105,11 +117,12 @@ def _by_kind(plugins: Iterable[type[Plugin]]) -> Plugins:
     return {plugin.kind: plugin for plugin in plugins}
 
 
-def _loaded(name: str, load: Callable[[], object]) -> type[Plugin]:
+def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:
     try:
-        plugin = load()
-    except Exception as error:
-        raise UsageError(f"plug-in {name!r} cannot be imported: {error!r}") from error
-    if not (isinstance(plugin, type) and issubclass(plugin, Plugin)):
-        raise UsageError(f"plug-in {name!r} is {plugin!r}, not a class derived from Plugin")
-    return plugin
+        plugin: Any = entry.load()
+    except (Exception, SystemExit) as error:  # a package may do anything when it is imported
+        why = f"{type(error).__name__}: {error}"
+        raise UsageError(f"{entry.value} cannot be imported: {why}") from error
+    if wrong := wrong_with(group, plugin):
+        raise UsageError(f"{entry.value} cannot be used: {wrong}")
+    return cast(type[Plugin], plugin)

@@ -26,17 +26,28 @@ def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
     catalogue = assemble(files)
     found = {kind: plugin for group in GROUPS for kind, plugin in catalogue.group(group).items()}
     known = {*found} if as_json else {*found, *catalogue.kinds}
-    if name is not None and name not in known:
+    broken = _broken(catalogue, name)
+    if name is not None and name not in known and broken and not as_json:
+        raise UsageError(f"plug-in {name!r} cannot be used: {broken[name]['broken']}")
+    if name is not None and name not in {*known, *broken}:
         raise UsageError(f"unknown plug-in {name!r}; {nearest(name, known)}")
     if as_json:
         chosen = {kind: it for kind, it in found.items() if name in {None, kind}}
-        _say(json.dumps({kind: _described(it) for kind, it in chosen.items()}, indent=2))
+        told = {kind: _described(it) for kind, it in chosen.items()}
+        _say(json.dumps(told | broken, indent=2))
     elif name is None:
         _say(overview(catalogue))
     else:
         pages = [page(found[name])] if name in found else []
         pages += [contract(catalogue.kinds[name])] if name in catalogue.kinds else []
         _say("\n\n".join(pages))
+
+
+def _broken(catalogue: Catalogue, name: str | None) -> dict[str, dict[str, str]]:
+    """Return why plug-ins of installed packages cannot be used: all, or the one of that name."""
+    known = {kind for group in GROUPS for kind in catalogue.group(group)}
+    broken = {it: {"broken": why} for (_, it), why in catalogue.broken.items() if it not in known}
+    return {it: why for it, why in broken.items() if name in {None, it}}
 
 
 def overview(catalogue: Catalogue) -> str:
@@ -48,6 +59,10 @@ def overview(catalogue: Catalogue) -> str:
             f"  {kind:20} {_summary(plugin)}"
             for kind, plugin in sorted(catalogue.group(group).items())
         ]
+        lines.append("")
+    if catalogue.broken:
+        lines.append("broken, and of no harm unless a mission uses them")
+        lines += [f"  {name:20} {why}" for (_, name), why in sorted(catalogue.broken.items())]
         lines.append("")
     lines.append("kinds of state")
     lines += [f"  {kind.name:20} {kind.summary}" for kind in catalogue.kinds.values()]

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from missionkit.chart.semantics.compiled import State
 from missionkit.chart.semantics.contain import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
-from missionkit.engine.answer import fault_of
+from missionkit.engine.answer import fault_of, push_fault
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Hands
 from missionkit.geometry import Vec3
 from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Step
-from missionkit.planning.potential_field import FieldMemory
 from missionkit.plugin import Behavior
 
 IDLE = Step(note="holding: no state commands")
@@ -51,7 +51,13 @@ def act(
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
-    command, control, avoidance = _commanded(plan, mode, hands, step, seen)
+    command, control, avoidance = _commanded(plan, mode, hands, step, seen, contain)
+    if wrong := contain.take():  # the planner
+        failing += wrong
+        step = STILL._replace(memory=step.memory, goal=step.goal)
+        command, control, _ = _commanded(
+            plan._replace(field=None), mode, hands, step, seen, contain
+        )
     following = Hands(
         control,
         avoidance,
@@ -95,15 +101,15 @@ def _stepped(
 
 
 def _commanded(
-    plan: Plan, mode: Mode, hands: Hands, step: Step, seen: Estimate
-) -> tuple[Command, ControlMemory, FieldMemory | None]:
+    plan: Plan, mode: Mode, hands: Hands, step: Step, seen: Estimate, contain: Containment
+) -> tuple[Command, ControlMemory, Any]:
     mode = Mode.NONE if step.action is not None else mode
     on_ground = seen.status is None or not seen.status.in_air
     if mode is Mode.NONE or (on_ground and step.guidance is None):
         command = Command(None, step.action, step.height, step.payload)
         return command, plan.control.begin(), hands.avoidance
     wanted, control = plan.control.aim(hands.control, mode, step.guidance, seen, plan.period)
-    push, avoidance = _push(plan, hands, step.guidance, wanted, seen)
+    push, avoidance = _push(plan, hands, step.guidance, wanted, seen, contain)
     setpoint, control = plan.control.fly(
         control, wanted, step.guidance, seen, plan.period, push=push
     )
@@ -116,13 +122,17 @@ def _push(
     guidance: Guidance | None,
     wanted: tuple[float, float, float] | None,
     seen: Estimate,
-) -> tuple[Vec3 | None, FieldMemory | None]:
-    if (
-        plan.field is None
-        or hands.avoidance is None
-        or guidance is None
-        or wanted is None
-        or not guidance.avoid
-    ):
+    contain: Containment,
+) -> tuple[Vec3 | None, Any]:
+    field = plan.field
+    if field is None or guidance is None or wanted is None or not guidance.avoid:
         return None, hands.avoidance
-    return plan.field.step(hands.avoidance, seen, guidance.position, np.array(wanted))
+    asked = (hands.avoidance, seen, guidance.position, np.array(wanted))
+    if not is_foreign(field):
+        return field.step(*asked)
+    name = str(getattr(field, "kind", "planner"))
+    boxed = contain.call(name, field.step, *asked)
+    wrong = "" if boxed is None else push_fault(boxed[0])
+    if wrong:
+        contain.note(f"{name} answered {wrong}")
+    return (None, hands.avoidance) if boxed is None or wrong else boxed[0]

@@ -9,21 +9,25 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.model.expressions import Use
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.semantics.compile import compile_mission
 from missionkit.chart.semantics.compiled import Chart
 from missionkit.chart.semantics.memory import begin as begin_chart
 from missionkit.control.controller import Control
+from missionkit.engine.contained_navigator import contained
 from missionkit.engine.memory import Hands, Memory, Senses
+from missionkit.errors import UsageError
 from missionkit.estimation.navigating import Navigates, Navigation
 from missionkit.estimation.warm_up import warm_up
-from missionkit.geometry import Quat
+from missionkit.geometry import Quat, Transform, Vec3
 from missionkit.messages import CameraModel, Occupancy
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.eye import Eye
 from missionkit.perception.goal import facing
 from missionkit.planning import warm_up as planning
-from missionkit.planning.potential_field import PotentialField
+from missionkit.planning.avoiding import Avoids
+from missionkit.plugin import Plugin
 
 
 class Plan(NamedTuple):
@@ -34,14 +38,18 @@ class Plan(NamedTuple):
     eye: Eye
     camera: CameraModel
     control: Control
-    field: PotentialField | None
+    field: Avoids | None
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
 
 
 def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
-    """Build what flies from a mission that was loaded without problems, ready to tick in time."""
+    """Build what flies from a mission that was loaded without problems, ready to tick in time.
+
+    Raises:
+        UsageError: a navigator or a planner of another package does not begin.
+    """
     warm_up()
     if mission.known is not None:
         planning.warm_up()
@@ -55,19 +63,41 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         for name, target in mission.targets.items()
         if target.facing_deg is not None
     }
-    navigation = cast(Navigation, mission.navigation.plugin)
+    navigation = mission.navigation
     markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
     return Plan(
         chart=compile_mission(mission, catalogue),
-        navigator=navigation.build(surveyed, camera.mount),
+        navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
         eye=Eye(camera, markers),
         camera=camera,
         control=mission.control,
-        field=None if mission.avoid is None else cast(PotentialField, mission.avoid.plugin),
+        field=None if mission.avoid is None else _planner(mission.avoid),
         facing=turned,
         period=1.0 / mission.settings.rate,
         map=mission.known,
     )
+
+
+def _navigator(
+    kind: str, plugin: Plugin, surveyed: Mapping[str, tuple[Vec3, float]], mount: Transform
+) -> Navigates:
+    navigation = cast(Navigation, plugin)  # `chart.plugin_check` has looked at its class
+    try:
+        built = navigation.build(surveyed, mount)
+    except Exception as error:
+        why = f"build raised {type(error).__name__}: {error}"
+        raise UsageError(f"navigator {kind!r} cannot be used: {why}") from error
+    return contained(kind, plugin, built)
+
+
+def _planner(use: Use[Plugin]) -> Avoids:
+    planner = cast(Avoids, use.plugin)  # `chart.plugin_check` has looked at its class
+    try:
+        planner.begin()
+    except Exception as error:
+        why = f"begin raised {type(error).__name__}: {error}"
+        raise UsageError(f"planner {use.kind!r} cannot be used: {why}") from error
+    return planner
 
 
 def begin(plan: Plan, now: float = 0.0) -> Memory:

@@ -10,7 +10,6 @@ from missionkit.control.controller import ControlMemory
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Scan, VehicleStatus
 from missionkit.perception.eye import EyeMemory
-from missionkit.planning.potential_field import FieldMemory
 
 
 class Senses(NamedTuple):
@@ -36,7 +35,7 @@ class Hands(NamedTuple):
     """Where behaviour and control stand."""
 
     control: ControlMemory
-    avoidance: FieldMemory | None = None
+    avoidance: Any = None  # memory of the planner
     behavior: Any = None
     begun: bool = False  # the behaviour's own memory exists
     done: bool = False

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from missionkit.chart.semantics.contain import Containment
+from missionkit.engine.contained_navigator import ContainedNavigator
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Memory, Senses
 from missionkit.estimation.memory import NavState
@@ -16,12 +18,22 @@ from missionkit.perception.eye import EyeMemory, Priors
 STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
 
 
-def sense(plan: Plan, memory: Memory, seen: Observation) -> tuple[Senses, Estimate]:
+def sense(
+    plan: Plan, memory: Memory, seen: Observation, contain: Containment
+) -> tuple[Senses, Estimate]:
     """Fuse one observation.
+
+    Args:
+        plan: what flies.
+        memory: as the last tick left it.
+        seen: all that was sensed since.
+        contain: keeps what went wrong in a plug-in.
 
     Returns:
         The filters' next memories, and the estimate that guards and behaviours see.
     """
+    if isinstance(plan.navigator, ContainedNavigator):
+        plan = plan._replace(navigator=plan.navigator.within(contain))
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
     state = plan.navigator.read(navigation)

@@ -46,7 +46,7 @@ def tick(
 ) -> Ticked:
     """Advance the mission by one observation."""
     t0 = stopwatch()
-    senses, seen = sense(plan, memory, observation)
+    senses, seen = sense(plan, memory, observation, contain)
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)
     t2 = stopwatch()

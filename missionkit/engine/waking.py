@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from missionkit.chart.semantics.contain import Containment
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Course, Memory
@@ -41,7 +42,7 @@ async def wake(plan: Plan, vehicle: Vehicle, pace: Pace, since: Resumption) -> W
         count += 1
         now = count * plan.period
         await pace.until(now)
-        senses, _ = sense(plan, heard, await vehicle.observe(now))
+        senses, _ = sense(plan, heard, await vehicle.observe(now), Containment())
         heard = heard._replace(now=now, senses=senses)
         calm = calm + plan.period if _sound(plan, saved.memory, heard) else 0.0
     woken = reconciled(plan, saved, heard, changed=since.changed)

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from missionkit.chart import catalogue as module
-from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.catalogue import GROUPS, Catalogue
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_check import wrong_with
 from missionkit.errors import FileError, UsageError
+from missionkit.plugin import Plugin
 
 PLUGIN = '''
 from __future__ import annotations
@@ -81,8 +83,8 @@ def test_two_plugins_of_one_name_are_refused(tmp_path: Path, catalogue: Catalogu
         catalogue.with_file(path)
 
 
-def installed(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
-    entry = EntryPoint("mine", value, "missionkit.guards")
+def installed(monkeypatch: pytest.MonkeyPatch, value: str, name: str = "mine") -> None:
+    entry = EntryPoint(name, value, "missionkit.guards")
 
     def entry_points(group: str) -> EntryPoints:
         return EntryPoints([entry]).select(group=group)
@@ -96,16 +98,104 @@ def test_installed_plugins_are_found(monkeypatch: pytest.MonkeyPatch, catalogue:
     assert list(without.with_entry_points().guards) == ["within"]
 
 
+IDLE = """\
+missionkit: 1
+mission: m
+initial: idle
+states: {idle: {kind: idle, transitions: [{to: idle, when: %s}]}}
+"""
+
+
+@pytest.mark.parametrize("when", ["mine", "{use: mine}"])
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ("missionkit.nowhere:Within", "cannot be imported"),
-        ("missionkit.guards.range:norm", "not a class derived from Plugin"),
+        ("missionkit.nowhere:Within", "missionkit.nowhere:Within cannot be imported: Module"),
+        ("missionkit.guards.range:norm", "is not a class derived from Guard or WindowGuard"),
+        ("missionkit.plugin:Guard", "Guard has no `kind`"),
+        ("missionkit.behaviors.hold:Hold", "is not a class derived from Guard or WindowGuard"),
     ],
 )
-def test_installed_plugins_that_are_none(
-    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, value: str, message: str
+def test_an_installed_plugin_that_is_broken_matters_only_where_it_is_used(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, value: str, message: str, when: str
 ):
     installed(monkeypatch, value)
-    with pytest.raises(UsageError, match=message):
-        catalogue.with_entry_points()
+    found = catalogue.with_entry_points()
+    assert found.guards == catalogue.guards
+    assert message in found.broken["guards", "mine"]
+    parse(IDLE % "done", "m.yaml", found)
+    with pytest.raises(FileError, match=r"guard 'mine' cannot be used: ") as refusal:
+        parse(IDLE % when, "m.yaml", found)
+    assert message in str(refusal.value)
+
+
+def test_a_package_does_not_take_the_place_of_a_plugin_of_ours(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+):
+    mine = type("Mine", (catalogue.guards["within"],), {"__module__": "theirs", "kind": "within"})
+    installed(monkeypatch, "theirs:Mine", "within")
+    monkeypatch.setattr(EntryPoint, "load", lambda _: mine)
+    found = catalogue.with_entry_points()
+    assert found.guards["within"] is catalogue.guards["within"]
+    assert "two guards are called 'within'" in found.broken["guards", "within"]
+
+
+def test_of_two_packages_with_one_name_neither_is_guessed(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
+):
+    within = catalogue.guards["within"]
+    kinds = [type("Mine", (within,), {"__module__": it, "kind": "mine"}) for it in ("a", "b")]
+    entries = [EntryPoint("mine", f"{it}:Mine", "missionkit.guards") for it in ("a", "b")]
+    monkeypatch.setattr(
+        module, "entry_points", lambda group: EntryPoints(entries).select(group=group)
+    )
+    monkeypatch.setattr(EntryPoint, "load", lambda it: kinds[entries.index(it)])
+    found = catalogue.with_entry_points()
+    assert "mine" not in found.guards
+    with pytest.raises(FileError, match="two guards are called 'mine'"):
+        parse(IDLE % "{use: mine}", "m.yaml", found)
+
+
+class Sightless(Plugin):
+    """Builds nothing."""
+
+    kind = "sightless"
+
+
+class Hasty(Plugin):
+    """Takes too little."""
+
+    kind = "hasty"
+
+    def build(self):
+        return None
+
+
+class Calm(Plugin):
+    """Steps without a beginning."""
+
+    kind = "calm"
+
+    def step(self, memory, seen, goal, wanted):
+        return wanted, memory
+
+
+@pytest.mark.parametrize(
+    ("group", "plugin", "says"),
+    [
+        ("navigators", Sightless, "Sightless lacks the method build"),
+        ("navigators", Hasty, "Hasty.build must take 2 arguments"),
+        ("planners", Calm, "Calm lacks the method begin"),
+        ("detectors", Calm, "is not a class derived from Aruco"),
+        ("behaviors", Calm, "is not a class derived from Behavior"),
+    ],
+)
+def test_every_kind_of_plugin_is_looked_at_when_it_is_loaded(group, plugin, says):
+    assert says in wrong_with(group, plugin)
+
+
+def test_all_of_ours_are_what_they_should_be(catalogue: Catalogue):
+    for group in GROUPS:
+        assert [
+            wrong_with(group, it) for it in catalogue.group(group).values() if wrong_with(group, it)
+        ] == []

@@ -2,10 +2,12 @@ from __future__ import annotations
 
 import json
 import sys
+from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
 from missionkit import __version__, cli
+from missionkit.chart import catalogue
 from missionkit.chart.catalogue import builtin
 from missionkit.sim.faults import KINDS as FAULTS
 
@@ -186,3 +188,16 @@ def test_a_mistake_of_ours_is_a_crash(monkeypatch, capsys):
         cli.main()
     assert caught.value.code == 4
     assert "ZeroDivisionError: ours" in capsys.readouterr().err
+
+
+def test_a_broken_package_is_listed_with_its_reason_and_breaks_nothing_else(call, monkeypatch):
+    entries = EntryPoints([EntryPoint("mine", "nowhere.at_all:Mine", "missionkit.guards")])
+    monkeypatch.setattr(catalogue, "entry_points", lambda group: entries.select(group=group))
+    assert call("validate", "hop.yaml").exit_code == 0
+    listed = call("plugins")
+    why = "nowhere.at_all:Mine cannot be imported: ModuleNotFoundError: No module named 'nowhere'"
+    assert listed.exit_code == 0
+    assert f"  {'mine':20} {why}" in listed.stdout
+    page = call("plugins", "mine")
+    assert (page.exit_code, page.stderr) == (2, f"plug-in 'mine' cannot be used: {why}\n")
+    assert json.loads(call("plugins", "mine", "--json").stdout) == {"mine": {"broken": why}}

@@ -9,6 +9,7 @@ import pytest
 from rehearsed import precise, short
 
 from missionkit.chart.catalogue import builtin
+from missionkit.chart.semantics.contain import Containment
 from missionkit.engine.flight import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
 from missionkit.estimation.memory import NavState
@@ -37,7 +38,7 @@ def sensed(*observations: Observation):
     plan = plan_of()
     memory, estimates = begin(plan), []
     for seen in observations:
-        senses, estimate = sense(plan, memory, seen)
+        senses, estimate = sense(plan, memory, seen, Containment())
         memory = memory._replace(now=seen.now, senses=senses)
         estimates.append(estimate)
     return estimates
@@ -153,7 +154,7 @@ def test_a_scan_is_placed_from_where_it_was_measured():
     """A wall 5 m north of the start is there still when the scan comes 0.4 s late."""
     plan = plan_of()._replace(navigator=Turning())
     scan = Scan(1.0, np.array([rotate(conjugate(from_euler(0, 0, Turning.RATE)), vec(5, 0, 0))]))
-    _, estimate = sense(plan, begin(plan), Observation(1.4, scan=scan))
+    _, estimate = sense(plan, begin(plan), Observation(1.4, scan=scan), Containment())
     np.testing.assert_allclose(estimate.obstacles, [(6.0, 0.0, 0.0)], atol=1e-9)
 
 

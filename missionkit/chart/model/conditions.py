@@ -85,6 +85,8 @@ def _word(word: str, scope: Scope) -> ex.Expression:
     if word in scope.guards:
         return ex.Named(word, place)
     kinds = scope.catalogue.guards
+    if word not in kinds and (why := scope.catalogue.broken.get(("guards", word))):
+        raise sentences(sentence(f"guard {word!r} cannot be used: {why}"))
     if word not in kinds:
         bare = {kind for kind, plugin in kinds.items() if not needs_parameters(plugin)}
         raise sentences(sentence(f"unknown guard {word!r}", word=word, known=scope.guards | bare))

@@ -72,6 +72,8 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
         missing = f"missing key 'use': the kind of {word}"
         raise sentences(sentence(missing, word="", known=known))
     kind = data["use"]
+    if (why := scope.catalogue.broken.get((group, str(kind)))) and str(kind) not in known:
+        raise sentences(sentence(f"{word} {shown(kind)} cannot be used: {why}", "use"))
     if not isinstance(kind, str) or kind not in known:
         unknown = f"unknown {word} {shown(kind)}"
         raise sentences(sentence(unknown, "use", word=str(kind), known=known))

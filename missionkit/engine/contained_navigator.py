@@ -1,0 +1,136 @@
+"""A navigator of another package, kept from bringing a flight down.
+
+While it fails, what it said last stands, marked as diverged: the failsafes of the estimate act.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from typing_extensions import override
+
+from missionkit.chart.semantics.contain import Containment, is_foreign
+from missionkit.errors import UsageError
+from missionkit.estimation.memory import NavState
+from missionkit.estimation.navigating import Navigates
+from missionkit.geometry import Transform
+from missionkit.messages import Health, Observation, Sighting
+
+METHODS = ("begin", "propagate", "fuse", "pose_at", "read")
+SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
+
+
+class Kept(NamedTuple):
+    """What is kept from tick to tick."""
+
+    inner: Any  # memory of the navigator
+    state: NavState  # the last that could be used
+
+
+class ContainedNavigator(Navigates):
+    """Calls a navigator so that nothing it raises or answers ends a flight.
+
+    Args:
+        name: of the plug-in, for messages.
+        inner: the navigator.
+        contain: keeps what went wrong.
+    """
+
+    def __init__(self, name: str, inner: Navigates, contain: Containment) -> None:
+        self._name = name
+        self._inner = inner
+        self._contain = contain
+
+    def within(self, contain: Containment) -> ContainedNavigator:
+        """Return the same navigator for one tick, which keeps what goes wrong elsewhere."""
+        return ContainedNavigator(self._name, self._inner, contain)
+
+    @override
+    def begin(self) -> Kept:
+        inner = self._inner.begin()
+        state = self._inner.read(inner)
+        if wrong := fault_of(state):
+            raise UsageError(f"navigator {self._name!r} cannot be used: it says {wrong}")
+        return Kept(inner, state)
+
+    @override
+    def propagate(self, known: Kept, observation: Observation) -> Kept:
+        return self._advanced(known, "propagate", observation)
+
+    @override
+    def fuse(self, known: Kept, sightings: tuple[Sighting, ...]) -> Kept:
+        return self._advanced(known, "fuse", sightings)
+
+    @override
+    def pose_at(self, known: Kept, at: float) -> Transform | None:
+        boxed = self._contain.call(self._name, self._inner.pose_at, known.inner, at)
+        pose: object = None if boxed is None else boxed[0]
+        if pose is None:
+            return None
+        if isinstance(pose, Transform) and _fits(pose.rotation, (4,)):
+            return pose if _fits(pose.translation, (3,)) else None
+        self._contain.note(f"{self._name} answered pose_at with {type(pose).__name__}")
+        return None
+
+    @override
+    def read(self, known: Kept) -> NavState:
+        return known.state
+
+    def _advanced(self, known: Kept, method: str, *arguments: object) -> Kept:
+        step = getattr(self._inner, method)
+        boxed = self._contain.call(self._name, step, known.inner, *arguments)
+        said = None if boxed is None else self._contain.call(self._name, self._inner.read, boxed[0])
+        if boxed is None or said is None:
+            return _lost(known)
+        if wrong := fault_of(said[0]):
+            self._contain.note(f"{self._name} says {wrong}")
+            return _lost(known)
+        return Kept(boxed[0], said[0])
+
+
+def contained(name: str, plugin: object, navigator: Navigates) -> Navigates:
+    """Return a navigator that is fit to fly: one of another package in its containment.
+
+    Raises:
+        UsageError: it lacks a method, or does not begin.
+    """
+    if not is_foreign(plugin):
+        return navigator
+    missing = [it for it in METHODS if not callable(getattr(navigator, it, None))]
+    if missing:
+        what = f"what it builds lacks {', '.join(missing)}"
+        raise UsageError(f"navigator {name!r} cannot be used: {what}")
+    safe = ContainedNavigator(name, navigator, Containment())
+    try:
+        safe.begin()
+    except UsageError:
+        raise
+    except Exception as error:
+        why = f"begin raised {type(error).__name__}: {error}"
+        raise UsageError(f"navigator {name!r} cannot be used: {why}") from error
+    return safe
+
+
+def fault_of(state: object) -> str:
+    """Say what makes a navigator's answer unusable; empty if nothing does."""
+    if not isinstance(state, NavState):
+        return f"{type(state).__name__}, expected a NavState"
+    wrong = [name for name, shape in SHAPES.items() if not _fits(getattr(state, name), shape)]
+    kinds: dict[str, type] = {"health": Health, "targets": dict}
+    wrong += [name for name, kind in kinds.items() if not isinstance(getattr(state, name), kind)]
+    return f"a NavState with {wrong[0]} of a wrong type or not finite" if wrong else ""
+
+
+def _fits(value: object, shape: tuple[int, ...]) -> bool:
+    return (
+        isinstance(value, np.ndarray)
+        and value.shape == shape
+        and value.dtype.kind == "f"
+        and bool(np.isfinite(value).all())
+    )
+
+
+def _lost(known: Kept) -> Kept:
+    health = known.state.health._replace(diverged=True)
+    return known._replace(state=known.state._replace(health=health))

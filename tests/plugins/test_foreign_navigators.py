@@ -1,0 +1,180 @@
+"""Navigators and planners of other packages: checked before flight, contained in flight."""
+
+import math
+import threading
+from functools import partial
+
+import numpy as np
+import pytest
+from rehearsed import flown, short_stage
+
+from missionkit.chart.catalogue import builtin
+from missionkit.engine import loop
+from missionkit.engine.containment import TimedContainment
+from missionkit.engine.loop import End
+from missionkit.errors import UsageError
+from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.geometry import norm
+from missionkit.plugin import Plugin
+
+OUT = """\
+navigation: {use: %s, how: %s}
+avoid: %s
+targets: {tree: {position: [30, 0, -3]}}
+initial: idle
+states:
+  idle: {kind: idle, behavior: {use: take_off, height: 3}, transitions: [{to: out, when: done}]}
+  out:
+    kind: gps
+    behavior: {use: go_to, target: tree, speed: 2}
+    transitions: [{to: land, after: 20}]
+  land: {kind: land}
+"""
+FAILS = 9.0  # s, in the air and on the way
+
+
+class Shaky:
+    """A navigator that misbehaves from some time on."""
+
+    def __init__(self, inner, how):
+        self.inner, self.how = inner, how
+
+    def begin(self):
+        if self.how == "begin":
+            raise ValueError("not today")
+        return self.inner.begin()
+
+    def propagate(self, known, observation):
+        if observation.now >= FAILS and self.how == "raise":
+            raise ValueError("no idea")
+        if observation.now >= FAILS and self.how == "sleep":
+            threading.Event().wait(10.0)
+        return self.inner.propagate(known, observation)
+
+    def fuse(self, known, sightings):
+        return self.inner.fuse(known, sightings)
+
+    def pose_at(self, known, at):
+        if self.how == "pose" and at >= FAILS:
+            raise KeyError(at)
+        return "nowhere" if self.how == "place" and at >= FAILS else self.inner.pose_at(known, at)
+
+    def read(self, known):
+        state = self.inner.read(known)
+        if known.now >= FAILS and self.how == "nan":
+            return state._replace(position=np.full(3, math.nan))
+        return None if known.now >= FAILS and self.how == "nothing" else state
+
+
+class Shaken(Plugin):
+    """Parameters of it."""
+
+    kind = "shaken"
+    how: str
+
+    def build(self, surveyed, mount):
+        if self.how == "build":
+            raise OSError("no such table")
+        if self.how == "none":
+            return None
+        return Shaky(VisualInertialEkf().build(surveyed, mount), self.how)
+
+
+class Veering(Plugin):
+    """A planner that misbehaves on the way."""
+
+    kind = "veering"
+    how: str
+
+    def begin(self):
+        if self.how == "begin":
+            raise ValueError("not today")
+
+    def step(self, memory, seen, goal, wanted):
+        if seen.now < FAILS or self.how == "well":
+            return np.zeros(3), memory
+        if self.how == "raise":
+            raise ValueError("no idea")
+        return {"nan": (np.full(3, math.nan), memory), "nothing": None}[self.how]
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    hasty = partial(TimedContainment, limit=0.01, patience=0.05)
+    monkeypatch.setattr(loop, "TimedContainment", hasty)
+
+
+def ready(navigator="well", planner="none"):
+    catalogue = builtin().extended("navigators", [Shaken]).extended("planners", [Veering])
+    avoid = planner if planner == "none" else f"{{use: veering, how: {planner}}}"
+    return short_stage(OUT % ("shaken", navigator, avoid), catalogue=catalogue)
+
+
+def landed(flight):
+    assert flight.result.flown.end is End.LANDED
+    assert (flight.result.grade.landed, flight.result.grade.crashed) == (True, False)
+
+
+def test_a_navigator_of_another_package_that_does_well_is_flown():
+    flight = flown(ready())
+    landed(flight)
+    assert (flight.problems(), flight.result.succeeded) == ([], True)
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("raise", "shaken raised ValueError: no idea"),
+        ("nan", "shaken says a NavState with position of a wrong type or not finite"),
+        ("nothing", "shaken says NoneType, expected a NavState"),
+        ("sleep", "shaken raised TooSlowError"),
+    ],
+)
+def test_a_navigator_that_misbehaves_is_told_and_the_vehicle_lands(how, told):
+    flight = flown(ready(how))
+    landed(flight)
+    assert [it for it in flight.problems() if it.startswith(told)]
+    assert flight.entered("land") < FAILS + 5.0
+    after = [record for record in flight.records if record.now >= FAILS]
+    assert all(record.estimate.health.diverged for record in after)
+    assert all(np.isfinite(record.estimate.position).all() for record in after)
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        ("build", "navigator 'shaken' cannot be used: build raised OSError: no such table"),
+        ("begin", "navigator 'shaken' cannot be used: begin raised ValueError: not today"),
+        ("none", "what it builds lacks begin, propagate, fuse, pose_at, read"),
+    ],
+)
+def test_a_navigator_that_does_not_begin_is_refused_before_flight(how, says):
+    with pytest.raises(UsageError, match=says):
+        ready(how)
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("raise", "veering raised ValueError: no idea"),
+        ("nan", "veering answered with a velocity of a wrong type or not finite"),
+        ("nothing", "veering answered NoneType, expected a velocity and its memory"),
+    ],
+)
+def test_a_planner_that_misbehaves_is_told_and_the_vehicle_stops_and_lands(how, told):
+    flight = flown(ready(planner=how))
+    landed(flight)
+    assert told in flight.problems()
+    held = [it for it in flight.records if it.state == "out" and it.now >= FAILS + 1.5]
+    assert max((norm(it.command.setpoint.velocity) for it in held), default=0.0) < 0.3
+    assert flight.went()[-1] == ("land", "failsafe plug-in failed")
+
+
+def test_a_planner_without_a_memory_is_asked():
+    flight = flown(ready(planner="well"))
+    assert (flight.problems(), flight.result.succeeded) == ([], True)
+
+
+def test_a_planner_that_does_not_begin_is_refused_before_flight():
+    with pytest.raises(UsageError, match="planner 'veering' cannot be used: begin raised"):
+        ready(planner="begin")
