@@ -267,6 +267,9 @@ def sitl(
         str, typer.Option(metavar="LAT,LON,HEIGHT", help="of the world's origin (deg, deg, m)")
     ] = "47.397742,8.545594,488",
     system: Annotated[int, typer.Option(min=1, max=255, help="MAVLink system id")] = 1,
+    airframe: Annotated[
+        str, typer.Option(help="sih: that of PX4's own simulation; the world's without")
+    ] = "",
     *,
     as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
 ) -> None:
@@ -283,6 +286,7 @@ def sitl(
         seed,
         tuple(fault or ()),
         home,
+        airframe,
         as_json=as_json,
         system=system,
     )

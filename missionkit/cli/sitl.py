@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from missionkit.chart.load import load_model
 from missionkit.errors import ExitCode, UsageError
+from missionkit.sim.airframes import flown_with
 from missionkit.sim.mavlink.earth import Spot
 from missionkit.sim.mavlink.server import LINKS, Server, Setup
 from missionkit.sim.warm_up import warm_up
@@ -27,6 +28,7 @@ class Wanted(NamedTuple):
     seed: int
     faults: tuple[str, ...]
     home: str
+    airframe: str
     as_json: bool
     system: int = 1
 
@@ -41,7 +43,7 @@ def sitl(wanted: Wanted) -> ExitCode:
     """
     world = World(world="empty") if wanted.world is None else load_model(wanted.world, World)
     setup = Setup(
-        world,
+        flown_with(world, wanted.airframe),
         wanted.dialect,
         wanted.links or LINKS,
         wanted.control,

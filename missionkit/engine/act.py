@@ -19,6 +19,7 @@ from missionkit.plugin import Behavior
 
 IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")
+IN_VIEW = 0.5  # s since a target's last sighting
 LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
 
@@ -113,7 +114,15 @@ def _commanded(
     setpoint, control = plan.control.fly(
         control, wanted, step.guidance, seen, plan.period, push=push
     )
-    return Command(setpoint, payload=step.payload), control, avoidance
+    command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
+    return command, control, avoidance
+
+
+def _vouched(seen: Estimate) -> Vec3 | None:
+    """Return the vehicle's velocity (3,), m/s, NED, while a target in view vouches for it."""
+    looks = (target.seen_at for target in seen.targets.values())
+    fresh = any(at is not None and seen.now - at <= IN_VIEW for at in looks)
+    return seen.velocity if fresh and not seen.health.diverged else None
 
 
 def _push(

@@ -51,6 +51,7 @@ class Command(NamedTuple):
     action: Action | None = None
     height: float | None = None  # m, with TAKE_OFF
     payload: str | None = None  # name of the actuator to be on during this tick
+    own_velocity: Vec3 | None = None  # (3,), m/s, NED, estimated while a target is seen
 
 
 class Mode(StrEnum):

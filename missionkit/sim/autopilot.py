@@ -23,8 +23,9 @@ heading = compiled(yaw_of)
 def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
     """Advance the errors of the autopilot's own velocity and position by one step.
 
-    Velocity error: Gauss-Markov with GNSS, random walk without. Position error: its integral,
-    leaking to zero with GNSS. The vertical leans on the barometer: never lost, and half as large.
+    Velocity error: Gauss-Markov with GNSS, random walk without, about the bias of a fault. Position
+    error: its integral, leaking to zero with GNSS. The vertical leans on the barometer: never lost,
+    and half as large.
     """
     for n in range(3):
         fixed = memory[at.GNSS_OK] > 0.0 or n == 2
@@ -33,7 +34,8 @@ def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
         leak = LEAK if fixed else 0.0
         if n == 2:
             kick *= 0.5
-        v = keep * memory[at.VELOCITY_ERROR + n] + kick * noise[n]
+        bias = memory[at.VELOCITY_BIAS + n]
+        v = keep * (memory[at.VELOCITY_ERROR + n] - bias) + kick * noise[n] + bias
         memory[at.VELOCITY_ERROR + n] = v
         memory[at.POSITION_ERROR + n] += (v - leak * memory[at.POSITION_ERROR + n]) * at.DT
 
@@ -100,23 +102,33 @@ def decide(x: Vec3, memory: Vec3, gains: Gains, want: Vec3) -> None:
 
 
 @compiled
-def accelerate(x: Vec3, memory: Vec3, gains: Gains, want: Vec3, push: Vec3) -> None:
+def accelerate(x: Vec3, memory: Vec3, now: float, gains: Gains, want: Vec3, push: Vec3) -> None:
     """Write the acceleration (3,), m/s², NED, that brings the velocity to `want` into `push`.
 
-    a = k (v_want - v) + i, with i the clamped integral of k_i (v_want - v).
+    a = k (v_want - v) + i, with i the clamped integral of k_i (v_want - v). A loop that is too slow
+    wants the same until its next turn.
     """
+    dt = max(at.DT, memory[at.LOOP_PERIOD])
+    if dt > at.DT and now < memory[at.LOOP_DUE] - 1e-9:
+        for n in range(3):
+            push[n] = memory[at.PUSH + n]
+        return
+    memory[at.LOOP_DUE] = now + dt
     for n in range(3):
         error = want[n] - x[3 + n] - memory[at.VELOCITY_ERROR + n]
         gain = gains.climb if n == 2 else gains.velocity
         push[n] = gain * error + memory[at.INTEGRAL + n]
-        if abs(gain * error) < 2.0:  # else it would wind up
-            total = memory[at.INTEGRAL + n] + gains.integral * error * at.DT
-            memory[at.INTEGRAL + n] = max(-3.0, min(3.0, total))
+        if abs(gain * error) < gains.integral_zone:  # else it would wind up
+            total = memory[at.INTEGRAL + n] + gains.integral * error * dt
+            limit = gains.integral_limit
+            memory[at.INTEGRAL + n] = max(-limit, min(limit, total))
     size = math.sqrt(push[0] * push[0] + push[1] * push[1])
     if size > gains.acceleration:
         push[0] *= gains.acceleration / size
         push[1] *= gains.acceleration / size
     push[2] = max(-4.0, min(3.0, push[2]))
+    for n in range(3):
+        memory[at.PUSH + n] = push[n]
 
 
 @compiled
@@ -177,7 +189,7 @@ def command(
             memory[at.INTEGRAL + n] = 0.0
         memory[at.HEADING] = heading(x[6:10])
         return
-    accelerate(x, memory, gains, want, push)
+    accelerate(x, memory, now, gains, want, push)
     turn = (memory[at.HEADING] + want[3] * at.DT - heading(x[6:10]) + math.pi) % (
         2 * math.pi
     ) - math.pi

@@ -46,6 +46,15 @@ KINDS: Mapping[str, Kind] = {
     "range_lost": Kind(None, "", "the range finder says nothing"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
     "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0),
+    "velocity_bias": Kind(
+        0.25,
+        "m/s",
+        "its own velocity is off by VALUE, turning once a minute",
+        least=0.0,
+    ),
+    "control_slow": Kind(
+        0.1, "s", "the autopilot's velocity loop runs once every VALUE", least=0.0, most=1.0
+    ),
     "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
 }
 

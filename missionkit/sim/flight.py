@@ -54,13 +54,14 @@ def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
 @compiled
 def sample(memory: Vec3, noise: Vec3, inertial: Inertial, out: Vec3) -> None:
     """Write one inertial sample (6,), accel and gyro, into `out`; `noise` is (12,)."""
+    share = 1.0 if memory[at.ARMED] > 0.0 else inertial.disarmed
     for n in range(3):
         memory[at.ACCEL_BIAS + n] += inertial.accel_walk * noise[6 + n]
         memory[at.GYRO_BIAS + n] += inertial.gyro_walk * noise[9 + n]
         accel = memory[at.FORCE_SUM + n] / at.IMU_EVERY + memory[at.ACCEL_BIAS + n]
         gyro = memory[at.RATE_SUM + n] / at.IMU_EVERY + memory[at.GYRO_BIAS + n]
-        out[n] = max(-160.0, min(160.0, accel + inertial.accel * noise[n]))
-        out[3 + n] = gyro + inertial.gyro * noise[3 + n]
+        out[n] = max(-160.0, min(160.0, accel + share * inertial.accel * noise[n]))
+        out[3 + n] = gyro + share * inertial.gyro * noise[3 + n]
         memory[at.FORCE_SUM + n] = 0.0
         memory[at.RATE_SUM + n] = 0.0
 

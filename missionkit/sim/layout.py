@@ -45,7 +45,11 @@ FORCE_SUM = 38  # 38:41 specific force since the last inertial sample
 RATE_SUM = 41  # 41:44
 ACCEL_BIAS = 44  # 44:47
 GYRO_BIAS = 47  # 47:50
-SIZE = 50
+VELOCITY_BIAS = 50  # 50:53 m/s, part of VELOCITY_ERROR, from a fault
+LOOP_PERIOD = 53  # s, of a velocity loop that is too slow; 0: every step
+LOOP_DUE = 54  # s, when it runs next
+PUSH = 55  # 55:58 m/s², what it wanted last
+SIZE = 58
 
 IMU_EVERY = 2  # physics steps
 TRACK_WIDTH = 21
@@ -76,6 +80,8 @@ class Gains(NamedTuple):
     velocity: float
     climb: float
     integral: float
+    integral_limit: float  # m/s²
+    integral_zone: float  # m/s², larger proportional parts charge nothing
     attitude: float
     rate: float
     acceleration: float
@@ -107,6 +113,7 @@ class Inertial(NamedTuple):
     gyro: float
     accel_walk: float
     gyro_walk: float
+    disarmed: float  # share of accel and gyro while the rotors stand still
 
 
 def gauss_markov(sd: float, tau: float, dt: float) -> tuple[float, float]:
@@ -138,6 +145,8 @@ def constants(world: World) -> tuple[Body, Gains, Air, Inertial]:
         auto.velocity_gain,
         auto.climb_gain,
         auto.integral_gain,
+        auto.integral_limit,
+        auto.integral_zone,
         auto.attitude_gain,
         auto.rate_gain,
         auto.acceleration,
@@ -157,5 +166,6 @@ def constants(world: World) -> tuple[Body, Gains, Air, Inertial]:
         imu.gyro_noise / math.sqrt(period),
         imu.accel_walk * math.sqrt(period),
         imu.gyro_walk * math.sqrt(period),
+        imu.disarmed,
     )
     return body, gains, air, inertial

@@ -56,6 +56,10 @@ class Autopilot(Frozen):
     velocity_gain: Number = Field(default=2.2, gt=0, description="1/s")
     climb_gain: Number = Field(default=4.0, gt=0, description="1/s")
     integral_gain: Number = Field(default=0.8, ge=0, description="1/s²")
+    integral_limit: MetresPerSecond2 = Field(default=3.0, ge=0, description="of that part")
+    integral_zone: MetresPerSecond2 = Field(
+        default=2.0, gt=0, description="it learns while the proportional part is below"
+    )
     attitude_gain: Number = Field(default=7.0, gt=0, description="1/s")
     rate_gain: Number = Field(default=20.0, gt=0, description="1/s")
     acceleration: MetresPerSecond2 = Field(default=5.0, gt=0, description="horizontal limit")
@@ -81,6 +85,7 @@ class ImuModel(Frozen):
     gyro_bias: RadiansPerSecond = Field(default=0.003, ge=0, description="1 sigma at power-up")
     accel_walk: Number = Field(default=0.001, ge=0, description="m/s²/√s")
     gyro_walk: Number = Field(default=3e-5, ge=0, description="rad/s/√s")
+    disarmed: Fraction = Field(default=1.0, description="share of the noise without turning rotors")
 
 
 class GnssModel(Frozen):

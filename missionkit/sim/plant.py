@@ -91,6 +91,20 @@ class Plant:
         self.step = stop
         return out
 
+    def mislead(self, bias: Vec3, period: float) -> None:
+        """Let the autopilot be wrong about its velocity, and slow to correct it.
+
+        Args:
+            bias: (3,), m/s, NED, of the velocity it believes in.
+            period: s, of its velocity loop; 0: that of the physics.
+        """
+        memory = self.memory
+        memory[at.VELOCITY_ERROR : at.VELOCITY_ERROR + 3] += (
+            bias - memory[at.VELOCITY_BIAS : at.VELOCITY_BIAS + 3]
+        )
+        memory[at.VELOCITY_BIAS : at.VELOCITY_BIAS + 3] = bias
+        memory[at.LOOP_PERIOD] = period
+
     def tell(self, setpoint: Setpoint, due: float) -> None:
         """Send a setpoint that arrives at `due` (s); one still on its way is overtaken."""
         memory = self.memory

@@ -5,6 +5,7 @@ Imported late: it compiles kernels.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
 BUDGET = 0.05  # s, of one tick
+TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
 
 
 class SimulatedVehicle:
@@ -186,6 +188,7 @@ class SimulatedVehicle:
     def _fly(self, stop: int) -> None:
         plant = self._plant
         first = plant.step // layout.IMU_EVERY + 1
+        self._mislead()
         rows = plant.advance(stop, self._extra_wind())
         period = layout.IMU_EVERY / layout.RATE
         biased = self._mishaps.since("imu_biased", self.now)
@@ -220,6 +223,14 @@ class SimulatedVehicle:
         size = norm(mean)
         along = mean / size if size > 0.0 else vec(1.0, 0.0, 0.0)
         return gust[0] * along
+
+    def _mislead(self) -> None:
+        """Let faults have their way with the inner autopilot."""
+        bias = self._mishaps.since("velocity_bias", self.now)
+        slow = self._mishaps.since("control_slow", self.now)
+        self._plant.mislead(
+            vec(0.0, 0.0, 0.0) if bias is None else turning(*bias), 0.0 if slow is None else slow[0]
+        )
 
     def _obey(self) -> None:
         while self._orders and self._orders[0][0] <= self._plant.step:
@@ -297,3 +308,10 @@ class SimulatedVehicle:
         quad = self.world.quadrotor
         hover = quad.mass * layout.GRAVITY / 4.0
         return quad.hover_power * float(((thrusts / hover) ** 1.5).mean())
+
+
+def turning(size: float, age: float) -> Vec3:
+    """Return the bias (3,), m/s, NED, of the autopilot's own velocity at its `age` (s)."""
+    size *= min(1.0, age / ONSET)
+    angle = 2.0 * math.pi * age / TURN
+    return vec(size * math.cos(angle), size * math.sin(angle), 0.0)

@@ -15,7 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from missionkit.errors import VehicleError
-from missionkit.messages import Command, Observation, Record
+from missionkit.messages import Command, Observation, Record, Setpoint
+from missionkit.vehicle import velocity_correction
 from missionkit.vehicle.address import Address
 from missionkit.vehicle.cache import Cache, Message
 from missionkit.vehicle.camera import Camera, NoCamera
@@ -34,6 +35,7 @@ from missionkit.vehicle.streams import NAMES, QUEUED, Streams
 from missionkit.vehicle.timing import MissionClock, wall
 from missionkit.vehicle.transaction import Outcome
 from missionkit.vehicle.vehicle_type import unfit
+from missionkit.vehicle.velocity_correction import Correction, Moving
 
 PATIENCE = 10.0  # s to wait for an answer
 RESUMED = "control_resumed"  # the event when a person gave control back
@@ -80,6 +82,7 @@ class MavsdkVehicle:
         self._events: list[str] = []
         self._noting = threading.Lock()
         self._now = 0.0
+        self._correction = Correction()
         self._workers = ThreadPoolExecutor(2, thread_name_prefix="vehicle")
         self._parts: Parts | None = None
 
@@ -161,7 +164,21 @@ class MavsdkVehicle:
         """Carry out `command`. Nothing is sent while somebody else commands."""
         parts, at = self._joined, self._clock.wall(self._now)
         if at is not None:
-            parts.obey(command, at)
+            parts.obey(self._corrected(command, parts.observer), at)
+
+    def _corrected(self, command: Command, observer: Observer) -> Command:
+        """Return the command with the error of the autopilot's own velocity taken out."""
+        own, known_at = command.own_velocity, min(self._now, observer.moved_until)
+        self._correction = velocity_correction.step(
+            self._correction,
+            self._now,
+            None if own is None else Moving(known_at, own),
+            observer.moving(velocity_correction.FRESH / self._pace),
+        )
+        if not isinstance(command.setpoint, Setpoint):
+            return command
+        setpoint = velocity_correction.corrected(command.setpoint, self._correction)
+        return command._replace(setpoint=setpoint)
 
     def tell(self, record: Record, seen: Observation) -> None:
         """Tell the autopilot what is to be shared; an observer of the flight."""

@@ -26,6 +26,7 @@ from missionkit.vehicle.origin import Origin
 from missionkit.vehicle.state import State
 from missionkit.vehicle.surroundings import Surroundings
 from missionkit.vehicle.timing import MissionClock
+from missionkit.vehicle.velocity_correction import Moving
 from missionkit.vehicle.words import event_of
 
 FRESH = 1.0  # s; older attitude or speed is not used to complete another reading
@@ -79,6 +80,13 @@ class Observer:
             return None
         at = place_of(home)
         return base - self.origin.local(at.latitude, at.longitude, at.altitude)
+
+    def moving(self, max_age: float) -> Moving | None:
+        """Return the velocity the autopilot believes in, no older than that (s, wall)."""
+        local = self._cache.latest("LOCAL_POSITION_NED", max_age)
+        velocity = None if local is None else readings.triple(local.fields, "vx", "vy", "vz")
+        at = None if local is None else self.mission_time(local)
+        return None if velocity is None or at is None else Moving(at, velocity)
 
     @property
     def datum(self) -> Datum:

@@ -216,3 +216,29 @@ def test_wind_gust_pushes_along_the_mean_wind(perfect: World, pilot: Make) -> No
     assert push[1] > 0.1
     assert abs(push[0]) < 0.05 * push[1] + 1e-3
     assert np.isfinite(push).all()
+
+
+def test_a_velocity_bias_is_flown_after_until_it_ends_and_turns_once_a_minute(
+    perfect: World, pilot: Make
+) -> None:
+    flight = pilot(perfect, "velocity_bias=0.25@10+62")
+    flight.rise()
+    flight.fly((0.0, 0.0, 0.0), 64.0)
+    velocity = {round(row[0], 2): row[4:6] for row in flight.vehicle.track.rows}
+    assert abs(velocity[9.9]).max() < 0.02
+    assert velocity[25.0] == pytest.approx([0.0, -0.25], abs=0.03)  # it believes it goes east
+    assert velocity[40.0] == pytest.approx([0.25, 0.0], abs=0.03)
+    assert velocity[70.0] == pytest.approx([-0.25, 0.0], abs=0.03)
+    flight.fly((0.0, 0.0, 0.0), 8.0)
+    assert flight.vehicle.truth.velocity == pytest.approx([0.0, 0.0, 0.0], abs=0.02)
+
+
+def test_a_slow_velocity_loop_leans_in_steps(perfect: World, pilot: Make) -> None:
+    leans = []
+    for faults in ((), ("control_slow=0.4",)):
+        flight = pilot(perfect, *faults)
+        flight.rise()
+        flight.fly((1.0, 0.0, 0.0), 0.25)
+        leans.append(abs(flight.vehicle.truth.attitude[2]))
+    assert leans[0] > 0.05
+    assert leans[1] < 0.5 * leans[0]  # not yet, or only just, its turn

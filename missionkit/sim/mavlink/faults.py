@@ -29,18 +29,23 @@ WIRE: dict[str, Kind] = {
     "pilot_mode": Kind(None, "mode", "the pilot changes the flight mode to VALUE, once"),
     "rc_lost": Kind(None, "", "nothing comes from the remote control, which was there"),
     "reboot": Kind(1.5, "s", "the autopilot restarts and says nothing for VALUE", least=0.0),
+    "stream_lost": Kind(
+        32.0, "message", "this message is no longer sent (32: LOCAL_POSITION_NED)", least=1.0
+    ),
     "streams_frozen": Kind(None, "", "messages repeat their old values, with their old times"),
     "streams_stopped": Kind(None, "", "nothing but heartbeats and answers"),
 }
 BODY = (
     "baro_stuck",
     "battery_sag",
+    "control_slow",
     "gnss_drift",
     "gnss_jump",
     "gnss_lost",
     "gnss_toggling",
     "imu_biased",
     "range_lost",
+    "velocity_bias",
     "wind_gust",
 )
 ONCE = ("pilot_mode", "reboot")

@@ -187,9 +187,10 @@ def send_due(state: State, messages: Messages) -> None:
     if not state.troubles.active("streams_frozen", state.now):
         messages.forget()
     stopped = state.troubles.active("streams_stopped", state.now) is not None
+    lost = (state.troubles.active("stream_lost", state.now) or (None,))[0]
     for channel in state.channels:
         for number, beat in channel.streams.items():
-            quiet = number != HEARTBEAT and (stopped or not channel.heard)
+            quiet = number != HEARTBEAT and (stopped or number == lost or not channel.heard)
             if not beat.due(state.now) or quiet:
                 continue
             alive = number == HEARTBEAT
