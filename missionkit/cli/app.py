@@ -270,6 +270,10 @@ def sitl(
     airframe: Annotated[
         str, typer.Option(help="sih: that of PX4's own simulation; the world's without")
     ] = "",
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="a parameter of the autopilot, from the start"),
+    ] = None,
     *,
     as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
 ) -> None:
@@ -289,6 +293,7 @@ def sitl(
         airframe,
         as_json=as_json,
         system=system,
+        parameters=tuple(parameter or ()),
     )
     raise typer.Exit(command(wanted))
 

@@ -31,6 +31,7 @@ class Wanted(NamedTuple):
     airframe: str
     as_json: bool
     system: int = 1
+    parameters: tuple[str, ...] = ()
 
 
 def sitl(wanted: Wanted) -> ExitCode:
@@ -52,6 +53,7 @@ def sitl(wanted: Wanted) -> ExitCode:
         wanted.faults,
         _spot(wanted.home),
         wanted.system,
+        dict(_parameter(text) for text in wanted.parameters),
     )
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -64,6 +66,14 @@ def sitl(wanted: Wanted) -> ExitCode:
     finally:
         server.close()
     return ExitCode.SUCCESS
+
+
+def _parameter(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError as error:
+        raise UsageError(f"parameter {text!r}: expected NAME=NUMBER") from error
 
 
 def _spot(text: str) -> Spot:

@@ -24,14 +24,14 @@ def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
     """Advance the errors of the autopilot's own velocity and position by one step.
 
     Velocity error: Gauss-Markov with GNSS, random walk without, about the bias of a fault. Position
-    error: its integral, leaking to zero with GNSS. The vertical leans on the barometer: never lost,
-    and half as large.
+    error: its integral, leaking to zero with GNSS, but not where optical flow takes its place. The
+    vertical leans on the barometer: never lost, and half as large.
     """
     for n in range(3):
         fixed = memory[at.GNSS_OK] > 0.0 or n == 2
         keep = gains.error_keep if fixed else 1.0
         kick = gains.error_kick if fixed else gains.drift_kick
-        leak = LEAK if fixed else 0.0
+        leak = LEAK if memory[at.GNSS_OK] > at.FLOW_AIDED or n == 2 else 0.0
         if n == 2:
             kick *= 0.5
         bias = memory[at.VELOCITY_BIAS + n]

@@ -19,13 +19,15 @@ GRAVITY = 9.80665
 HOLD, OFFBOARD, TAKE_OFF, LAND = 0, 1, 2, 3
 MODES = ("hold", "offboard", "take_off", "land")
 
+FLOW_AIDED = 0.5  # its velocity is right, its position drifts
+
 MODE = 0
 ARMED = 1
 ON_GROUND = 2
 CRASHED = 3
 ENERGY = 4  # J taken by the rotors
 CLEARANCE = 5  # m, least over the last call
-GNSS_OK = 6
+GNSS_OK = 6  # 1 with GNSS, FLOW_AIDED with optical flow alone, 0 with neither
 ANCHORED = 7  # the hold point is set
 HEIGHT = 8  # m, take-off target
 LANDED_AT = 9  # s, first contact while landing, or inf

@@ -258,9 +258,14 @@ class SimulatedVehicle:
             self._expose(now)
         self._telemetry(step, now)
 
+    @property
+    def _aiding(self) -> float:
+        """What keeps the autopilot's own velocity right, as `layout.GNSS_OK` has it."""
+        return float(self._mishaps.without_fixes(self.now) is None)
+
     def _take_fix(self, step: int, now: float) -> None:
         lost = self._mishaps.without_fixes(now) is not None
-        self._plant.memory[layout.GNSS_OK] = float(not lost)
+        self._plant.memory[layout.GNSS_OK] = self._aiding
         if self._gnss.beat.due(step):
             jump = self._mishaps.since("gnss_jump", now) or (0.0, 0.0)
             drift = self._mishaps.since("gnss_drift", now) or (0.0, 0.0)

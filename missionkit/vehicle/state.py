@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from missionkit.vehicle.cache import Cache
 from missionkit.vehicle.dialect import Dialect, word
-from missionkit.vehicle.home import home_message, local_home
+from missionkit.vehicle.home import local_home
 
 _ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
 _GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
@@ -81,9 +81,8 @@ class State:
 
     @property
     def placed(self) -> bool:
-        """Whether it knows where it is: home, and a position of its own."""
-        local = self._cache.latest("LOCAL_POSITION_NED", 2.0)
-        return local is not None and home_message(self._cache) is not None
+        """Whether it knows where it is: a position of its own, with or without satellites."""
+        return self._cache.latest("LOCAL_POSITION_NED", 2.0) is not None
 
     @property
     def ready(self) -> bool:

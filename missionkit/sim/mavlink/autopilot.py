@@ -92,6 +92,9 @@ class Autopilot:
         _strike(state)
         failsafes.watch(state)
         steer(state, SLICE)
+        if not state.in_air:
+            state.sensed.flow_held_at = state.now
+        state.body.by_flow = state.by_flow
         state.body.faulty([fault for fault in state.troubles.faults if fault.name in BODY])
         state.sensed.update(state.body.advance(round(state.now / SLICE + 1.0) * SLICE))
         lost = state.troubles.without_fixes(state.now)

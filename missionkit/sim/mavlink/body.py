@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from typing_extensions import override
+
 from missionkit.geometry import Quat, Vec3
 from missionkit.messages import Action
 from missionkit.perception.camera import Camera
@@ -25,6 +27,7 @@ class Body(SimulatedVehicle):
     def __init__(self, world: World, seed: int, faults: Sequence[Fault] = ()) -> None:
         prompt = world.autopilot.model_copy(update={"latency": (0.0, 0.0)})
         prompt_world = world.model_copy(update={"autopilot": prompt})
+        self.by_flow = False  # its estimator has optical flow
         super().__init__(prompt_world, Camera(use="none"), seed, faults)
 
     @property
@@ -80,6 +83,11 @@ class Body(SimulatedVehicle):
     def unwind(self) -> None:
         """Forget what the velocity loop has learnt of wind and drag: the next setpoint leans."""
         self._plant.memory[layout.INTEGRAL : layout.INTEGRAL + 3] = 0.0
+
+    @property
+    @override
+    def _aiding(self) -> float:
+        return max(super()._aiding, layout.FLOW_AIDED if self.by_flow else 0.0)
 
     def faulty(self, faults: Sequence[Fault]) -> None:
         """Let these faults take the place of all others from now on."""

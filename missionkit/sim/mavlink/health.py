@@ -64,7 +64,7 @@ def sys_status(state: State) -> Message:
 
 def _estimate(state: State) -> tuple[int, float]:
     """Return the flags of the estimator, and its position innovation over what it allows."""
-    known = state.sensed.gnss is not None and not state.blind
+    known = (state.sensed.gnss is not None or state.by_flow) and not state.blind
     return (WITH_POSITION if known else WITHOUT_POSITION), (1.5 if state.gnss_lost else 0.1)
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
+from missionkit.errors import UsageError, nearest
 from missionkit.sim.mavlink.dialect import Message, mavlink
 
 INT8, INT16 = mavlink.MAV_PARAM_TYPE_INT8, mavlink.MAV_PARAM_TYPE_INT16
@@ -35,6 +36,7 @@ PX4: dict[str, float] = {  # an int is an INT32
     "COM_RC_LOSS_T": 0.5,
     "COM_RC_OVERRIDE": 1,
     "EKF2_NOAID_TOUT": 5_000_000,
+    "EKF2_OF_CTRL": 0,
     "GF_ACTION": 2,
     "GF_MAX_HOR_DIST": 0.0,
     "GF_MAX_VER_DIST": 0.0,
@@ -72,6 +74,7 @@ ARDUPILOT: dict[str, float] = {  # an int is an INT16
     "BATT_LOW_TIMER": 10,
     "BATT_LOW_VOLT": 10.5,
     "DISARM_DELAY": 10,
+    "EK3_SRC1_VELXY": 3,
     "FENCE_ACTION": 1,
     "FENCE_ALT_MAX": 100.0,
     "FENCE_ENABLE": 0,
@@ -138,8 +141,10 @@ class Parameters:
         """Give a parameter a value, rounded if it is an integer.
 
         Raises:
-            KeyError: there is none of that name.
+            UsageError: there is none of that name.
         """
+        if name not in self._entries:
+            raise UsageError(f"unknown parameter {name!r}: {nearest(name, self._names)}")
         entry = self._entries[name]
         kept = value if entry.kind == REAL32 else round(value)
         self._entries[name] = entry._replace(value=kept)

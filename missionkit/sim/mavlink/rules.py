@@ -21,7 +21,7 @@ def problems(state: State) -> list[str]:
     least = max(state.body.world.autopilot.arming_charge, _asked_charge(state))
     reasons = {
         "sensors are warming up": state.now - state.booted < WARMING_UP,
-        "no position estimate": state.gnss_lost or state.sensed.gnss is None,
+        "no position estimate": not state.positioned,
         "low battery": state.body.charge < least,
         "crashed": truth.crashed,
         "no connection to the ground control station": _needs_station(state),

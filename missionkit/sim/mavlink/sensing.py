@@ -278,5 +278,7 @@ def measured_at(state: State, number: int) -> float | None:
         mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: sensed.gnss,
         mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: sensed.battery,
         mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: sensed.scan,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW: sensed.flow,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: sensed.flow,
     }[number]
     return None if made is None else made.at

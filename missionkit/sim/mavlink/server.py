@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import selectors
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from time import perf_counter
+from types import MappingProxyType
 from typing import NamedTuple
 
 from missionkit.errors import UsageError, VehicleError
@@ -37,6 +38,7 @@ class Setup(NamedTuple):
     faults: Sequence[str] = ()
     origin: Spot = Spot(*ZURICH)
     system: int = 1  # MAVLink system id
+    parameters: Mapping[str, float] = MappingProxyType({})  # other than their defaults
 
 
 class Server:
@@ -55,6 +57,8 @@ class Server:
         self.autopilot = Autopilot(
             setup.world, kind, setup.seed, faults, setup.origin, perf_counter, setup.system
         )
+        for name, value in setup.parameters.items():
+            self.autopilot.state.parameters.set(name, value)
         self.speed = setup.speed
         self._selector = selectors.DefaultSelector()
         with ExitStack() as opened:

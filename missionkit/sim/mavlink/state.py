@@ -9,7 +9,17 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from missionkit.geometry import Vec3, vec
-from missionkit.messages import Baro, Battery, Gnss, Imu, Magnetometer, Observation, Scan
+from missionkit.messages import (
+    Baro,
+    Battery,
+    Gnss,
+    Imu,
+    Magnetometer,
+    Observation,
+    OpticalFlow,
+    Range,
+    Scan,
+)
 from missionkit.sim.mavlink.body import Body
 from missionkit.sim.mavlink.channel import Channel, Sender
 from missionkit.sim.mavlink.dialect import Message, mavlink
@@ -24,6 +34,9 @@ ALERT = mavlink.MAV_SEVERITY_ALERT
 WARNING = mavlink.MAV_SEVERITY_WARNING
 INFO = mavlink.MAV_SEVERITY_INFO
 DEAD_RECKONING = 10.0  # s, ArduPilot: AP_NavEKF3 posRetryTimeUseVel_ms
+FLOW = {"px4": ("EKF2_OF_CTRL", 1), "ardupilot": ("EK3_SRC1_VELXY", 5)}
+"""Parameter that lets the estimator use optical flow, and the value that does."""
+FLOW_HELD = 5.0  # s that it goes on without flow, as EKF2_NOAID_TOUT
 GCS = mavlink.MAV_TYPE_GCS
 JOURNAL = 100_000  # notes
 TEXT = 50  # characters of a STATUSTEXT
@@ -56,6 +69,9 @@ class Sensed:
     mag: Magnetometer | None = None
     scan: Scan | None = None
     battery: Battery | None = None
+    flow: OpticalFlow | None = None
+    range: Range | None = None
+    flow_held_at: float = -math.inf  # s, when it last stood, or saw the ground pass
 
     def update(self, seen: Observation) -> None:
         """Take over what arrived."""
@@ -66,6 +82,11 @@ class Sensed:
         self.mag = seen.mag or self.mag
         self.scan = seen.scan or self.scan
         self.battery = seen.battery or self.battery
+        self.range = seen.range or self.range
+        if seen.flow is not None:
+            self.flow = seen.flow
+            if seen.flow.quality > 0.0:
+                self.flow_held_at = seen.flow.at
 
 
 @dataclass(slots=True)
@@ -127,8 +148,21 @@ class State:
         return self.now >= self.lost_gnss_at
 
     @property
+    def by_flow(self) -> bool:
+        """Whether its estimator lives by optical flow: told to, and on the ground or seeing it."""
+        chosen = self.parameters[FLOW[self.dialect.name][0]] == FLOW[self.dialect.name][1]
+        return chosen and self.now - self.sensed.flow_held_at <= FLOW_HELD
+
+    @property
+    def positioned(self) -> bool:
+        """Whether it has a position of its own."""
+        return self.by_flow or not (self.gnss_lost or self.sensed.gnss is None)
+
+    @property
     def blind(self) -> bool:
         """Whether the position is given up, some time after the last fix."""
+        if self.by_flow:
+            return False
         if self.dialect.name == "px4":
             return self.now - self.lost_gnss_at > 1e-6 * self.parameters["EKF2_NOAID_TOUT"]
         return self.now - self.lost_gnss_at > DEAD_RECKONING

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from missionkit.sim.mavlink import health, sensing, telling
+from missionkit.sim.mavlink import health, looking_down, sensing, telling
 from missionkit.sim.mavlink.channel import Beat, Channel
 from missionkit.sim.mavlink.dialect import Message, mavlink
 from missionkit.sim.mavlink.state import State
@@ -47,6 +47,9 @@ BUILDERS: Mapping[int, Builder] = {
     mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: sensing.gps_raw_int,
     mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: sensing.battery_status,
     mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: sensing.obstacle_distance,
+    mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: looking_down.distance_sensor,
+    mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW: looking_down.optical_flow,
+    mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: looking_down.optical_flow_rad,
 }
 FRESH_ONLY = frozenset(  # sent once for each measurement, however often they are asked for
     (
@@ -54,16 +57,21 @@ FRESH_ONLY = frozenset(  # sent once for each measurement, however often they ar
         mavlink.MAVLINK_MSG_ID_GPS_RAW_INT,
         mavlink.MAVLINK_MSG_ID_BATTERY_STATUS,
         mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD,
     )
 )
 MISSING = {  # what the real one does not have
-    "px4": frozenset((mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT,)),
+    "px4": frozenset(
+        (mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW)
+    ),
     "ardupilot": frozenset(
         (
             mavlink.MAVLINK_MSG_ID_HIGHRES_IMU,
             mavlink.MAVLINK_MSG_ID_ODOMETRY,
             mavlink.MAVLINK_MSG_ID_ALTITUDE,
             mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
+            mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD,
             mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,  # passed on from the sensor, never asked for
         )
     ),
@@ -88,6 +96,8 @@ RATES: Mapping[str, Mapping[int, float]] = {  # Hz, without being asked
         mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 5.0,
         mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: 1.0,
         mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: 10.0,
+        mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: 10.0,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: 10.0,
         mavlink.MAVLINK_MSG_ID_VFR_HUD: 10.0,
     },
     "ardupilot": {HEARTBEAT: 1.0, mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: 10.0},
@@ -112,6 +122,8 @@ GROUPS: Mapping[int, tuple[int, ...]] = {  # MAV_DATA_STREAM, as ArduCopter fill
     mavlink.MAV_DATA_STREAM_EXTRA3: (
         mavlink.MAVLINK_MSG_ID_SYSTEM_TIME,
         mavlink.MAVLINK_MSG_ID_BATTERY_STATUS,
+        mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR,
+        mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW,
         mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT,
     ),
 }
