@@ -20,7 +20,7 @@ UNKNOWN, ALL, PROPULSION = 0, 1, 2  # MAV_BATTERY_FUNCTION
 FUNCTIONS = ("of unknown use", "for everything", "for propulsion", "for avionics", "for payload")
 CELL_UNKNOWN = 65535  # mV
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
-HEARD = 3  # readings of a pack until it counts beside others: a single odd one does not
+HEARD, OFTEN = 3, 10  # readings of a new pack until it counts beside one that has had so many
 
 Ident = tuple[int, int]
 """Component and id."""
@@ -74,7 +74,9 @@ def heard(known: Packs, fields: Fields, at: float) -> Packs:
 
 def counted(known: Packs) -> tuple[Pack, ...]:
     """Return the packs that keep the vehicle in the air."""
-    often = [pack for pack in known.values() if pack.heard >= HEARD] or list(known.values())
+    most = max((pack.heard for pack in known.values()), default=0)
+    least = HEARD if most >= OFTEN else 1
+    often = [pack for pack in known.values() if pack.heard >= least]
     flying = [pack for pack in often if pack.function in {ALL, PROPULSION}]
     if flying:
         return tuple(flying)

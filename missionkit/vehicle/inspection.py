@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from missionkit.geometry import rotate
-from missionkit.vehicle import readings
+from missionkit.vehicle import batteries, readings
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.cache import Cache, Fields, Message
 from missionkit.vehicle.home import home_message
@@ -76,15 +76,19 @@ def _found(
         mode=state.mode,
         armable=state.armable,
         sensors={name: state.sensor(name) for name in SENSORS},
-        home=_fields(vehicle, "HOME_POSITION"),
+        home=None if (home := home_message(vehicle.cache)) is None else home.fields,
         local=_fields(vehicle, "LOCAL_POSITION_NED"),
         fix=_fields(vehicle, "GPS_RAW_INT"),
-        battery=_fields(vehicle, "BATTERY_STATUS"),
         parameters=parameters,
         date_gap=_date_gap(vehicle),
         clock_rate=_rate(first, vehicle.cache.latest("LOCAL_POSITION_NED")),
         pace=pace,
         declination=_declination(vehicle),
+        second_fix=_fields(vehicle, "GPS2_RAW"),
+        packs=batteries.all_of((fields, 0.0) for fields in _drained(vehicle, "BATTERY_STATUS")),
+        rings=_drained(vehicle, "OBSTACLE_DISTANCE"),
+        flow=_fields(vehicle, "OPTICAL_FLOW_RAD") or _fields(vehicle, "OPTICAL_FLOW"),
+        ranges=_drained(vehicle, "DISTANCE_SENSOR"),
     )
 
 
@@ -98,6 +102,10 @@ def _declination(vehicle: MavsdkVehicle) -> float | None:
         return None
     north, east, _ = rotate(attitude, np.mean(fields, axis=0)).tolist()
     return math.degrees(math.atan2(east, north))
+
+
+def _drained(vehicle: MavsdkVehicle, name: str) -> list[Fields]:
+    return [message.fields for message in vehicle.cache.drain(name)]
 
 
 def _fields(vehicle: MavsdkVehicle, name: str) -> Fields | None:

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from missionkit.vehicle import sensor_checks
+from missionkit.vehicle.batteries import NONE, Packs
 from missionkit.vehicle.cache import Fields
 from missionkit.vehicle.dialect import Dialect
 from missionkit.vehicle.failsafes import Level
 
 _MARKS = {Level.GOOD: "ok  ", Level.WARNING: "warn", Level.BAD: "BAD "}
-LEAST_CHARGE, GOOD_CHARGE = 0.3, 0.6
 MOST_CLOCK, MOST_DATE = 0.02, 5.0  # share, s
 MOST_NORTH = 2.5  # deg
 
@@ -31,12 +32,16 @@ class Findings(NamedTuple):
     home: Fields | None
     local: Fields | None
     fix: Fields | None
-    battery: Fields | None
     parameters: Mapping[str, float | None]
     date_gap: float | None  # s, vehicle's date ahead of the computer's
     clock_rate: float | None  # seconds of the vehicle in one of the wall
     pace: float = 1.0
     declination: float | None = None  # deg, of the field from the autopilot's north, eastwards
+    second_fix: Fields | None = None  # GPS2_RAW
+    packs: Packs = NONE
+    rings: Sequence[Fields] = ()  # OBSTACLE_DISTANCE, the last ones
+    flow: Fields | None = None  # OPTICAL_FLOW_RAD or OPTICAL_FLOW
+    ranges: Sequence[Fields] = ()  # DISTANCE_SENSOR, the last ones
 
 
 class Check(NamedTuple):
@@ -85,13 +90,16 @@ class Report(NamedTuple):
 
 def judged(vehicle: str, dialect: Dialect, found: Findings) -> Report:
     """Return the report on what was found."""
+    by_flow = found.flow is not None
     checks = (
         _state(found),
         _health(found),
         _home(found),
         _estimator(found),
-        _gnss(found),
-        _battery(found),
+        Check("gnss", *sensor_checks.gnss(found.fix, found.second_fix, flow=by_flow)),
+        Check("battery", *sensor_checks.battery(found.packs)),
+        Check("obstacles", *sensor_checks.obstacles(found.rings)),
+        Check("ground", *sensor_checks.ground(found.flow, found.ranges)),
         *_parameters(dialect, found),
         *_north(found),
         *_clock(found),
@@ -111,6 +119,8 @@ def _state(found: Findings) -> Check:
 def _health(found: Findings) -> Check:
     ill = [name for name, good in found.sensors.items() if good is False]
     missing = [name for name, good in found.sensors.items() if good is None]
+    if ill == ["GNSS"] and found.flow is not None:
+        return Check("health", Level.WARNING, "unhealthy: GNSS, but there is optical flow")
     if ill:
         return Check("health", Level.BAD, f"unhealthy: {', '.join(ill)}")
     if found.armable is False:
@@ -124,6 +134,8 @@ def _health(found: Findings) -> Check:
 
 def _home(found: Findings) -> Check:
     home = found.home
+    if home is None and found.flow is not None:
+        return Check("home", Level.WARNING, "no home position: the autopilot cannot return")
     if home is None:
         return Check("home", Level.BAD, "no home position: wait for a fix")
     place = f"{1e-7 * home['latitude']:.6f}, {1e-7 * home['longitude']:.6f}"
@@ -143,29 +155,6 @@ def _estimator(found: Findings) -> Check:
             "estimator", Level.BAD, f"it believes to move at {speed:.1f} m/s on the ground"
         )
     return Check("estimator", Level.GOOD, f"local position, {speed:.2f} m/s at rest")
-
-
-def _gnss(found: Findings) -> Check:
-    fix = found.fix
-    if fix is None:
-        return Check("gnss", Level.BAD, "no GNSS messages")
-    kind, seen = int(fix["fix_type"]), int(fix["satellites_visible"])
-    said = fix.get("h_acc", 0)
-    accuracy = f", {1e-3 * said:.1f} m" if said else ""
-    says = f"fix {kind}, {'?' if seen == 255 else seen} satellites{accuracy}"
-    if kind < 3:
-        return Check("gnss", Level.BAD, f"{says}: no 3D fix")
-    weak = seen < 8 or (said and said > 3000)
-    return Check("gnss", Level.WARNING if weak else Level.GOOD, says)
-
-
-def _battery(found: Findings) -> Check:
-    battery = found.battery
-    if battery is None or int(battery["battery_remaining"]) < 0:
-        return Check("battery", Level.WARNING, "the charge is not known")
-    charge = 0.01 * int(battery["battery_remaining"])
-    level = Level.GOOD if charge >= GOOD_CHARGE else Level.WARNING
-    return Check("battery", level if charge >= LEAST_CHARGE else Level.BAD, f"{charge:.0%}")
 
 
 def _parameters(dialect: Dialect, found: Findings) -> list[Check]:

@@ -64,7 +64,7 @@ def test_a_pack_of_another_component_is_another_one():
 
 
 def test_a_pack_heard_once_is_not_believed_beside_one_heard_often():
-    known = all_of([*((said(0, 80), float(n)) for n in range(5)), (said(7, 1), 5.0)])
+    known = all_of([*((said(0, 80), float(n)) for n in range(20)), (said(7, 1), 20.0)])
     assert battery(known).charge == 0.8
 
 

@@ -2,6 +2,9 @@ import json
 import math
 
 import pytest
+from vehicle.test_batteries import packs, said
+from vehicle.test_ground_sensors import DOWN, RAD, RATE
+from vehicle.test_obstacle_ring import ring
 
 from missionkit.errors import VehicleError
 from missionkit.vehicle.dialect import ARDUPILOT, PX4
@@ -23,7 +26,7 @@ GOOD = Findings(
     home={"latitude": 473977418, "longitude": 85455938, "altitude": 488000},
     local=dict.fromkeys(("x", "y", "z", "vx", "vy", "vz"), 0.01),
     fix={"fix_type": 3, "satellites_visible": 12, "h_acc": 1200},
-    battery={"battery_remaining": 95},
+    packs=packs(said(0, 95)),
     parameters=SAFE,
     date_gap=0.2,
     clock_rate=1.001,
@@ -37,6 +40,8 @@ def test_a_vehicle_without_faults_is_ready():
     assert {check["level"] for check in json.loads(report.json())["checks"]} == {"good"}
 
 
+LOST = {**GOOD.fix, "fix_type": 1}
+PIXELS = {"flow_x": 12, "flow_rate_x": 0.0, "flow_rate_y": 0.0}
 FAULTS = [
     ({"armed": None}, "state", Level.BAD, "no heartbeat"),
     ({"in_air": True}, "state", Level.WARNING, "already in the air"),
@@ -50,8 +55,27 @@ FAULTS = [
     ({"fix": None}, "gnss", Level.BAD, "no GNSS messages"),
     ({"fix": {**GOOD.fix, "fix_type": 1}}, "gnss", Level.BAD, "no 3D fix"),
     ({"fix": {**GOOD.fix, "satellites_visible": 6}}, "gnss", Level.WARNING, "6 satellites"),
-    ({"battery": {"battery_remaining": 20}}, "battery", Level.BAD, "20%"),
-    ({"battery": {"battery_remaining": -1}}, "battery", Level.WARNING, "not known"),
+    ({"packs": packs(said(0, 20))}, "battery", Level.BAD, "20%"),
+    ({"packs": packs(said(0, -1))}, "battery", Level.WARNING, "not known"),
+    (
+        {"packs": packs(said(0, 8), said(1, 95, 4))},
+        "battery",
+        Level.BAD,
+        "8% (battery 0 for everything, 8%; not counted: battery 1 for payload, 95%)",
+    ),
+    ({"fix": {**GOOD.fix, "vel": 65535}}, "gnss", Level.WARNING, "does not tell its velocity"),
+    ({"fix": LOST, "second_fix": GOOD.fix}, "gnss", Level.GOOD, "of the second receiver"),
+    ({"fix": LOST}, "gnss", Level.BAD, "missions do not take off without one"),
+    ({"fix": LOST, "flow": RAD}, "gnss", Level.WARNING, "navigates by optical flow"),
+    ({"home": None, "flow": RAD}, "home", Level.WARNING, "cannot return"),
+    ({"sensors": {"GNSS": False}, "flow": RAD}, "health", Level.WARNING, "optical flow"),
+    ({"rings": [ring({})]}, "obstacles", Level.GOOD, "72 of 72 directions, 12 m far"),
+    ({"rings": [ring({}, frame=0)]}, "obstacles", Level.GOOD, "aligned with north"),
+    ({"rings": [ring({}, frame=21)]}, "obstacles", Level.WARNING, "MAV_FRAME 21"),
+    ({"flow": RAD, "ranges": [DOWN]}, "ground", Level.GOOD, "quality 204 of 255, a range"),
+    ({"flow": RAD}, "ground", Level.WARNING, "no range finder down"),
+    ({"ranges": [{**DOWN, "orientation": 0}]}, "ground", Level.GOOD, "face [0]"),
+    ({"flow": {**RATE, **PIXELS}}, "ground", Level.WARNING, "flow_rate_x"),
     ({"date_gap": 3600.0}, "date", Level.WARNING, "+3600.0 s"),
     ({"clock_rate": 1.2}, "clock", Level.WARNING, "1.200"),
     ({"parameters": {**SAFE, "COM_OBL_RC_ACT": 7.0}}, "COM_OBL_RC_ACT", Level.BAD, "rotors"),
