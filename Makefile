@@ -49,8 +49,4 @@ schema: .venv/ready
 	@echo "Installed; the first flight also compiles the simulator, which takes about a minute"
 
 clean:
-	rm -rf .venv runs build *.egg-info
-
-.PHONY: clean-kernels
-clean-kernels:
-	find missionkit -name '*.nb[ci]' -delete
+	rm -rf .venv runs build *.egg-info missionkit/__pycache__/kernels

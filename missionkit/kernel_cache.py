@@ -1,0 +1,105 @@
+"""Where compiled kernels are kept: a folder named after all the sources that they are made of.
+
+A kernel takes in those it calls and the constants it reads, also from other files. The folder of
+a module's kernels carries a digest of its source and of everything of the package that it imports,
+so that a change in any of them is a new folder, and a stale kernel is never run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+from missionkit.private_folder import private, runtime_folder
+
+PACKAGE = "missionkit"
+IMPORT = re.compile(
+    rf"^[ \t]*(?:from ({PACKAGE}[\w.]*) import (\([^)]*\)|[^\n]*)|import ({PACKAGE}[\w.]*))",
+    re.MULTILINE,
+)
+
+
+def folder_for(module: str) -> Path | None:
+    """Return where the kernels of a module are kept, None if nowhere can be written.
+
+    Args:
+        module: of the package, by its full name.
+    """
+    base = _base()
+    if base is None:
+        return None
+    folder = base / f"{module}-{digest(module)[:16]}"
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError:
+        return None
+    return folder
+
+
+def digest(module: str, root: Path | None = None) -> str:
+    """Return a digest of the sources of a module and of all of the package that it imports.
+
+    Args:
+        module: of the package, by its full name.
+        root: the folder that holds the package; where this file is by default.
+    """
+    root = root or Path(__file__).parents[1]
+    found: dict[str, bytes] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        path = _source(root, name)
+        if name not in found and path is not None:
+            found[name] = path.read_bytes()
+            waiting += _imported(found[name].decode())
+    total = hashlib.sha256()
+    for name, text in sorted(found.items()):
+        total.update(f"{name} {len(text)}\n".encode() + text)
+    return total.hexdigest()
+
+
+def _imported(source: str) -> Iterator[str]:
+    """Yield the modules of the package that a source may import."""
+    for package, names, whole in IMPORT.findall(source):
+        yield package or whole
+        for name in re.findall(r"\w+", names):
+            yield f"{package}.{name}"
+
+
+def _source(root: Path, module: str) -> Path | None:
+    path = root.joinpath(*module.split("."))
+    files = (path.with_suffix(".py"), path / "__init__.py")
+    return next((it for it in files if it.is_file()), None)
+
+
+@cache
+def _base() -> Path | None:
+    """Return the first place that can be written.
+
+    `NUMBA_CACHE_DIR`, beside the package, the user's cache, the user's runtime folder.
+    """
+    for place, shared in _places():
+        with suppress(OSError):
+            if shared:
+                place.mkdir(parents=True, exist_ok=True)
+            else:
+                private(place)
+            if os.access(place, os.W_OK | os.X_OK):
+                return place
+    return None
+
+
+def _places() -> Iterator[tuple[Path, bool]]:
+    """Yield places, and whether others may be let in there as they are beside the package."""
+    if named := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(named), True
+    yield Path(__file__).parent / "__pycache__" / "kernels", True
+    with suppress(RuntimeError):  # a user without a home
+        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        yield Path(home) / PACKAGE, False
+    yield runtime_folder() / "kernels", False
