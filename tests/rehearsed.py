@@ -17,7 +17,7 @@ from missionkit.engine.loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import parse_fault
-from missionkit.sim.world import World
+from missionkit.sim.world import Wind, World
 
 MISSIONS = Path(__file__).parents[1] / "missions"
 
@@ -60,12 +60,21 @@ def precise(*faults: str, seed: int = 1) -> Flight:
     return flown(precise_stage(*faults, seed=seed))
 
 
-def precise_stage(*faults: str, seed: int = 1) -> Stage:
+def precise_stage(
+    *faults: str,
+    seed: int = 1,
+    cruise: float = 5.0,
+    wind: Wind | None = None,
+    limit: float = 1800.0,
+) -> Stage:
     catalogue = builtin()
-    mission = load(MISSIONS / "precision_task.yaml", catalogue)
+    mission = load(MISSIONS / "precision_task.yaml", catalogue, {"cruise": str(cruise)})
     eye = mission.camera.model_copy(update={"use": "corners"})
-    mission = mission.model_copy(update={"camera": eye})
+    settings = mission.settings.model_copy(update={"time_limit": limit})
+    mission = mission.model_copy(update={"camera": eye, "settings": settings})
     world = world_of(mission, MISSIONS)
+    if wind is not None:
+        world = world.model_copy(update={"wind": wind})
     return stage(mission, catalogue, world, seed, tuple(map(parse_fault, faults)))
 
 

@@ -73,7 +73,7 @@ class Inject(Behavior):
         progress = self._advance(here, norm(seen.position - goal.position), seen.now)
         velocity = None if waiting else self._velocity(target, here)
         return Step(
-            Guidance(goal.position, 0.5, velocity, goal.yaw, avoid=False),
+            Guidance(goal.position, 0.5, velocity, goal.yaw, avoid=False, work=target.position),
             payload=self.payload if progress.phase is Phase.WORK else None,
             done=progress.phase is Phase.OUT and progress.depth <= 0.0,
             goal=goal._replace(target=self.target),

@@ -40,7 +40,8 @@ class Servo(Behavior):
         if target.seen_at is None or seen.now - target.seen_at > self.patience:
             return Step(note=f"waiting for {self.target}", goal=goal)
         yaw = heading(seen, target, goal, self.align)
-        return Step(Guidance(goal.position, self.speed, yaw=yaw, avoid=False), goal=goal)
+        aim = Guidance(goal.position, self.speed, yaw=yaw, avoid=False, work=target.position)
+        return Step(aim, goal=goal)
 
     @override
     def targets(self) -> tuple[str, ...]:

@@ -10,15 +10,19 @@ import numpy as np
 from missionkit.chart.semantics.compiled import State
 from missionkit.chart.semantics.contain import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
+from missionkit.control.holding import guidance_to
 from missionkit.engine.answer import fault_of, push_fault
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Hands
+from missionkit.engine.obstacle_brake import blind, braked, scanned
+from missionkit.engine.standing import standing
 from missionkit.geometry import Vec3
 from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Step
 from missionkit.plugin import Behavior
 
 IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")
+BLIND = "holding: the obstacle scanner is silent"
 IN_VIEW = 0.5  # s since a target's last sighting
 LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
@@ -52,10 +56,18 @@ def act(
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
+    on_ground = seen.status is None or not seen.status.in_air
+    if step.action is not None or (on_ground and step.guidance is None):
+        mode = Mode.NONE
+    hands = scanned(plan, hands, seen)
+    if mode is not Mode.NONE and blind(plan, hands, step.guidance, seen):
+        step = step._replace(guidance=None, done=False, note=BLIND)
+    hands = standing(plan, hands, mode, step.guidance, seen)
     command, control, avoidance = _commanded(plan, mode, hands, step, seen, contain)
     if wrong := contain.take():  # the planner
         failing += wrong
         step = STILL._replace(memory=step.memory, goal=step.goal)
+        hands = standing(plan, hands, mode, None, seen)
         command, control, _ = _commanded(
             plan._replace(field=None), mode, hands, step, seen, contain
         )
@@ -70,6 +82,8 @@ def act(
         events=step.events,
         paused=hands.paused,
         past=hands.past,
+        held=hands.held,
+        scan=hands.scan,
     )
     return following, _ordered(command, orders, seen), step
 
@@ -104,16 +118,14 @@ def _stepped(
 def _commanded(
     plan: Plan, mode: Mode, hands: Hands, step: Step, seen: Estimate, contain: Containment
 ) -> tuple[Command, ControlMemory, Any]:
-    mode = Mode.NONE if step.action is not None else mode
-    on_ground = seen.status is None or not seen.status.in_air
-    if mode is Mode.NONE or (on_ground and step.guidance is None):
+    if mode is Mode.NONE:
         command = Command(None, step.action, step.height, step.payload)
         return command, plan.control.begin(), hands.avoidance
-    wanted, control = plan.control.aim(hands.control, mode, step.guidance, seen, plan.period)
-    push, avoidance = _push(plan, hands, step.guidance, wanted, seen, contain)
-    setpoint, control = plan.control.fly(
-        control, wanted, step.guidance, seen, plan.period, push=push
-    )
+    guidance = step.guidance if hands.held is None else guidance_to(hands.held)
+    wanted, control = plan.control.aim(hands.control, mode, guidance, seen, plan.period)
+    push, avoidance = _push(plan, hands, guidance, wanted, seen, contain)
+    setpoint, control = plan.control.fly(control, wanted, guidance, seen, plan.period, push=push)
+    setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)
     command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
     return command, control, avoidance
 

@@ -44,6 +44,7 @@ def _guides(guidance: object) -> bool:
         and speed is not None
         and _number(speed)
         and (guidance.velocity is None or _vector(guidance.velocity))
+        and (guidance.work is None or _vector(guidance.work))
         and _number(guidance.yaw)
     )
 

@@ -27,6 +27,7 @@ from missionkit.perception.eye import Eye
 from missionkit.perception.goal import facing
 from missionkit.planning import warm_up as planning
 from missionkit.planning.avoiding import Avoids
+from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
 
 
@@ -42,6 +43,7 @@ class Plan(NamedTuple):
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
+    brake: PotentialField | None = None  # before obstacles, whoever plans the way past them
 
 
 def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
@@ -75,6 +77,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         facing=turned,
         period=1.0 / mission.settings.rate,
         map=mission.known,
+        brake=None if mission.avoid is None else _brake(mission.avoid),
     )
 
 
@@ -98,6 +101,11 @@ def _planner(use: Use[Plugin]) -> Avoids:
         why = f"begin raised {type(error).__name__}: {error}"
         raise UsageError(f"planner {use.kind!r} cannot be used: {why}") from error
     return planner
+
+
+def _brake(use: Use[Plugin]) -> PotentialField:
+    """Return what brakes: the mission's own planner, or the built-in one beside another's."""
+    return use.plugin if isinstance(use.plugin, PotentialField) else PotentialField()
 
 
 def begin(plan: Plan, now: float = 0.0) -> Memory:

@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 
 from missionkit.chart.semantics.memory import ChartMemory
 from missionkit.control.controller import ControlMemory
+from missionkit.control.holding import Held
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Scan, VehicleStatus
 from missionkit.perception.eye import EyeMemory
+from missionkit.planning.potential_field import FieldMemory
 
 
 class Senses(NamedTuple):
@@ -44,6 +46,8 @@ class Hands(NamedTuple):
     events: tuple[str, ...] = ()  # from the behaviour, to be heard at the next tick
     paused: Mapping[str, Paused] = {}  # states around the one that commands
     past: Mapping[str, Paused] = {}  # states that a history may lead back to
+    scan: FieldMemory = FieldMemory()  # the newest, for braking
+    held: Held | None = None  # the place that is held while no behaviour leads anywhere
 
 
 class Memory(NamedTuple):

@@ -71,6 +71,7 @@ class Guidance(NamedTuple):
     velocity: Vec3 | None = None  # (3,), m/s, NED, reference velocity to feed forward
     yaw: float | None = None  # rad; None: P1's hybrid yaw law chooses
     avoid: bool = True  # let the potential field push away from obstacles
+    work: Vec3 | None = None  # (3,), m, NED, of what is worked on: it may be approached
 
 
 class Step(NamedTuple):

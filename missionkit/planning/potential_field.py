@@ -10,26 +10,38 @@ import numpy as np
 from pydantic import Field
 
 from missionkit.geometry import Vec3
-from missionkit.messages import Estimate, Points
+from missionkit.messages import Estimate, Guidance, Points
 from missionkit.planning import firas
 from missionkit.planning.brake import (
     STILL,
     Stopping,
     Surroundings,
+    admissible_speed,
+    backed_off,
     braked,
     free_path,
     stopping_distance,
+    within_sight,
 )
 from missionkit.planning.escape import Progress, follow, shorter_side
+from missionkit.planning.firas import Distances
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
+
+OWN = 1.2  # m, around a work: what stands there is what it hangs on
+ROOM = 0.2  # m, that a vehicle at its goal may still move towards what it works on
+LEAST_GAP = 0.1  # m, kept of what is worked on, whatever the goal asks for
+FIRM = 3.0  # times the excess over the admissible speed that the last check takes off
+RETREAT = 3.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
+BLIND = 0.5  # m/s, enough to hold a place against the wind
 
 
 class FieldMemory(NamedTuple):
     """What the potential field remembers from one step to the next."""
 
     points: Points | None = None  # (N, 3), m, NED, of the last scan
-    scanned_at: float = -math.inf  # s
+    scanned_at: float = -math.inf  # s, when it was measured
+    sight: float = math.inf  # m, how far it saw
     goal: tuple[float, float, float] | None = None  # m, NED
     progress: Progress = Progress()
 
@@ -49,7 +61,9 @@ class PotentialField(Plugin):
        points the mean, not P1's sum. It fades within `radius` of the goal, so that a goal near
        an obstacle can be reached (S. Ge, Y. Cui, "New potential functions for mobile robot path
        planning", 2000).
-    2. Braking (`brake`): the speed along the path never exceeds what stops before an obstacle.
+    2. Braking (`brake`): the speed along the path never exceeds what stops before an obstacle,
+       nor what stops within `sight`, beyond which there may be one. It is the last word on every
+       velocity, whatever a behaviour works at; then it asks for all the vehicle can do.
     3. Escape (`escape`): with an obstacle near and no progress of `step_size` in `patience`, a
        field tangential to the obstacle leads round it until the goal is nearer and in the open.
 
@@ -61,6 +75,9 @@ class PotentialField(Plugin):
     count for `max_age`. Braking: `deceleration`, which begins after `reaction`. Escape: along the
     obstacle at `escape_speed`, `keep` away from it; after `longest` any free way to the goal ends
     it, since an estimate that jumped may never come nearer than where it began.
+
+    `sight` is how far obstacles are seen; by default as far as the scanner says. A scanner that
+    was heard and falls silent leaves the vehicle blind: it holds.
     """
 
     kind: ClassVar[str] = "potential_field"
@@ -82,6 +99,7 @@ class PotentialField(Plugin):
     longest: Seconds = 40.0
     escape_speed: MetresPerSecond = Field(default=3.0, gt=0)
     max_age: Seconds = 0.5
+    sight: Metres | None = Field(default=None, gt=0)
 
     def begin(self) -> FieldMemory:
         """Return the memory at the start: nothing seen."""
@@ -104,13 +122,14 @@ class PotentialField(Plugin):
         """
         if not math.isfinite(_length(goal) + _length(wanted)):
             return np.zeros(3), memory
-        memory = self._noted(memory, seen, goal)
+        memory = self._aimed(self.noted(memory, seen), goal)
+        seeing = within_sight(wanted, self.fastest(memory, seen.now))
         around = self._near(memory, seen, wanted)
         if around is None:
-            return np.zeros(3), memory.clear()
+            return seeing - wanted, memory.clear()
         distance = _length(goal - seen.position)
         fade = min(1.0, distance / self.radius)
-        slowed = braked(wanted, seen.velocity, around, self._stopping)
+        slowed = braked(seeing, seen.velocity, around, self._stopping)
         push = slowed + fade * self.repulsion(around) - wanted
         hindered = _length(push) > 0.3 * _length(wanted) > STILL
         progress = self._progress(memory.progress, seen, goal, around, hindered=hindered)
@@ -118,7 +137,7 @@ class PotentialField(Plugin):
             push = self._past(around, seen, progress.side, wanted) - wanted
         if not math.isfinite(_length(push)):
             return np.zeros(3), memory
-        return push, FieldMemory(memory.points, memory.scanned_at, memory.goal, progress)
+        return push, memory._replace(progress=progress)
 
     def repulsion(self, around: Surroundings) -> Vec3:
         """Return v_rep (3,), m/s, NED, normalised and clamped as the class describes."""
@@ -140,15 +159,59 @@ class PotentialField(Plugin):
             position, points, self.radius, self.body_radius
         )
 
-    def brake(self, memory: FieldMemory, seen: Estimate, velocity: Vec3) -> Vec3:
+    def noted(self, memory: FieldMemory, seen: Estimate) -> FieldMemory:
+        """Return the memory with the scan of this tick, if there is a new one."""
+        at = seen.scanned_at
+        if seen.obstacles is None or at is None or at <= memory.scanned_at:
+            return memory
+        return memory._replace(
+            points=_finite(seen.obstacles), scanned_at=at, sight=self._sight(seen.scan_range)
+        )
+
+    def blind(self, memory: FieldMemory, now: float) -> bool:
+        """Say whether the scanner has fallen silent; one that was never heard has not."""
+        return now - self.max_age > memory.scanned_at > -math.inf
+
+    def fastest(self, memory: FieldMemory, now: float) -> float:
+        """Return the speed (m/s) from which the vehicle stops within what it sees."""
+        return BLIND if self.blind(memory, now) else self.admissible(memory.sight)
+
+    def admissible(self, sight: float) -> float:
+        """Return the speed (m/s) from which the vehicle stops within `sight` (m)."""
+        how = self._stopping
+        return admissible_speed(sight - how.width, how) if math.isfinite(sight) else math.inf
+
+    def brake(
+        self, memory: FieldMemory, seen: Estimate, velocity: Vec3, guidance: Guidance | None = None
+    ) -> Vec3:
         """Return `velocity` (3,), m/s, NED, so limited that the vehicle can stop in time.
 
-        For a last check on a setpoint; `step` has braked what it was told already.
+        The last check on a setpoint. The obstacle that a behaviour works on, which is what stands
+        within `OWN` of `guidance.work`, may be approached as far as its goal asks for, and no
+        further.
         """
+        velocity = within_sight(velocity, self.fastest(memory, seen.now))
         around = self._near(memory, seen, velocity)
         if around is None:
             return velocity
-        return braked(velocity, seen.velocity, around, self._stopping)
+        if guidance is not None and guidance.work is not None:
+            around = around._replace(keep=self._kept(memory, guidance.work, guidance.position))
+        slowed = braked(velocity, seen.velocity, around, self._stopping, FIRM)
+        return backed_off(slowed, around, self._stopping, RETREAT)
+
+    def _kept(self, memory: FieldMemory, work: Vec3, goal: Vec3) -> Distances:
+        """Return what is to be kept (N,), m, of each point near a work and its goal."""
+        points, full = memory.points, self._stopping.width
+        if points is None:
+            return np.empty(0)
+        own = np.hypot(points[:, 0] - work[0], points[:, 1] - work[1]) <= OWN
+        apart = np.hypot(points[:, 0] - goal[0], points[:, 1] - goal[1])
+        asked = apart[own].min() - ROOM if own.any() else full
+        least = min(full, max(self.body_radius + LEAST_GAP, float(asked)))
+        return np.where(own, least, full)
+
+    def _sight(self, scan_range: float) -> float:
+        return scan_range if self.sight is None else min(self.sight, scan_range)
 
     @cached_property
     def _gain(self) -> Vec3:
@@ -163,16 +226,12 @@ class PotentialField(Plugin):
             math.radians(self.ray_deg),
         )
 
-    def _noted(self, memory: FieldMemory, seen: Estimate, goal: Vec3) -> FieldMemory:
-        """Take in the scan, and begin anew with a new goal."""
-        points, at, (x, y, z) = memory.points, memory.scanned_at, goal.tolist()
-        if seen.obstacles is not None:
-            points, at = _finite(seen.obstacles), seen.now
+    def _aimed(self, memory: FieldMemory, goal: Vec3) -> FieldMemory:
+        """Begin afresh with a new goal."""
+        x, y, z = goal.tolist()
         if memory.goal is None or math.dist(memory.goal, (x, y, z)) > 1.0:
-            return FieldMemory(points, at, (x, y, z))
-        if at == memory.scanned_at:
-            return memory
-        return FieldMemory(points, at, memory.goal, memory.progress)
+            return memory._replace(goal=(x, y, z), progress=Progress())
+        return memory
 
     def _near(self, memory: FieldMemory, seen: Estimate, velocity: Vec3) -> Surroundings | None:
         """Return the scan around the vehicle, or None if at this velocity it does not matter."""

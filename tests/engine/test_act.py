@@ -29,6 +29,7 @@ class Pilot:
     def __init__(self, state: str, *, name: str = "x", avoid: bool = False) -> None:
         field = "" if avoid else "avoid: none\n"
         land = "" if name == "land" else "  land: {kind: land}\n"
+        field += "targets: {t: {position: [9, 9, -5]}}\n"
         text = f"{field}initial: {name}\nstates:\n  {name}: {state}\n{land}"
         self.name = name
         self.plan: Plan = prepare(short(text, CATALOGUE), CATALOGUE)
@@ -150,9 +151,70 @@ def test_obstacles_push_unless_the_guidance_forbids_it():
     away, wall = vec(30.0, 0.0, -5.0), np.array([[28.0, y, -5.0] for y in np.linspace(-3, 3, 25)])
     free, warned = (Pilot(GO_HOME, avoid=avoid) for avoid in (False, True))
     for pilot in (free, warned):
-        speeds(pilot, 40, position=away, obstacles=wall)
+        speeds(pilot, 40, position=away, obstacles=wall, scanned_at=10.0)
     unhindered, pushed = (
-        pilot.act(position=away, obstacles=wall)[0].setpoint.velocity[0] for pilot in (free, warned)
+        pilot.act(position=away, obstacles=wall, scanned_at=10.0)[0].setpoint.velocity[0]
+        for pilot in (free, warned)
     )
     assert unhindered == pytest.approx(-2.0, abs=0.05)
     assert pushed > -0.5
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        "{kind: custom, behavior: {use: odd, says: raise}}",
+        "{kind: custom, behavior: {use: servo, target: t}}",
+        GO_HOME,
+    ],
+    ids=["a plug-in misbehaves", "a marker is out of sight", "the goal is not known"],
+)
+def test_standing_still_is_holding_a_place(state):
+    """Pushed 2 m off, it comes back: a velocity of zero would drift with the wind."""
+    pilot = Pilot(state)
+    pilot.act(entered=True, position=vec(3.0, 4.0, -5.0), home=None)
+    for _ in range(20):
+        command, step = pilot.act(position=vec(3.0, 6.0, -5.0), home=None)
+    assert step.guidance is None
+    assert command.setpoint.velocity[1] == pytest.approx(-1.5, abs=0.1)
+    np.testing.assert_allclose(pilot.hands.held.position, (3.0, 4.0, -5.0))
+
+
+def test_the_place_is_where_the_vehicle_comes_to_rest_and_is_given_up_with_the_next_goal():
+    pilot = Pilot(GO_HOME)
+    pilot.contain.note("gust raised ValueError: no")
+    pilot.act(velocity=vec(3.0, 0.0, 0.0))
+    assert 2.0 < pilot.hands.held.position[0] < 3.0
+    pilot.act()
+    assert pilot.hands.held is None
+
+
+def test_without_a_sound_estimate_no_place_is_held():
+    pilot = Pilot("{kind: custom, behavior: {use: odd, says: raise}}")
+    lost = calm().health._replace(diverged=True)
+    command, _ = pilot.act(entered=True, health=lost, position=vec(3.0, 4.0, -5.0))
+    assert pilot.hands.held is None
+    command, _ = pilot.act(health=lost, position=vec(3.0, 9.0, -5.0))
+    assert norm(command.setpoint.velocity) == 0.0
+
+
+def test_a_scanner_that_falls_silent_stops_the_vehicle():
+    pilot = Pilot(GO_HOME, avoid=True)
+    away, nothing = vec(30.0, 0.0, -5.0), np.empty((0, 3))
+    speeds(pilot, 40, position=away, obstacles=nothing, scanned_at=10.0)
+    command, step = pilot.act(now=10.4, position=away, scanned_at=10.0)
+    assert (step.note, command.setpoint.velocity[0]) == ("", pytest.approx(-2.0, abs=0.05))
+    command, step = pilot.act(now=10.6, position=away, scanned_at=10.0)
+    assert step.note == "holding: the obstacle scanner is silent"
+    assert norm(command.setpoint.velocity) <= 0.5
+
+
+def test_braking_before_an_obstacle_does_not_wait_for_the_comfort_limit():
+    pilot = Pilot(GO_HOME.replace("speed: 2", "speed: 6"), avoid=True)
+    away, clear = vec(30.0, 0.0, -5.0), np.empty((0, 3))
+    fast = {"position": away, "velocity": vec(-6.0, 0.0, 0.0), "scanned_at": 10.0}
+    speeds(pilot, 60, **fast, obstacles=clear)
+    wall = np.array([[26.0, 0.0, -5.0]])
+    command, _ = pilot.act(**{**fast, "scanned_at": 10.1}, obstacles=wall)
+    assert command.setpoint.velocity[0] > 0.0
+    assert pilot.hands.control.pushed

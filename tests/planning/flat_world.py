@@ -66,7 +66,10 @@ class Flight(NamedTuple):
 
 
 def estimate(now: float, p: Vec3, v: Vec3, points: np.ndarray | None) -> Estimate:
-    return Estimate(now, p, v, IDENTITY, np.zeros(3), HEALTH, obstacles=points)
+    at = None if points is None else now
+    return Estimate(
+        now, p, v, IDENTITY, np.zeros(3), HEALTH, obstacles=points, scanned_at=at, scan_range=RANGE
+    )
 
 
 def fly(

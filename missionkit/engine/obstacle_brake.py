@@ -1,0 +1,50 @@
+"""Braking before obstacles: the last word on every setpoint, whatever a behaviour works at."""
+
+from __future__ import annotations
+
+from missionkit.control.controller import ControlMemory
+from missionkit.control.limits import finite
+from missionkit.engine.flight import Plan
+from missionkit.engine.memory import Hands
+from missionkit.messages import Estimate, Guidance, Setpoint
+
+
+def scanned(plan: Plan, hands: Hands, seen: Estimate) -> Hands:
+    """Take in what was scanned, whatever the state does."""
+    if plan.brake is None:
+        return hands
+    return hands._replace(scan=plan.brake.noted(hands.scan, seen))
+
+
+def blind(plan: Plan, hands: Hands, guidance: Guidance | None, seen: Estimate) -> bool:
+    """Say whether the guidance leads past obstacles that can no longer be seen."""
+    if plan.brake is None or guidance is None or not guidance.avoid:
+        return False
+    return plan.brake.blind(hands.scan, seen.now)
+
+
+def braked(
+    plan: Plan,
+    hands: Hands,
+    setpoint: Setpoint,
+    control: ControlMemory,
+    guidance: Guidance | None,
+    seen: Estimate,
+) -> tuple[Setpoint, ControlMemory]:
+    """Return the setpoint so limited that the vehicle can stop; no comfort limit slows that.
+
+    Args:
+        plan: what flies.
+        hands: with the newest scan.
+        setpoint: about to be sent.
+        control: the memory of what made it.
+        guidance: what it was made from.
+        seen: the estimate at this tick.
+    """
+    if plan.brake is None:
+        return setpoint, control
+    velocity = plan.brake.brake(hands.scan, seen, setpoint.velocity, guidance)
+    slower = finite(setpoint._replace(velocity=velocity))
+    if slower is None or velocity is setpoint.velocity:
+        return setpoint, control
+    return slower, control._replace(pushed=True)
