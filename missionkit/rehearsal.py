@@ -25,6 +25,7 @@ from missionkit.engine.loop import (
 )
 from missionkit.engine.memory import Course
 from missionkit.engine.waking import Resumption
+from missionkit.errors import UsageError
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
@@ -99,7 +100,15 @@ def stage(
     seed: int,
     faults: Sequence[Fault] = (),
 ) -> Stage:
-    """Set up one flight; everything random comes from `seed`."""
+    """Set up one flight; everything random comes from `seed`.
+
+    Raises:
+        UsageError: the vehicle would start off the mission's map or in one of its walls.
+    """
+    wrong = "" if mission.known is None else mission.known.unfit_start(world.start)
+    if wrong:
+        north, east = world.start
+        raise UsageError(f"world {world.world!r}: it starts at ({north:g}, {east:g}), {wrong}")
     warm_up(corners=mission.camera.use == "corners")
     plan = prepare(mission, catalogue)
     return Stage(mission, plan, world, SimulatedVehicle(world, mission.camera, seed, faults))

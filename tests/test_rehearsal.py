@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 
 import pytest
-from rehearsed import MISSIONS, flown, precise, precise_stage, short_stage, timeless
+from rehearsed import MISSIONS, flown, precise, precise_stage, short, short_stage, timeless
 
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
 from missionkit.cli.scaffold import new
 from missionkit.engine.loop import End
+from missionkit.errors import UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Record
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal import stage, world_of
+from missionkit.sim.world import World
 
 
 def test_the_precision_task_succeeds():
@@ -140,3 +142,12 @@ def test_a_mission_without_a_world_is_rehearsed_over_an_empty_field(tmp_path):
     assert len(world_of(named, tmp_path).obstacles) == 1
     assert world_of(named.model_copy(update={"world": None}), tmp_path).obstacles == ()
     assert world_of(load(MISSIONS / "precision_task.yaml", builtin()), MISSIONS).world == "orchard"
+
+
+def test_a_world_that_starts_in_a_wall_of_the_map_is_refused():
+    walls = "polygons: [[[3, 0], [4, 0], [4, 4], [3, 4]]]"
+    land = "initial: land\nstates: {land: {kind: land}}\n"
+    mission = short(f"map: {{north: [-2, 8], east: [-2, 8], {walls}}}\n{land}")
+    for start, why in (((3.5, 2.0), "inside a wall of the map"), ((20.0, 0.0), "outside the map")):
+        with pytest.raises(UsageError, match=why):
+            stage(mission, builtin(), World(world="field", start=start), 1)

@@ -23,6 +23,7 @@ LOOK = 1.0  # m ahead on the path, where the nose points
 REST = 0.5  # s between two plans
 STANDING = 0.1  # m/s, slow enough to plan
 AWAY = 0.3  # m along a path; nearer it has not left the place where it stood
+START: Spot = (0.0, 0.0)  # take-off point: the origin of the map
 NO_PATH = "path.none"
 PLANNED = "path.planned"
 
@@ -125,9 +126,12 @@ class FollowPath(Behavior):
             return "'manhattan' overestimates diagonal moves; use 'octile' or 'euclidean'"
         if known is None:
             return "needs the mission's 'map'"
-        goal = (0.0, 0.0) if self.target == HOME else targets.get(self.target)
-        if goal is None:
-            return ""
+        if wrong := known.unfit_start(START):
+            return f"the take-off point is {wrong}"
+        goal = START if self.target == HOME else targets.get(self.target)
+        return "" if goal is None else self._unfit_goal(known, goal)
+
+    def _unfit_goal(self, known: Occupancy, goal: Spot) -> str:
         if not known.covers(goal):
             return f"its target {self.target!r} is outside the map"
         if known.gap(goal) < self._radius(0.0):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -13,11 +13,16 @@ from missionkit.chart.model.problems import plain, problems_in
 from missionkit.chart.text.located import Table, shown
 from missionkit.chart.text.reader import read_file
 from missionkit.errors import FileError, Place, Problem
-from missionkit.messages import Image, Occupancy
+from missionkit.messages import Occupancy
+from missionkit.planning.known_map import MOST_CELLS
 from missionkit.planning.map_server import MapFile
+
+if TYPE_CHECKING:
+    from missionkit.perception.map_image import Shades
 
 M = TypeVar("M", bound=BaseModel)
 Files = tuple[Path, ...]
+MOST_BYTES = 64_000_000  # of an image
 
 
 def read(mission: Mission, folder: Path) -> tuple[Occupancy | None, Files]:
@@ -37,7 +42,7 @@ def read(mission: Mission, folder: Path) -> tuple[Occupancy | None, Files]:
     path = _inside(folder, folder, section.file, place)
     meta = _meta(path)
     image = _inside(folder, path.parent, meta.image, Place(str(path), 1, 1))
-    return meta.read(_grey(image, place)), (path, image)
+    return meta.read(_shades(image, place)), (path, image)
 
 
 def problems_of(mission: Mission) -> Iterator[Problem]:
@@ -76,10 +81,16 @@ def _meta(path: Path) -> MapFile:
         raise FileError(found) from error
 
 
-def _grey(path: Path, place: Place) -> Image:
-    from missionkit.perception.imaging import decode_grey  # noqa: PLC0415
+def _shades(path: Path, place: Place) -> Shades:
+    from missionkit.perception.map_image import decode_shades  # noqa: PLC0415
 
     try:
-        return decode_grey(path.read_bytes())
+        return decode_shades(_bytes(path), MOST_CELLS)
     except (OSError, ValueError) as error:
         raise FileError([Problem(place, f"map image {path.name}: {error}")]) from error
+
+
+def _bytes(path: Path) -> bytes:
+    if path.stat().st_size > MOST_BYTES:
+        raise ValueError(f"it has more than {MOST_BYTES // 1_000_000} MB")
+    return path.read_bytes()

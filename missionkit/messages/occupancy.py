@@ -51,6 +51,12 @@ class Occupancy:
         row, column = self.cell(spot)
         return bool(self.costs[int(row), int(column)] == math.inf)
 
+    def unfit_start(self, spot: Spot) -> str:
+        """Say why nothing can start from a place; "": it can."""
+        if not self.covers(spot):
+            return "outside the map"
+        return "inside a wall of the map" if self.blocked(spot) else ""
+
     def gap(self, spot: Spot) -> float:
         """Return the distance (m) from a place to the nearest blocked cell; infinite: none."""
         row, column = self.cell(spot)

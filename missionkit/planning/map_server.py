@@ -1,10 +1,11 @@
 """Maps as images with a YAML file beside them, as ROS map_server reads and writes them.
 
-    p = (255 - x) / 255, or x / 255 with `negate`
+    p = 1 - x, or x with `negate`, for shades x from 0 (black) to 1 (white)
     blocked where p > occupied_thresh, free where p < free_thresh
 
 What is neither is not known: blocked as well. With mode `scale` it is passable and a metre there
-costs from 1 at `free_thresh` to `DEAREST` at `occupied_thresh`.
+costs from 1 at `free_thresh` to `DEAREST` at `occupied_thresh`. What is transparent is not known
+and blocked in either mode.
 
 Source: https://wiki.ros.org/map_server
 """
@@ -14,9 +15,9 @@ from __future__ import annotations
 from typing import Literal, Self
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from missionkit.messages.observation import Image
 from missionkit.messages.occupancy import Occupancy
 from missionkit.units import Fraction, Metres, Number
 
@@ -44,9 +45,14 @@ class MapFile(BaseModel):
             raise ValueError("free_thresh must be below occupied_thresh")
         return self
 
-    def read(self, image: Image) -> Occupancy:
-        """Return the map in a grey image (height, width), whose first row is the northern edge."""
-        grey = np.flipud(image).astype(np.float64) / 255.0
+    def read(self, shades: npt.NDArray[np.float64]) -> Occupancy:
+        """Return the map in an image.
+
+        Args:
+            shades: (height, width), 0 black to 1 white, NaN not known; the first row is the
+                northern edge.
+        """
+        grey = np.flipud(shades)
         p = grey if self.negate else 1.0 - grey
         costs = np.full(p.shape, np.inf)
         costs[p < self.free_thresh] = 1.0

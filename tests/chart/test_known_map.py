@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from missionkit.chart import known_map
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load, parse
 from missionkit.errors import FileError
@@ -82,3 +83,17 @@ def test_a_path_needs_a_map_and_a_goal_on_it():
     assert "'spot' is 0.00 m from a wall, and 1.05 m are to be kept" in told(spot="[3.5, 2, 0]")
     assert "'spot' is 0.50 m from a wall" in told(spot="[4.5, 2, 0]")
     assert "'manhattan' overestimates" in told(more=", heuristic: manhattan")
+
+
+def test_a_start_off_the_map_or_in_a_wall_is_a_mistake_as_for_targets():
+    where = "m.yaml:9:15: state 'path': follow_path: the take-off point is "
+    north = DRAWN.replace("north: [-2, 8]", "north: [1, 8]")
+    assert told(section=north) == where + "outside the map"
+    walled = DRAWN.replace("[[3, 0], [4, 0], [4, 4], [3, 4]]", "[[-1, -1], [1, -1], [1, 1]]")
+    assert told(section=walled) == where + "inside a wall of the map"
+
+
+def test_an_image_of_many_bytes_is_not_even_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(known_map, "MOST_BYTES", 50)
+    with pytest.raises(FileError, match=r"map image map\.png: it has more than 0 MB"):
+        load(written(tmp_path), builtin())

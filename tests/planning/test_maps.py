@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from missionkit.messages import Occupancy
-from missionkit.perception.imaging import decode_grey
+from missionkit.perception.map_image import decode_shades
 from missionkit.planning.known_map import KnownMap
 from missionkit.planning.map_server import DEAREST, MapFile
 from missionkit.planning.polygons import drawn
@@ -22,7 +22,7 @@ FILE = MapFile(image="map.pgm", resolution=0.5, origin=(10.0, 20.0, 0.0))
 def test_the_last_row_of_an_image_is_the_south_of_the_map():
     image = np.full((3, 4), 254, np.uint8)
     image[0, 0] = 0  # upper left: north-west
-    known = FILE.read(image)
+    known = FILE.read(image / 255.0)
     assert known.blocked((21.25, 10.25))
     assert np.isinf(known.costs).sum() == 1
     assert known.costs[2, 0] == INF
@@ -35,16 +35,16 @@ def test_the_last_row_of_an_image_is_the_south_of_the_map():
 def test_grey_is_free_blocked_or_not_known():
     greys = np.array([[254, 206, 205, 128, 90, 89, 0]], np.uint8)
     p = (255.0 - greys) / 255.0
-    told = FILE.read(greys).costs
+    told = FILE.read(greys / 255.0).costs
     np.testing.assert_array_equal(told == 1.0, p < 0.196)
     assert np.isinf(told[p >= 0.196]).all()
-    inverted = FILE.model_copy(update={"negate": 1}).read(255 - greys).costs
+    inverted = FILE.model_copy(update={"negate": 1}).read((255 - greys) / 255.0).costs
     np.testing.assert_array_equal(inverted, told)
 
 
 def test_mode_scale_makes_grey_dearer():
     scale = FILE.model_copy(update={"mode": "scale", "free_thresh": 0.2, "occupied_thresh": 0.6})
-    (costs,) = scale.read(np.array([[255, 204, 153, 102, 100]], np.uint8)).costs
+    (costs,) = scale.read(np.array([[255, 204, 153, 102, 100]]) / 255.0).costs
     assert costs[:4] == pytest.approx([1.0, 1.0, (1.0 + DEAREST) / 2.0, DEAREST])
     assert costs[4] == INF
 
@@ -54,12 +54,74 @@ def test_png_and_pgm_are_read_alike(tmp_path, ending):
     image = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
     path = tmp_path / f"map.{ending}"
     cv2.imwrite(str(path), image)
-    np.testing.assert_array_equal(decode_grey(path.read_bytes()), image)
+    np.testing.assert_allclose(decode_shades(path.read_bytes(), 12), image / 255.0)
 
 
 def test_a_text_pgm_is_read_too():
     data = b"P2\n# written by hand\n3 1\n255\n0 128 255\n"
-    np.testing.assert_array_equal(decode_grey(data), [[0, 128, 255]])
+    np.testing.assert_allclose(decode_shades(data, 3), [[0.0, 128 / 255, 1.0]])
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"P5 3 1 100\n" + bytes([0, 50, 100]),
+        b"P2 3 1 100 0 50 100 ",
+        b"P5\n# of a scanner\n3 1\n# 16 bits\n1000\n" + np.array([0, 500, 1000], ">u2").tobytes(),
+        b"P5 3 1 2\n" + bytes([0, 1, 2]),
+    ],
+)
+def test_white_is_the_largest_value_of_a_pgm_whatever_it_is(data):
+    np.testing.assert_allclose(decode_shades(data, 3), [[0.0, 0.5, 1.0]])
+
+
+def png(image):
+    return cv2.imencode(".png", image)[1].tobytes()
+
+
+def test_a_png_of_16_bits_is_read_in_full():
+    np.testing.assert_allclose(
+        decode_shades(png(np.array([[0, 32768, 65535]], np.uint16)), 3),
+        [[0.0, 0.5, 1.0]],
+        atol=1e-5,
+    )
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale"])
+@pytest.mark.parametrize("shade", [0, 200, 255])
+@pytest.mark.parametrize("alpha", [0, 254, 255])
+def test_what_is_transparent_is_not_known_and_blocked(mode, shade, alpha):
+    image = np.full((2, 2, 4), 255, np.uint8)
+    image[0, 0] = (shade, shade, shade, alpha)
+    meta = FILE.model_copy(update={"mode": mode})
+    known = meta.read(decode_shades(png(image), 4))
+    opaque = meta.read(decode_shades(png(image[..., :3]), 4))
+    assert np.isinf(known.costs[1, 0]) == (alpha < 255 or np.isinf(opaque.costs[1, 0]))
+    assert np.isinf(known.costs).sum() <= 1
+
+
+@pytest.mark.parametrize(
+    ("data", "why"),
+    [
+        (b"", "these 0 bytes are not a PNG or PGM image"),
+        (b"P5 30000 30000 255\n\x00", "30000 x 30000 pixels, and 100 are the most"),
+        (b"P5 999999999 999999999 255\n", "and 100 are the most"),
+        (b"P5 5 5 255\n\x00\x01", "5 x 5 pixels by its header, but 2 in the file"),
+        (b"P5 2 1 100\n\x00\x65", "a pixel of 101, and 100 is the largest by its header"),
+        (b"P5 0 5 255\n", "it has 0 x 5 pixels"),
+        (b"P5 2 1 0\n\x00\x00", "its largest value is 0"),
+        (b"P5 2 1 70000\n\x00\x00", "its largest value is 70000"),
+        (b"P2 2 1 255\n1 x", "a pixel is not a number"),
+        (b"P5 -2 1 255\n1 x", "not a PNG or PGM"),
+        (png(np.zeros((11, 10), np.uint8)), "10 x 11 pixels, and 100 are the most"),
+        (png(np.zeros((5, 5), np.uint8))[:45], "a PNG that cannot be decoded"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(40), "it has 0 x 0 pixels"),
+        (cv2.imencode(".jpg", np.zeros((5, 5), np.uint8))[1].tobytes(), "not a PNG or PGM"),
+    ],
+)
+def test_an_image_that_is_none_or_lies_is_refused_in_a_sentence(data, why):
+    with pytest.raises(ValueError, match=why):
+        decode_shades(data, 100)
 
 
 @pytest.mark.parametrize(
