@@ -14,8 +14,8 @@ from missionkit.vehicle.streams import QUEUED
 from missionkit.vehicle.timing import MissionClock
 
 RING = {
-    "frame": 12, "sensor_type": 0, "distances": [500, *[1201] * 71], "increment": 5, "increment_f": 0.0,
-    "angle_offset": 0.0, "min_distance": 20, "max_distance": 1200,
+    "frame": 12, "sensor_type": 0, "distances": [500, *[1201] * 71], "increment": 5,
+    "increment_f": 0.0, "angle_offset": 0.0, "min_distance": 20, "max_distance": 1200,
 }  # fmt: skip
 LEVEL, TILTED = IDENTITY, from_euler(0.0, -0.4, 0.0)
 
