@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import socket
 import sys
 import threading
@@ -19,7 +20,7 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.lock import LinkLock
 
-SPEED = 6.0
+SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done
 PERIOD = 0.05
 STILL = Command()
@@ -33,6 +34,20 @@ def free_port():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
+
+
+def affordable(speed):
+    """Return how many times real time this machine can fly now: at most `speed`, at least 1.
+
+    Faster than real time is a favour of an idle machine. A busy or slow one is a real companion
+    computer, which has to fly in real time.
+    """
+    wall, busy = time.perf_counter(), time.thread_time()
+    while time.thread_time() - busy < 0.03:
+        pass
+    share = 0.03 / (time.perf_counter() - wall)
+    load = os.getloadavg()[0] / (os.cpu_count() or 1)
+    return max(1.0, speed * min(1.0, share, 1.5 / max(load, 0.1)))
 
 
 class Sitl:
@@ -78,6 +93,7 @@ class Sitl:
 def sitl(dialect="px4", speed=SPEED, **setup):
     port = free_port()
     links = (f"udpout:127.0.0.1:{port}",)
+    speed = affordable(speed)
     with serving(Setup(dialect=dialect, links=links, speed=speed, **setup)) as server:
         control = Sitl(server, port, speed)
         if dialect == "px4":
@@ -179,7 +195,7 @@ def command(autopilot, *arguments):
     return [*python, "run", *arguments, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
 
 
-def until(holds, limit=10.0):
+def until(holds, limit=60.0):
     """Wait until something holds, for at most `limit` (s, wall)."""
     end = time.perf_counter() + limit
     while not holds():

@@ -13,7 +13,7 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse as address_of
 from missionkit.vehicle.lock import LinkLock
 
-LIMIT = 60.0  # s of mission time, however a flight goes wrong
+LIMIT = 300.0  # s of mission time, however a flight goes wrong
 
 STAY = """
 missionkit: 1

@@ -9,11 +9,11 @@ import sys
 
 import pytest
 from documents import ROOT, document
-from vehicle.flying import free_port
+from vehicle.flying import SPEED, affordable, free_port
 
 PAGES = ("docs/how-to/fly-on-px4-sitl.md", "docs/how-to/fly-on-ardupilot-sitl.md")
-PATIENCE = 20.0  # s, with one command
-LIFE = 150  # s; then the autopilot ends, even if nobody is left to end it
+PATIENCE = 200.0  # s, with one command
+LIFE = 500  # s; then the autopilot ends, even if nobody is left to end it
 MERCY = 5  # s between asking a process to end and killing it
 PORTS = ("14540", "5760")
 
@@ -43,13 +43,14 @@ def test_every_command_of_a_page_does_what_it_says(page, tmp_path):
     links = [f"udpout:127.0.0.1:{ports['14540']}", f"tcpin:127.0.0.1:{ports['5760']}"]
     (start, *others) = commands(document(page))
     assert start[:2] == ["missionkit", "sitl"]
-    more = ["--speed", "5", "--json", *(word for link in links for word in ("--link", link))]
+    speed = f"{affordable(SPEED):.2f}"
+    more = ["--speed", speed, "--json", *(word for link in links for word in ("--link", link))]
     mortal = ["timeout", f"--kill-after={MERCY}", str(LIFE), *missionkit(start, ports, *more)]
     with subprocess.Popen(mortal, stdout=subprocess.PIPE, cwd=tmp_path, env=around) as sitl:
         try:
             assert json.loads(sitl.stdout.readline())
             for words in others:
-                fast = ("--speed", "5", "--headless") if words[1] == "run" else ()
+                fast = ("--speed", speed, "--headless") if words[1] == "run" else ()
                 subprocess.run(
                     missionkit(words, ports, *fast),
                     cwd=tmp_path,

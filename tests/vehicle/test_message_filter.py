@@ -1,6 +1,6 @@
 """The filter between simulated autopilot and adapter does what tests rely on."""
 
-from vehicle.flying import SPEED, over_the_wire
+from vehicle.flying import over_the_wire
 from vehicle.message_filter import MessageFilter
 
 from missionkit.sim.mavlink.dialect import mavlink
@@ -16,7 +16,7 @@ def test_it_alters_drops_adds_and_spoofs(tmp_path):
         await flight.until(lambda: cache.latest("GPS_RAW_INT")["satellites_visible"] == 77)
         await flight.until(lambda: "status.info.added" in flight.events)
         last = cache.latest("BATTERY_STATUS").arrived
-        await flight.until(lambda: (cache.wall() - last) * SPEED > 5.0)
+        await flight.until(lambda: (cache.wall() - last) * autopilot.speed > 5.0)
         link.inject(mavlink.MAVLink_statustext_message(4, b"spoofed"))
         link.inject(mavlink.MAVLink_statustext_message(4, b"stranger"), system=9)
         await flight.until(lambda: "status.warning.spoofed" in flight.events)

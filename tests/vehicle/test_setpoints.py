@@ -148,7 +148,7 @@ def test_a_new_command_goes_out_at_once_from_a_thread_of_its_own():
     streamer.start()
     try:
         streamer.tell(NORTH, 0.0)
-        assert went.wait(2.0)
+        assert went.wait(20.0)
     finally:
         streamer.stop()
     assert threads[0] == "setpoints"

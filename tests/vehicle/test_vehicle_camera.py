@@ -114,7 +114,7 @@ def running(camera):
 
 
 def wait(holds):
-    for _ in range(4000):
+    for _ in range(20_000):
         if holds():
             return
         threading.Event().wait(0.001)

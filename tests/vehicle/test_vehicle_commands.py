@@ -12,6 +12,8 @@ from missionkit.vehicle.dialect import ARDUPILOT, PX4
 from missionkit.vehicle.state import State
 from missionkit.vehicle.transaction import Outcome
 
+PATIENCE = 20.0  # s; only what is broken needs that long
+
 LOITER, TAKEOFF, LAND, OFF = 4 << 16 | 3 << 24, 4 << 16 | 2 << 24, 4 << 16 | 6 << 24, 6 << 16
 RETURN = 4 << 16 | 5 << 24
 
@@ -172,10 +174,10 @@ def test_a_more_urgent_wish_overtakes_one_that_waits_in_vain():
     try:
         assert commander.want((Action.TAKE_OFF, 6.0))
         assert not commander.want((Action.TAKE_OFF, 6.0))
-        assert asked.wait(2.0)
+        assert asked.wait(PATIENCE)
         assert commander.want((Action.LAND, None))
-        assert autopilot.cache.wait(lambda: autopilot.mode == LAND, 1.0)
-        assert autopilot.cache.wait(lambda: not commander.busy, 2.0)
+        assert autopilot.cache.wait(lambda: autopilot.mode == LAND, PATIENCE)
+        assert autopilot.cache.wait(lambda: not commander.busy, PATIENCE)
     finally:
         commander.stop()
     ended = {report.wish[0]: report.result.outcome for report in commander.reports()}
@@ -192,7 +194,7 @@ def test_the_link_may_break_without_ending_the_worker():
     commander.start()
     try:
         commander.want((Action.LAND, None))
-        assert autopilot.cache.wait(lambda: not commander.busy, 2.0)
+        assert autopilot.cache.wait(lambda: not commander.busy, PATIENCE)
     finally:
         commander.stop()
     (report,) = commander.reports()

@@ -83,7 +83,6 @@ class Plug:
 def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, monkeypatch):
     monkeypatch.setattr(device, "AGAIN", 0.05)
     plug = Plug()
-    camera = Device(plug, Wanted(320, 240, 10.0), 0.0, period=0.1 / BRISK)
 
     def pull(told):
         plug.here = False
@@ -92,6 +91,8 @@ def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, mo
         plug.here = True
 
     with sitl(speed=BRISK) as autopilot:
+        period = 0.1 / autopilot.speed
+        camera = Device(plug, Wanted(320, 240, 10.0), 0.0, period=period)
         strikes = {"seeing": pull, "blind": push}
         told = fly_mission(autopilot, LOOK, tmp_path, strikes, camera=camera)
         truth = autopilot.truth

@@ -26,6 +26,31 @@ def test_the_pilot_wins_within_a_heartbeat_and_until_asked(dialect, mode, tmp_pa
     over_the_wire(tmp_path, script, dialect)
 
 
+@pytest.mark.parametrize(
+    ("dialect", "low", "mode"),
+    [
+        ("px4", {"NAV_RCL_ACT": 3}, "LAND"),
+        ("ardupilot", {"RTL_ALT": 400, "RTL_LOIT_TIME": 0}, "RTL"),
+    ],
+)
+def test_without_a_remote_control_the_autopilots_failsafe_has_its_way(dialect, low, mode, tmp_path):
+    async def script(flight, autopilot):
+        for name, value in low.items():
+            autopilot.ask(parameter=name, value=value)
+        await flight.cruise(autopilot)
+        autopilot.ask(fault="rc_lost")
+        await flight.until(lambda: "failsafe_takeover" in flight.events, NORTH)
+        since = autopilot.now
+        await flight.until(lambda: not flight.status.armed, NORTH, 120.0)
+        assert "pilot_takeover" not in flight.events
+        assert autopilot.notes("setpoint", since + 1.5) == []
+        assert autopilot.notes("mode")[-1]["which"] == mode
+        assert autopilot.truth["on_ground"]
+        assert not autopilot.truth["crashed"]
+
+    over_the_wire(tmp_path, script, dialect)
+
+
 def test_a_landing_is_not_forced_on_a_pilot(tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)

@@ -1,7 +1,6 @@
 """Ordinary flights over the wire, in both dialects."""
 
 import asyncio
-import time
 
 import numpy as np
 import pytest
@@ -77,10 +76,8 @@ def test_nobody_there_is_said_within_the_patience_with_what_to_check(tmp_path):
     port = free_port()
     address = parse(f"udpin://127.0.0.1:{port}")
     vehicle = MavsdkVehicle(address, patience=0.5, lock=LinkLock(address, tmp_path))
-    start = time.perf_counter()
     with pytest.raises(VehicleError) as refused:
         asyncio.run(vehicle.connect())
-    assert time.perf_counter() - start < 3.0
     text = str(refused.value)
     assert f"no autopilot answered at udpin://127.0.0.1:{port} within 0.5 s" in text
     assert f"sends to port {port}" in text

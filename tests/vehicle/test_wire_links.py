@@ -9,7 +9,7 @@ import tty
 from contextlib import contextmanager
 
 import pytest
-from vehicle.flying import SPEED, Sitl, flying, free_port
+from vehicle.flying import SPEED, Sitl, affordable, flying, free_port
 
 from missionkit.sim.mavlink.server import Setup, serving
 
@@ -17,19 +17,19 @@ from missionkit.sim.mavlink.server import Setup, serving
 @contextmanager
 def udpin():
     port = free_port()
-    with serving(Setup(links=(f"udpout:127.0.0.1:{port}",), speed=SPEED)) as server:
+    with serving(Setup(links=(f"udpout:127.0.0.1:{port}",), speed=affordable(SPEED))) as server:
         yield server, f"udpin://127.0.0.1:{port}"
 
 
 @contextmanager
 def udpout():
-    with serving(Setup(links=("udpin:127.0.0.1:0",), speed=SPEED)) as server:
+    with serving(Setup(links=("udpin:127.0.0.1:0",), speed=affordable(SPEED))) as server:
         yield server, f"udpout://127.0.0.1:{server.addresses[0][1]}"
 
 
 @contextmanager
 def tcpout():
-    with serving(Setup(links=("tcpin:127.0.0.1:0",), speed=SPEED)) as server:
+    with serving(Setup(links=("tcpin:127.0.0.1:0",), speed=affordable(SPEED))) as server:
         yield server, f"tcpout://127.0.0.1:{server.addresses[0][1]}"
 
 
@@ -70,7 +70,7 @@ def test_it_arms_over_every_kind_of_link(link, tmp_path):
             return flight
 
     with link() as (server, url):
-        autopilot = Sitl(server, 0, SPEED)
+        autopilot = Sitl(server, 0, server.speed)
         autopilot.url = url
         try:
             flight = asyncio.run(arm(autopilot))

@@ -70,6 +70,23 @@ def test_fixes_that_wander_off_do_not_take_it_along_faster_than_they_do(tmp_path
     assert not truth["crashed"]
 
 
+@pytest.mark.parametrize(
+    ("fault", "most"),
+    [("baro_stuck", 1.5), ("gnss_toggling=2", 1.5), ("range_lost", 1.5), ("imu_biased=2", 6.0)],
+)
+def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
+    with sitl(speed=BRISK) as autopilot:
+        text = stay(after=6, failsafe="estimate_bad")
+        told = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
+        since = told.began["up"][1]
+        rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
+        truth = autopilot.truth
+    assert told.flown.end is End.LANDED
+    assert away(truth) < most
+    assert -rows[:, 3].min() < 3.0
+    assert not truth["crashed"]
+
+
 def test_a_gust_is_held_against(tmp_path):
     with sitl(speed=BRISK) as autopilot:
         told = fly_mission(autopilot, stay(after=4), tmp_path, {"up": strike("wind_gust=6+2")})
