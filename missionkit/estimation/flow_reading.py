@@ -37,6 +37,7 @@ def state(
             position_sd=sd,
             rejected=known.refused,
             placed=known.aligned,
+            height_sd=math.sqrt(max(float(known.S[UP, 0, 0]), 0.0)),
         ),
         targets={
             name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)

@@ -32,6 +32,7 @@ class Tally(NamedTuple):
     refused: tuple[int, ...]  # in a row
     strays: Mat  # (n, 4), s and m, NED: time and place of the fixes refused in a row
     late: int  # measurements that arrived too late, in all
+    resets: int = 0  # of the position, in all
 
 
 def begin() -> Tally:
@@ -68,7 +69,8 @@ def counted(tally: Tally, out: Outcome, bad: list[Vec3], now: float) -> Tally:
         kind = int(r[layout.KIND])
         since[kind] = min(since[kind], now)
         refused[kind] += 1
-    return Tally(tuple(accepted), tuple(since), tuple(refused), strays, tally.late + out.late)
+    late = tally.late + out.late
+    return Tally(tuple(accepted), tuple(since), tuple(refused), strays, late, tally.resets)
 
 
 def _strayed(strays: Mat, fix: Vec3) -> Mat:
@@ -132,8 +134,8 @@ def placed(tally: Tally, now: float, s: VisualInertialEkf) -> bool:
     return s.flow or now - latest <= PLACED_FOR
 
 
-def health(tally: Tally, sd: float, *, lost: bool, placed: bool) -> Health:
-    """Return the health of an aligned filter: `sd` (m, horizontal), `lost` if it diverged."""
+def health(tally: Tally, sd: float, height_sd: float, *, lost: bool, placed: bool) -> Health:
+    """Return the health of an aligned filter: sds (m), horizontal and of the height."""
     return Health(
         aligned=True,
         diverged=lost,
@@ -142,6 +144,8 @@ def health(tally: Tally, sd: float, *, lost: bool, placed: bool) -> Health:
         position_sd=sd,
         rejected=max(tally.refused),
         placed=placed,
+        height_sd=height_sd,
+        resets=tally.resets,
     )
 
 

@@ -152,7 +152,8 @@ class Navigator:
         before, after = past.xs[-1][0:3], (known.past or past).xs[-1][0:3]
         total = known.corrections[-1].transform.translation + after - before
         moved = Timed(at, Transform(IDENTITY, total))
-        return known._replace(corrections=(known.corrections[-1], moved))
+        tally = known.tally._replace(resets=known.tally.resets + 1)
+        return known._replace(corrections=(known.corrections[-1], moved), tally=tally)
 
     def _look(self, known: NavMemory, seen: Sighting, row: Vec3) -> NavMemory:
         """Draw the consequences of one sighting for its target's mark."""

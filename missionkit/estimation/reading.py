@@ -34,6 +34,7 @@ def aligned(
         health=health.health(
             known.tally,
             sd,
+            math.sqrt(max(P.item(2, 2), 0.0)),
             lost=lost,
             placed=health.placed(known.tally, known.now, settings),
         ),

@@ -17,7 +17,7 @@ from missionkit.messages.command import (
     Step,
 )
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
-from missionkit.messages.events import is_event
+from missionkit.messages.events import ABORT, is_event
 from missionkit.messages.observation import (
     NO_CYCLE,
     Baro,
@@ -41,6 +41,7 @@ from missionkit.messages.verdict import Verdict
 from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
 
 __all__ = [
+    "ABORT",
     "NO_CYCLE",
     "Action",
     "AnySetpoint",

@@ -36,6 +36,8 @@ class Health(NamedTuple):
     position_sd: float  # m, horizontal, 1 sigma
     rejected: int  # measurements in a row that failed the gate
     placed: bool = True  # the position has a source: a fix or sighting taken lately, or flow
+    height_sd: float | None = None  # m, 1 sigma, None: not known
+    resets: int = 0  # how often the position has jumped to what had been refused before
 
 
 class Goal(NamedTuple):

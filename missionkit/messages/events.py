@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 
+ABORT = "operator: land"
+"""What the operator's landing is called among the events; it is no name that a chart can hear."""
+
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
 
 

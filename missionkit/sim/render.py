@@ -75,7 +75,8 @@ class Renderer:
         if ahead:
             return min(ahead, key=lambda c: float(c[2]))
         sink, height = float(view.turn[2, 2]), -float(view.eye[2])
-        depth = max(0.3, height / sink) if sink > height / FAR else FAR
+        ground_ahead = height > 0.0 and sink > height / FAR
+        depth = max(0.3, height / sink) if ground_ahead else FAR
         return np.array([0.0, 0.0, depth])
 
     def _flow(self, view: View, body: Transform, velocity: Vec3, rates: Vec3, focus: Vec3) -> Vec3:

@@ -40,7 +40,7 @@ from missionkit.vehicle.velocity_correction import Correction, Moving
 PATIENCE = 10.0  # s to wait for an answer
 RESUMED = "control_resumed"  # the event when a person gave control back
 CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
-WORDS_WITHIN = 3.0  # s to wait for a heartbeat through the cache, once somebody has answered
+WORDS_WITHIN = 3.0  # s (wall; longer where time passes slowly) to wait for a heartbeat
 
 T = TypeVar("T")
 
@@ -223,10 +223,14 @@ class MavsdkVehicle:
             raise VehicleError(f"{self.address.url}: not connected")
         return self._parts
 
+    @property
+    def _words_within(self) -> float:
+        return WORDS_WITHIN / min(1.0, self._pace)
+
     async def _join(self, link: Link) -> None:
         link.listen(NAMES.values(), Scaled(self.cache.put))
         begun = wall()
-        await self.hear("HEARTBEAT", WORDS_WITHIN)
+        await self.hear("HEARTBEAT", self._words_within)
         await asyncio.sleep(max(0.0, CENSUS / self._pace - (wall() - begun)))
         beat = await self._identified(link)
         dialect = None if beat is None else dialect_of(int(beat["autopilot"]))
@@ -253,7 +257,9 @@ class MavsdkVehicle:
         beat = self.cache.latest("HEARTBEAT")
         if beat is not None and unfit(beat.fields):  # one packet alone is not believed
             await self.call(
-                self.cache.wait, lambda: self.cache.latest("HEARTBEAT") is not beat, WORDS_WITHIN
+                self.cache.wait,
+                lambda: self.cache.latest("HEARTBEAT") is not beat,
+                self._words_within,
             )
             beat = self.cache.latest("HEARTBEAT")
         if beat is not None and (why := unfit(beat.fields)):

@@ -32,12 +32,12 @@ class Origin(NamedTuple):
         return vec(north, east, self.altitude - altitude)
 
     def place(self, local: Vec3) -> tuple[float, float, float]:
-        """Return latitude, longitude (deg) and altitude (m) of a point (3,), m, NED."""
+        """Return latitude, longitude (deg, to ±180) and altitude (m) of a point (3,), m, NED."""
         meridian, normal = self._radii()
         flat = normal * math.cos(math.radians(self.latitude))
         return (
             self.latitude + math.degrees(float(local[0]) / meridian),
-            self.longitude + math.degrees(float(local[1]) / flat),
+            math.remainder(self.longitude + math.degrees(float(local[1]) / flat), 360.0),
             self.altitude - float(local[2]),
         )
 

@@ -77,6 +77,7 @@ class Parts:
         """Stop commanding. Blocks the calling thread for at most a few seconds."""
         self.streamer.stop()
         self.commander.stop()
+        self.payload.release()
         if not self.helm.ours or not self.state.in_air:
             return
         if self.state.mode == self.dialect.offboard_word:
@@ -86,9 +87,9 @@ class Parts:
 
     def obey(self, command: Command, at: float) -> None:
         """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
+        self.payload.want(command.payload if self.helm.ours else None)
         if not self.helm.ours:
             return
-        self.payload.want(command.payload)
         if command.action is not None:
             self._act(command.action, command.height, at)
         elif command.setpoint is not None:

@@ -12,6 +12,7 @@ from missionkit.vehicle.transaction import Acks
 from missionkit.vehicle.wire import Wire
 
 SET_ACTUATOR = 187  # MAV_CMD_DO_SET_ACTUATOR
+RELEASED = 2.0  # s (of the vehicle) to wait for an acknowledgement at the end
 AGAIN = 0.5  # s (of the vehicle) until it is sent again
 
 
@@ -29,9 +30,23 @@ class Payload:
         self._cache = cache
         self._acks = Acks(cache)
         self._again = AGAIN / pace
+        self._pace = pace
         self._on = False  # as wanted
         self._asked: float | None = None  # s, wall, when the change was first sent
         self._sent = float("-inf")  # s, wall
+
+    def release(self) -> None:
+        """Switch it off if it is on, and wait a moment until that is acknowledged. Blocks."""
+        if not self._on:
+            return
+        end = self._cache.wall() + RELEASED / self._pace
+        self.want(None)
+        while not self._acknowledged() and self._cache.wall() < end:
+            self._cache.wait(self._acknowledged, self._again)
+            self.want(None)
+
+    def _acknowledged(self) -> bool:
+        return self._asked is None or self._acks.since(SET_ACTUATOR, self._asked) is not None
 
     def want(self, name: str | None) -> None:
         """Take over what a tick wants: the actuator's name while it is to be on."""
@@ -40,7 +55,7 @@ class Payload:
             self._on, self._asked = on, now
         elif self._asked is None or now - self._sent < self._again:
             return
-        if self._asked is not None and self._acks.since(SET_ACTUATOR, self._asked) is not None:
+        if self._acknowledged():
             self._asked = None
             return
         self._sent = now

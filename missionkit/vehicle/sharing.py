@@ -21,7 +21,8 @@ from missionkit.vehicle.dialect import LOCAL_NED
 
 FRESH = 0.5  # s since vision last corrected the estimate
 FIDUCIAL = 2  # LANDING_TARGET_TYPE_VISION_FIDUCIAL
-VARIANCES = (0, 6, 11)  # of x, y, z in the upper triangle of the covariance (21,)
+X, Y, Z = 0, 6, 11  # variances of x, y and z in the upper triangle of the covariance (21,)
+COUNTER = 256  # resets are counted in a byte
 
 Fields = dict[str, Any]
 
@@ -103,12 +104,14 @@ def pose_fields(seen: Estimate, usec: int, start: Vec3) -> Fields:
     """
     x, y, z = (seen.position + start).tolist()
     roll, pitch, yaw = map(float, to_euler(seen.attitude))
+    health = seen.health
     covariance = [0.0] * 21
-    for index in VARIANCES:
-        covariance[index] = float(seen.health.position_sd) ** 2
+    covariance[X] = covariance[Y] = float(health.position_sd) ** 2
+    covariance[Z] = covariance[X] if health.height_sd is None else float(health.height_sd) ** 2
     angles = {"roll": roll, "pitch": pitch, "yaw": yaw}
     place = {"x": x, "y": y, "z": z}
-    return {"usec": usec, **place, **angles, "covariance": covariance, "reset_counter": 0}
+    resets = health.resets % COUNTER
+    return {"usec": usec, **place, **angles, "covariance": covariance, "reset_counter": resets}
 
 
 def target_fields(target: Target, seen: Estimate, usec: int, start: Vec3, frame: int) -> Fields:

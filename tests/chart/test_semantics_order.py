@@ -51,6 +51,28 @@ def test_of_all_that_holds_the_first_in_rank_wins():
         assert walk.state == (expected[0][0] if expected else "x")
 
 
+HEARS_ALL = """\
+initial: x
+dwell: 0
+states:
+  x: {kind: custom, transitions: [{to: y, event: "*"}]}
+  y: {kind: custom}
+  land: {kind: land, transitions: [{to: x, event: "*"}]}
+"""
+
+
+def test_the_operators_landing_is_no_event_that_a_star_hears():
+    walk = Walk(HEARS_ALL)
+    walk.run(0.5, ABORT)
+    assert walk.went() == [(0.05, "land")]
+
+
+def test_a_star_hears_all_others():
+    walk = Walk(HEARS_ALL)
+    walk.tick("operator")
+    assert walk.state == "y"
+
+
 RING = """\
 initial: x
 dwell: {dwell}

@@ -201,12 +201,15 @@ def test_a_jump_is_sat_out_then_believed():
     held = nav.read(memory)
     assert off_by(held, 12.6) < 1.0
     assert not held.health.diverged
+    assert held.health.resets == 0
     np.testing.assert_array_equal(held.correction, 0)
     memory = fly(nav, 16.0, since=12.6, memory=memory, change=jumped(jump))
     state = nav.read(memory)
     assert np.linalg.norm(state.position - position(16.0) - jump) < 1.0
     np.testing.assert_allclose(state.correction, jump, atol=1.5)
     assert state.health.rejected == 0
+    assert state.health.resets == 1
+    assert state.health.height_sd == pytest.approx(np.sqrt(state.covariance[2, 2]))
     assert not state.health.diverged
     np.testing.assert_allclose(state.velocity, velocity(16.0), atol=0.3)
     tree = nav.frames(memory)

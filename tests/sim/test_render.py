@@ -50,6 +50,16 @@ def sky(image):
     return cv2.GaussianBlur(image, (0, 0), 2.0) > 157
 
 
+@pytest.mark.parametrize("down", [-0.5, -0.05, 0.0, 0.05, 0.5, 3.0])
+@pytest.mark.parametrize("pitch", [0.0, -1.5, 1.5])
+def test_a_level_camera_on_the_ground_or_below_it_draws_too(down, pitch):
+    """A vehicle may say that it is below home."""
+    body = Transform(euler(0.0, pitch, 0.0), vec(0.0, 0.0, down))
+    moving = vec(1.0, 0.0, 0.5)
+    frame = renderer(markers=[], obstacles=[]).render(body, moving, STILL, 0.01)
+    assert frame.shape == (240, 320)
+
+
 def test_same_seed_same_frames_and_no_two_frames_alike():
     one, two, other = renderer(7), renderer(7), renderer(8)
     frames = [[r.render(AHEAD, STILL, STILL, 0.01) for _ in range(3)] for r in (one, two, other)]

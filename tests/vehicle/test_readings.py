@@ -78,6 +78,14 @@ def test_places_and_metres_agree_in_both_directions(latitude):
     np.testing.assert_allclose(home.local(*home.place(point)), point, atol=1e-6)
 
 
+@pytest.mark.parametrize(("longitude", "east"), [(179.9999, 40.0), (-179.9999, -40.0)])
+def test_a_place_beyond_the_antimeridian_has_a_longitude_that_exists(longitude, east):
+    home = Origin(0.0, longitude, 0.0)
+    found = home.place(vec(0.0, east, 0.0))[1]
+    assert abs(found) <= 180.0
+    assert found * longitude < 0.0
+
+
 def test_metres_agree_with_the_length_of_a_degree():
     """Lengths of one degree at 45 degrees north on WGS 84: 111,131.8 m and 78,846.8 m."""
     north = Origin(45.0, 10.0, 0.0).local(45.001, 10.001, 0.0)

@@ -49,6 +49,14 @@ class Station:
         return [name for name, _ in self.sent]
 
 
+def test_the_pose_says_how_sure_the_height_is_and_how_often_the_position_was_reset():
+    fields = pose_fields(seen(height_sd=0.5, resets=3), 0, START)
+    assert [fields["covariance"][n] for n in (0, 6, 11)] == pytest.approx([0.04, 0.04, 0.25])
+    assert fields["reset_counter"] == 3
+    assert pose_fields(seen(resets=256 + 7), 0, START)["reset_counter"] == 7
+    assert pose_fields(seen(), 0, START)["covariance"][11] == pytest.approx(0.04)
+
+
 def test_nothing_is_shared_unless_wanted():
     assert Station(NOTHING).tick(seen()) == []
 

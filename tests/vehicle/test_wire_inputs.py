@@ -1,41 +1,25 @@
 """Messages with parts missing, several senders or another frame, in flight; judged by the truth."""
 
+import asyncio
 import math
 
 import numpy as np
 import pytest
 from vehicle import on_a_mission
-from vehicle.flying import BRISK, sitl
+from vehicle.flying import BRISK, NORTH, flying, over_the_wire, sitl
 from vehicle.message_filter import MessageFilter
 from vehicle.on_a_mission import fly_mission, stay
 
 from missionkit.engine.loop import End
+from missionkit.geometry import from_euler, to_matrix
 from missionkit.sim.mavlink.dialect import mavlink
 from missionkit.sim.world import Box, World
 
 EMPTY = "{use: battery_below, floor: 0.2}"
-PAST_A_WALL = """
-missionkit: 1
-mission: past-a-wall
-camera: {use: none}
-dwell: 0.5
-targets: {pole: {position: [24.0, 0.0, -4.0]}}
-initial: up
-states:
-  up:
-    kind: idle
-    behavior: {use: take_off, height: 4}
-    transitions: [{to: out, when: done}]
-  out:
-    kind: gps
-    behavior: {use: go_to, target: pole, speed: 3}
-    transitions: [{to: land, when: done}]
-  land: {kind: land}
-"""
 WALL = World(
     world="wall",
     start_yaw_deg=90.0,
-    obstacles=(Box(use="box", min=(12.0, -6.0), max=(13.0, 4.0), height=12.0),),
+    obstacles=(Box(use="box", min=(8.0, -6.0), max=(9.0, 4.0), height=12.0),),
 )
 
 
@@ -95,31 +79,25 @@ def test_an_empty_pack_is_not_hidden_by_a_full_one_for_the_payload(tmp_path):
     assert truth["on_ground"]
 
 
-def test_a_ring_aligned_with_north_keeps_it_off_the_wall(tmp_path):
-    """As MAVROS and many sensors send it; the vehicle starts with its nose to the east."""
-    with sitl(speed=4.0, world=WALL) as autopilot:
-        link, heading = MessageFilter(autopilot), [math.pi / 2]
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_a_ring_aligned_with_north_shows_the_wall_where_it_is(dialect, tmp_path):
+    """As MAVROS and many sensors send it; the vehicle stands with its nose to the east."""
 
-        def note(message):
-            turn = 1.0 - 2.0 * (message.q3**2 + message.q4**2)
-            heading[0] = math.atan2(2.0 * (message.q1 * message.q4 + message.q2 * message.q3), turn)
-            return [message]
-
+    async def script(flight, autopilot):
         def turned(message):
-            message.angle_offset += math.degrees(heading[0])
+            message.angle_offset += WALL.start_yaw_deg
             message.frame = mavlink.MAV_FRAME_GLOBAL
             return [message]
 
-        link.on("ATTITUDE_QUATERNION", note)
-        link.on("OBSTACLE_DISTANCE", turned)
-        told = fly_mission(autopilot, PAST_A_WALL, tmp_path)
-        truth = autopilot.truth
-        rows = np.array(autopilot.ask(track=True, since=0.0)["rows"], dtype=float)
-    assert told.flown.end is End.LANDED
-    assert not truth["crashed"]
-    flown = rows[rows[:, 3] < -2.0]
-    assert flown[:, 19].min() > 0.5
-    assert near(truth, 24.0, 0.0) < 4.0
+        MessageFilter(autopilot).on("OBSTACLE_DISTANCE", turned)
+        await flight.ready()
+        flight.seen.clear()
+        await flight.until(lambda: [seen for seen in flight.seen if seen.scan is not None])
+        points = flight.seen[-1].scan.points @ to_matrix(from_euler(0.0, 0.0, math.pi / 2)).T
+        np.testing.assert_allclose(points[:, 0], 8.0, atol=0.6)
+        assert np.ptp(points[:, 1]) > 6.0
+
+    over_the_wire(tmp_path, script, dialect, world=WALL)
 
 
 def test_a_ring_in_a_frame_that_is_not_known_is_a_problem_in_the_record(tmp_path, monkeypatch):
@@ -128,3 +106,44 @@ def test_a_ring_in_a_frame_that_is_not_known_is_a_problem_in_the_record(tmp_path
         MessageFilter(autopilot).change("OBSTACLE_DISTANCE", frame=21)
         told = fly_mission(autopilot, stay(), tmp_path)
     assert [problem for problem in told.problems if "MAV_FRAME 21" in problem]
+
+
+SPRAYER = NORTH._replace(payload="sprayer")
+
+
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_the_payload_is_switched_off_when_a_pilot_takes_over(dialect, tmp_path):
+    async def script(flight, autopilot):
+        await flight.take_off()
+        await flight.until(lambda: autopilot.truth["payload"], SPRAYER)
+        autopilot.ask(fault="pilot_mode")
+        await flight.until(lambda: not flight.vehicle.in_control, SPRAYER)
+        await flight.until(lambda: not autopilot.truth["payload"], SPRAYER)
+        await flight.run(2.0, SPRAYER)
+        assert not autopilot.truth["payload"]
+
+    over_the_wire(tmp_path, script, dialect)
+
+
+def test_the_payload_is_switched_off_at_the_end(tmp_path):
+    async def script(flight, autopilot):
+        await flight.take_off()
+        await flight.until(lambda: autopilot.truth["payload"], SPRAYER)
+
+    with sitl() as autopilot:
+
+        async def fly():
+            async with flying(autopilot, tmp_path) as flight:
+                await script(flight, autopilot)
+
+        asyncio.run(fly())
+        assert not autopilot.truth["payload"]
+
+
+def test_a_simulation_slower_than_a_third_of_real_time_is_reached(tmp_path):
+    async def script(flight, _):
+        await flight.until(lambda: flight.status is not None)
+        beats = flight.vehicle.state.heard
+        await flight.until(lambda: flight.vehicle.state.heard > beats)
+
+    over_the_wire(tmp_path, script, speed=0.25)

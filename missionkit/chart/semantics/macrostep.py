@@ -22,7 +22,7 @@ from missionkit.chart.semantics.compiled import (
 from missionkit.chart.semantics.memory import ChartMemory, Decision
 from missionkit.chart.semantics.outputs import assigned, in_words, matches
 from missionkit.chart.semantics.stance import EPSILON, stance
-from missionkit.messages import Action, Fired, Verdict
+from missionkit.messages import ABORT, Action, Fired, Verdict
 
 MOST = 1000  # microsteps in one tick: more is a chart that does not come to rest
 ERROR = "error.execution"
@@ -46,7 +46,7 @@ class Macrostep:
         self.now = question.seen.now
         self.first_answers = question.answers
         self.internal: list[str] = []
-        self.external: list[str] = list(question.seen.events)
+        self.external: list[str] = [each for each in question.seen.events if each != ABORT]
         self.here = stance(chart, memory.active)
         self.fired: list[Fired] = []
         self.moves: list[tree.Move] = []

@@ -17,11 +17,10 @@ from missionkit.chart.semantics.contain import Containment
 from missionkit.chart.semantics.macrostep import Macrostep
 from missionkit.chart.semantics.memory import ChartMemory, Decision, begin
 from missionkit.chart.semantics.stance import EPSILON, SAFETY, stance
-from missionkit.messages import Estimate, Verdict
+from missionkit.messages import ABORT, Estimate, Verdict
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 
-ABORT = "operator: land"
 _new = tuple.__new__  # quicker than the class's own
 
 

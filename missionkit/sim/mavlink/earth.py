@@ -35,7 +35,9 @@ class Earth(NamedTuple):
         here, shrink = self.origin, math.cos(math.radians(self.origin.latitude))
         return Spot(
             here.latitude + math.degrees(float(position[0]) / self.radius),
-            here.longitude + math.degrees(float(position[1]) / (self.radius * shrink)),
+            math.remainder(
+                here.longitude + math.degrees(float(position[1]) / (self.radius * shrink)), 360.0
+            ),
             here.height - float(position[2]),
         )
 
@@ -44,7 +46,9 @@ class Earth(NamedTuple):
         here, shrink = self.origin, math.cos(math.radians(self.origin.latitude))
         return vec(
             math.radians(spot.latitude - here.latitude) * self.radius,
-            math.radians(spot.longitude - here.longitude) * self.radius * shrink,
+            math.radians(math.remainder(spot.longitude - here.longitude, 360.0))
+            * self.radius
+            * shrink,
             here.height - spot.height,
         )
 

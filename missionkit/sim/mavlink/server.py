@@ -57,6 +57,7 @@ class Server:
         self.autopilot = Autopilot(
             setup.world, kind, setup.seed, faults, setup.origin, perf_counter, setup.system
         )
+        self.autopilot.state.heartbeat = min(1.0, setup.speed)  # one in a second of the wall
         for name, value in setup.parameters.items():
             self.autopilot.state.parameters.set(name, value)
         self.speed = setup.speed

@@ -106,6 +106,7 @@ class State:
     sensed: Sensed = field(default_factory=Sensed)
     plans: Plans = field(default_factory=Plans)
     system: int = 1
+    heartbeat: float = 1.0  # s between two
     booted: float = 0.0
     silent_until: float = 0.0  # restarting
     target: Target | None = None  # the newest setpoint

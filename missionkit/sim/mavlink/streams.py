@@ -167,6 +167,7 @@ def begin(state: State, channel: Channel) -> None:
     channel.streams = {
         number: Beat(1.0 / rate, state.now) for number, rate in RATES[state.dialect.name].items()
     }
+    channel.streams[HEARTBEAT] = Beat(state.heartbeat, state.now)
 
 
 def ask(state: State, channel: Channel, number: int, interval: float) -> bool:

@@ -1,0 +1,62 @@
+"""The payload is on while the mission says so, and never longer."""
+
+from vehicle.test_time import Wall
+
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.payload import SET_ACTUATOR, Payload
+
+AGAIN = 0.6  # s, until it is sent again
+
+
+class Actuator:
+    """Remembers what it was told; acknowledges as long as it is heard."""
+
+    def __init__(self):
+        self.wall, self.told, self.heard = Wall(), [], True
+        self.cache = Cache(self.wall)
+        self.payload = Payload(self, self.cache)
+
+    def send(self, name, **fields):
+        assert (name, fields["command"]) == ("COMMAND_LONG", SET_ACTUATOR)
+        self.told.append(fields["param1"])
+        if self.heard:
+            self.wall.now += 0.01
+            self.cache.put("COMMAND_ACK", {"command": SET_ACTUATOR, "result": 0})
+
+    def tick(self, name):
+        self.wall.now += AGAIN
+        self.payload.want(name)
+
+
+def test_it_is_told_once_per_change():
+    made = Actuator()
+    for name in (None, "sprayer", "sprayer", None, None):
+        made.tick(name)
+    assert made.told == [1.0, -1.0]
+
+
+def test_what_is_not_acknowledged_is_told_again():
+    made = Actuator()
+    made.heard = False
+    for _ in range(3):
+        made.tick("sprayer")
+    made.heard = True
+    for _ in range(3):
+        made.tick("sprayer")
+    assert made.told == [1.0] * 4
+
+
+def test_at_the_end_it_is_switched_off():
+    made = Actuator()
+    made.tick("sprayer")
+    made.payload.release()
+    assert made.told == [1.0, -1.0]
+
+
+def test_at_the_end_nothing_is_told_that_was_not_on():
+    made = Actuator()
+    made.payload.release()
+    made.tick("sprayer")
+    made.tick(None)
+    made.payload.release()
+    assert made.told == [1.0, -1.0]
