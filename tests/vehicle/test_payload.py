@@ -49,6 +49,7 @@ def test_what_is_not_acknowledged_is_told_again():
 def test_at_the_end_it_is_switched_off():
     made = Actuator()
     made.tick("sprayer")
+    made.wall.now += 0.1
     made.payload.release()
     assert made.told == [1.0, -1.0]
 
