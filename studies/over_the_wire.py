@@ -75,11 +75,13 @@ class Spans:
 
 
 @contextmanager
-def sitl(world: str, dialect: str, port: int, speed: float, seed: int) -> Iterator[Autopilot]:
-    """Run a simulated autopilot while this context is open."""
+def sitl(
+    world: str, dialect: str, port: int, speed: float, seed: int, more: Sequence[str] = ()
+) -> Iterator[Autopilot]:
+    """Run a simulated autopilot, with `more` options, while this context is open."""
     line = [sys.executable, "-m", "missionkit", "sitl", "--world", world, "--dialect", dialect]
     line += ["--link", f"udpout:127.0.0.1:{port}", "--speed", f"{speed:g}", "--seed", str(seed)]
-    process = subprocess.Popen([*line, "--json"], stdout=subprocess.PIPE, text=True)  # noqa: S603
+    process = subprocess.Popen([*line, *more, "--json"], stdout=subprocess.PIPE, text=True)  # noqa: S603
     with process:
         try:
             said = process.stdout.readline() if process.stdout is not None else "{}"
