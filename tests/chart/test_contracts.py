@@ -6,6 +6,7 @@ import pytest
 from stepping import CATALOGUE, HEAD
 
 from missionkit.behaviors import Hold
+from missionkit.chart.checks import findings
 from missionkit.chart.load import load, parse
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.model.contracts import HOVER_FOR, fulfilled, unmet
@@ -94,6 +95,162 @@ def test_the_hover_that_is_added_holds_and_finds_another_name_if_its_own_is_take
 def test_without_a_way_home_the_hover_leads_down():
     text = "initial: g\nstates: {g: {kind: gps, behavior: hold}, land: {kind: land}}\n"
     assert ways(text)["hover"] == [("land", f"after {HOVER_FOR:g}")]
+
+
+POLES = """\
+initial: pole-1
+states:
+%s
+  away: {kind: custom, transitions: [{to: land, after: 5}]}
+  land: {kind: land}
+"""
+POLE = """\
+  pole-%(n)d:
+    initial: fly-%(n)d
+    transitions: [{to: %(to)s, after: 300}]
+    states:
+      fly-%(n)d:
+        kind: gps
+        behavior: {use: go_to, target: t}
+        transitions: [{to: see-%(n)d, when: a}]
+      see-%(n)d: {kind: visual, behavior: {use: servo, target: t}}
+      look-%(n)d:
+        kind: search
+        behavior: {use: spiral, target: t}
+        transitions: [{to: see-%(n)d, when: a}]
+"""
+THREE = POLES % "".join(
+    POLE % {"n": n, "to": f"pole-{n + 1}" if n < 3 else "away"} for n in (1, 2, 3)
+)
+
+
+def leads(text: str, path=None) -> dict[str, dict[str, str]]:
+    """Return where each state's default failsafes and its invariant lead."""
+    whole = fulfilled(mission(text) if path is None else load(path, CATALOGUE), CATALOGUE)
+    return {
+        name: {way.name: way.to[0] for way in state.transitions if way.name is not None}
+        | ({} if state.invariant.exit is None else {"broken": state.invariant.exit})
+        for name, state, _ in whole.walk()
+    }
+
+
+def test_a_search_begun_at_the_third_pole_leads_back_to_the_third_pole():
+    found = leads(THREE)
+    for n in (1, 2, 3):
+        assert found[f"look-{n}"] == {"search-timeout": f"fly-{n}"}
+        assert found[f"see-{n}"]["lock-lost"] == found[f"see-{n}"]["broken"] == f"look-{n}"
+
+
+def test_side_by_side_the_one_for_the_same_target_is_nearest_then_the_one_with_fewest_steps():
+    flat = """\
+targets: {t: {position: [1, 2, 3]}, u: {position: [5, 2, 3]}}
+initial: a
+states:
+  a: {kind: gps, behavior: {use: go_to, target: u}, transitions: [{to: look, when: x}]}
+  b: {kind: gps, behavior: {use: go_to, target: t}}
+  c: {kind: gps, behavior: {use: go_to, target: t}, transitions: [{to: look, when: x}]}
+  look: {kind: search, behavior: {use: spiral, target: t}}
+  land: {kind: land}
+"""
+    head = HEAD + flat.replace("when: x", "when: a")
+    whole = fulfilled(parse(head, "m.yaml", CATALOGUE), CATALOGUE)
+    assert whole.states["look"].transitions[-1].to == ("c",)
+
+
+@pytest.mark.parametrize(
+    ("pause", "taken"),
+    [
+        ("{kind: hover, transitions: [{to: gps, event: resume}, {to: land, after: 90}]}", False),
+        ("{kind: hover, behavior: hold, transitions: [{to: gps, event: resume}]}", False),
+        ("{kind: hover, transitions: [{to: land, after: 90}]}", True),
+    ],
+)
+def test_a_pause_of_the_operator_is_not_where_an_unreachable_goal_leads(pause, taken):
+    text = f"""\
+initial: gps
+states:
+  gps:
+    kind: gps
+    behavior: {{use: go_to, target: t}}
+    transitions: [{"{to: pause, event: hold-on}" if not taken else "{to: land, after: 300}"}]
+  pause: {pause}
+  land: {{kind: land}}
+"""
+    found = leads(text)
+    assert found["gps"]["unreachable"] == found["gps"]["broken"] == ("pause" if taken else "hover")
+    assert ("hover" in found) is not taken
+
+
+def test_a_hover_that_is_entered_for_another_reason_is_not_taken_one_for_goals_is():
+    text = """\
+initial: one
+states:
+  one:
+    kind: gps
+    behavior: {use: go_to, target: t}
+    transitions: [{to: wait, when: a}, {to: two, after: 5}]
+  two:
+    kind: gps
+    behavior: {use: go_to, target: t}
+    transitions: [{to: stuck, when: {any: [goal_unreachable, b]}, for: 3}]
+  wait: {kind: hover, transitions: [{to: land, after: 5}]}
+  stuck: {kind: hover, transitions: [{to: land, after: 5}]}
+  land: {kind: land}
+"""
+    found = leads(text)
+    assert found["one"] == {"unreachable": "stuck", "broken": "stuck"}
+    assert found["two"] == {"broken": "stuck"}
+
+
+PART = """\
+initial: fly
+states:
+  fly: {kind: gps, behavior: {use: go_to, target: t}, transitions: [{to: look, after: 9}]}
+  look: {kind: search, behavior: {use: spiral, target: t}}
+"""
+
+
+def included(folder, part: str):
+    (folder / "part.yaml").write_text(part)
+    path = folder / "m.yaml"
+    path.write_text(
+        HEAD
+        + TARGETS
+        + """\
+initial: far
+states:
+  far: {kind: gps, behavior: {use: go_to, target: t}, transitions: [{to: work, when: a}]}
+  work: {include: part.yaml, transitions: [{to: home, after: 60}]}
+  home: {kind: return, behavior: {use: go_to, target: home}, transitions: [{to: land, when: b}]}
+  land: {kind: land}
+"""
+    )
+    return path
+
+
+def test_an_included_file_keeps_its_own_and_gets_a_hover_of_its_own(tmp_path):
+    found = leads("", included(tmp_path, PART))
+    assert found["work/look"] == {"search-timeout": "work/fly"}
+    assert found["work/fly"] == {"unreachable": "work/hover", "broken": "work/hover"}
+    assert found["far"] == {"unreachable": "hover", "broken": "hover"}
+    whole = fulfilled(load(tmp_path / "m.yaml", CATALOGUE), CATALOGUE).by_name()
+    assert whole["work/hover"].parent == "work"
+    assert whole["work/hover"].state.transitions[0].to == ("home",)
+
+
+def test_nothing_leads_out_of_an_included_file_and_that_is_said(tmp_path):
+    alone = """\
+initial: look
+states:
+  look: {kind: search, behavior: {use: spiral, target: t}}
+"""
+    path = included(tmp_path, alone)
+    assert leads("", path)["work/look"] == {}
+    found = [it for it in findings(load(path, CATALOGUE), CATALOGUE) if it.code == "default-way"]
+    assert [it.message for it in found] == [
+        "state 'work/look': the default failsafe 'search-timeout' leads nowhere: 'far', of kind "
+        "'gps', is in another file"
+    ]
 
 
 def test_the_mission_itself_is_left_as_it_was():

@@ -117,7 +117,7 @@ def test_everything_is_said(catalogue, topic, says):
         ("again", "- to home when tries is at least 3.\n- to out after 5 s in it."),
         ("back", "It leads to the state directly inside fly that was active last; before fly wa"),
         ("hover", "hover, of kind hover, added: default failsafes lead to it"),
-        ("hover", "It is entered from out."),
+        ("hover", "It is entered from out and by the broken invariant of out."),
     ],
 )
 def test_a_tree_is_said_with_what_its_kinds_add(catalogue, topic, says):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import (
+    defaults,
     energy,
     escapes,
     fence,
@@ -48,6 +49,7 @@ def findings(
     """
     chart = Chart(fulfilled(mission, catalogue), catalogue)
     found = {problem for check in CHECKS for problem in check(chart)}
+    found |= set(defaults.problems_of(mission, catalogue))
     if endurance is not None:
         found |= set(energy.problems_of(chart, endurance))
     return sorted(found, key=_order)

@@ -74,11 +74,7 @@ class Tree:
 
     def escape(self, name: str) -> str | None:
         """Return where a broken invariant of a state leads."""
-        state = self.states[name].state
-        kept = self.catalogue.kinds[state.kind].invariant
-        if state.invariant.exit is not None:
-            return state.invariant.exit
-        return None if kept is None else self.of_kind(kept.to_kind)
+        return self.states[name].state.invariant.exit
 
     def entered(self, name: str) -> frozenset[str]:
         """Return every state that is entered with one: inside it, around it, in other regions."""

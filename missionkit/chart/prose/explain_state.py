@@ -137,7 +137,7 @@ def _demands(chart: Chart, state: State) -> Iterator[str]:
     """Say what must hold in a state, by its kind and by itself."""
     due = chart.catalogue.kinds[state.kind].invariant
     if due is not None:
-        to = next((it.name for it in chart.full.walk() if it.state.kind == due.to_kind), None)
+        to = state.invariant.exit
         leaves = "that is recorded" if to is None else f"it leaves for {to}"
         says = DEMANDS.get(due.says, due.says)
         yield f"Its kind demands that {says}; broken for {due.tolerated:g} s, {leaves}."

@@ -84,7 +84,6 @@ class _Compiler:
         kind = self.catalogue.kinds[state.kind]
         behavior = None if state.behavior is None else state.behavior.plugin
         targets = () if behavior is None else behavior.targets()
-        escape = kind.invariant.to_kind if kind.invariant is not None else None
         promise = state.invariant.holds
         ancestors = (*around(self.placed, parent), ROOT)
         return State(
@@ -96,7 +95,7 @@ class _Compiler:
             transitions=tuple([self._transition(one, placed) for one in state.transitions]),
             entry=_outputs(state.entry),
             exit=_outputs(state.exit),
-            violated_to=state.invariant.exit or self.firsts.get(escape or ""),
+            violated_to=state.invariant.exit,
             tolerated=kind.invariant.tolerated if kind.invariant is not None else 0.0,
             promise=None if promise is None else self.asker.ask(promise),
             shape=_shape(state),
