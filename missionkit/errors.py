@@ -100,3 +100,12 @@ def nearest(word: str, known: Iterable[str]) -> str:
     hint = f"did you mean '{close[0]}'? " if close else ""
     more = f", ... ({len(names)} in all)" if len(names) > SHOWN else ""
     return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names[:SHOWN])}{more}"
+
+
+def printable(line: str) -> str:
+    """Return a line that moves no cursor, paints nothing and reads in one direction.
+
+    >>> printable(f"gone {chr(27)}[2J")
+    'gone �[2J'
+    """
+    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in line)

@@ -6,7 +6,10 @@ when one of its threads is free, so that the time limit counts flying only.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator, Iterable, Mapping
+from concurrent.futures import CancelledError
+from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
@@ -35,34 +38,53 @@ def flown(
 
     Raises:
         UsageError: dask.distributed is not installed.
-        VehicleError: no cluster answers there.
+        VehicleError: no cluster answers there, or it has gone; the rows so far stay.
     """
     dask = _dask()
     with _client(dask, address) as client:
-        waiting, flying = iter(cases), dict[Any, tuple[Case, float]]()
-        while True:
-            while len(flying) < _threads(client) and (case := next(waiting, None)) is not None:
-                future = client.submit(fly, order, case, pure=False)
-                flying[future] = case, stopwatch() + timeout
-            if not flying:
-                return
-            for future in _ended(dask, flying):
-                case, deadline = flying[future]
-                if future.done():
-                    del flying[future]
-                    yield _row(future, case)
-                elif deadline <= stopwatch():
-                    del flying[future]
-                    _stop(client, future)
-                    yield unflown(case, "hung", f"no result within {timeout:g} s")
+        try:
+            yield from _rows(dask, client, order, cases, timeout)
+        except (OSError, TimeoutError, CancelledError) as error:
+            raise _gone(address, error) from error
+
+
+def _rows(
+    dask: Any, client: Any, order: Order, cases: Iterable[Case], timeout: float
+) -> Generator[Row, None, None]:
+    waiting, flying = iter(cases), dict[Any, tuple[Case, float]]()
+    while True:
+        while len(flying) < _threads(client) and (case := next(waiting, None)) is not None:
+            future = client.submit(fly, order, case, pure=False)
+            flying[future] = case, stopwatch() + timeout
+        if not flying:
+            return
+        for future in _ended(dask, flying):
+            case, deadline = flying[future]
+            if future.done():
+                del flying[future]
+                yield _row(future, case)
+            elif deadline <= stopwatch():
+                del flying[future]
+                _stop(client, future)
+                yield unflown(case, "hung", f"no result within {timeout:g} s")
+
+
+def _gone(address: str, error: BaseException) -> VehicleError:
+    why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return VehicleError(
+        f"the Dask cluster at {address} has gone ({why}); the runs that have ended are kept: "
+        "the same command goes on with the others"
+    )
 
 
 def _dask() -> Any:
     try:
-        return import_module("distributed")
+        dask = import_module("distributed")
     except ImportError as error:
         hint = "--cluster needs dask.distributed: pip install 'missionkit[cluster]'"
         raise UsageError(hint) from error
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # a sentence says it
+    return dask
 
 
 def _client(dask: Any, address: str) -> Any:
@@ -105,4 +127,5 @@ def _stop(client: Any, future: Any) -> None:
     processing = client.processing()
     workers += [name for name, keys in processing.items() if future.key in keys]
     future.cancel(force=True)
-    client.restart_workers(sorted(set(workers)), raise_for_error=False)
+    with suppress(ValueError):  # a worker without a nanny stays as it is
+        client.restart_workers(sorted(set(workers)), raise_for_error=False)

@@ -19,9 +19,10 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from missionkit.campaign.row import Row
-from missionkit.errors import UsageError
+from missionkit.errors import UsageError, printable
 from missionkit.recorder.folder import write_whole
 
+FORMULA = frozenset("=+-@")  # a text that begins so is calculated
 JOURNAL, TABLE = "rows.jsonl", "runs.csv"
 
 
@@ -90,7 +91,7 @@ def write(folder: Path, rows: Sequence[Row]) -> Path:
     text = io.StringIO()
     table = csv.DictWriter(text, columns(rows), lineterminator="\n")
     table.writeheader()
-    table.writerows(map(_cells, rows))
+    table.writerows({key: _harmless(it) for key, it in _cells(row).items()} for row in rows)
     write_whole(folder / TABLE, text.getvalue())
     return folder / TABLE
 
@@ -122,6 +123,14 @@ def _cells(row: Row) -> dict[str, Any]:
         **{f"time:{name}": value for name, value in row.times.items()},
         **{f"count:{name}": value for name, value in row.transitions.items()},
     }
+
+
+def _harmless(value: Any) -> Any:
+    """Return a cell of one line that no spreadsheet takes for a formula: it gets an apostrophe."""
+    if not isinstance(value, str):
+        return value
+    line = printable(value)
+    return f"'{line}" if value.lstrip()[:1] in FORMULA else line
 
 
 def _plain(value: Any) -> Any:

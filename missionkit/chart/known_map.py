@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.problems import plain, problems_in
+from missionkit.chart.text.beside import unfit
 from missionkit.chart.text.located import Table, shown
 from missionkit.chart.text.reader import read_file
 from missionkit.errors import FileError, Place, Problem
@@ -59,12 +60,7 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
 
 def _inside(root: Path, folder: Path, name: str, place: Place) -> Path:
     path = folder / name
-    wrong = ""
-    if not path.resolve().is_relative_to(root.resolve()):
-        wrong = "outside the folder of the mission"
-    elif not path.is_file():
-        wrong = "no such file"
-    if wrong:
+    if wrong := unfit(root, path):
         raise FileError([Problem(place, f"map {shown(name)}: {wrong}")])
     return path
 

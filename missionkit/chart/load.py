@@ -16,6 +16,7 @@ from missionkit.chart.model import named_guards, structure, variable_uses
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.part import Scope
 from missionkit.chart.model.problems import plain, problems_in
+from missionkit.chart.text.beside import MISSING, unfit
 from missionkit.chart.text.includes import inlined
 from missionkit.chart.text.located import shown
 from missionkit.chart.text.parameters import Expanded, expand
@@ -39,11 +40,27 @@ def load(path: Path, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHIN
         FileError: everything that is wrong with the file.
     """
     mission = checked(read_file(path), catalogue, overrides)
-    if mission.world is not None and not (path.parent / mission.world).is_file():
-        near = nearest(mission.world, _files_near(path, mission.world))
-        message = f"world {mission.world!r}: no such file beside the mission; {near}"
-        raise FileError([Problem(mission.place("world"), message)])
+    if mission.world is not None:
+        _require_world(path.parent, mission, mission.world)
     return mission
+
+
+def _require_world(root: Path, mission: Mission, name: str) -> None:
+    """Refuse a file that is no world; what it says is not told, since anybody may have named it.
+
+    Raises:
+        FileError: it is not in the mission's folder, or is something else.
+    """
+    wrong = unfit(root, root / name)
+    if wrong == MISSING:
+        wrong = f"{wrong}; {nearest(name, _files_near(root, name))}"
+    if not wrong and (root / name).suffix not in {".yaml", ".yml"}:
+        wrong = "expected a name that ends in .yaml"
+    if not wrong:
+        data = read_file(root / name).data
+        wrong = "" if isinstance(data, dict) and "world" in data else "this file is not a world"
+    if wrong:
+        raise FileError([Problem(mission.place("world"), f"world {name!r}: {wrong}")])
 
 
 def parse(
@@ -123,6 +140,5 @@ def _refusal(problems: Sequence[Problem], expanded: Expanded) -> FileError:
     return FileError(found)
 
 
-def _files_near(mission: Path, world: str) -> list[str]:
-    folder = (mission.parent / world).parent
-    return [str(path.relative_to(mission.parent)) for path in folder.glob("*.yaml")]
+def _files_near(root: Path, world: str) -> list[str]:
+    return [str(path.relative_to(root)) for path in (root / world).parent.glob("*.yaml")]

@@ -7,6 +7,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
 
+from missionkit.errors import printable
 from missionkit.geometry import norm
 from missionkit.messages import Fired, Record
 
@@ -80,7 +81,7 @@ class LineView:
     def _say(self, line: str) -> None:
         """Write a line; a reader that has gone, as `head` does, must not end the flight."""
         with suppress(BrokenPipeError):
-            self._out.write(line + "\n")
+            self._out.write(printable(line) + "\n")
             self._out.flush()
 
 
@@ -115,9 +116,10 @@ class PageView:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._draw()
-        if self._live is not None:
-            self._live.stop()
+        with suppress(OSError):  # a terminal that has gone
+            self._draw()
+            if self._live is not None:
+                self._live.stop()
 
     def update(self, record: Record) -> None:
         """Show one tick, unless the page was drawn a moment ago."""

@@ -9,6 +9,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from missionkit.errors import printable
 from missionkit.geometry import norm
 from missionkit.messages import Cycle, Estimate, Fired, Record, Verdict
 
@@ -57,7 +58,7 @@ def page(
         parts += [Text(), _events(latest)]
     return Panel(
         Group(*parts),
-        title=title or None,
+        title=Text(printable(title)) if title else None,  # no markup
         title_align="left",
         border_style="blue",
         width=width - ECHO,
@@ -93,7 +94,7 @@ def _line(*parts: str | tuple[str, str]) -> Text:
 
 
 def _state(record: Record) -> Text:
-    note = f" ({record.step_note})" if record.step_note else ""
+    note = f" ({printable(record.step_note)})" if record.step_note else ""
     return _line(
         (record.state, "bold cyan"),
         (note, "italic"),
@@ -155,7 +156,8 @@ def _guards(verdicts: Sequence[tuple[str, Verdict]], *, margins: bool) -> Table:
     for name, said in verdicts:
         mark, style = HOLDS[_three(said.holds)]
         shown = [_number(getattr(said, heading)) for heading in numbers]
-        table.add_row(Text(mark, style=style), Text(name), *shown, bar(said), Text(said.why))
+        why = Text(printable(said.why))
+        table.add_row(Text(mark, style=style), Text(name), *shown, bar(said), why)
     return table
 
 
@@ -168,10 +170,14 @@ def _events(events: Sequence[Event]) -> Table:
     table.add_column(style="dim", justify="right", no_wrap=True, min_width=7)
     table.add_column(no_wrap=True)
     for at, event in events:
-        line = _line((f"! {event}", "red")) if isinstance(event, str) else _transition(event)
-        table.add_row(f"{at:.1f} s", line)
+        said = _problem(event) if isinstance(event, str) else _transition(event)
+        table.add_row(f"{at:.1f} s", said)
     return table
 
 
+def _problem(problem: str) -> Text:
+    return _line((f"! {printable(problem)}", "red"))
+
+
 def _transition(fired: Fired) -> Text:
-    return _line(f"{fired.source} → {fired.to}", (f"  {fired.reason}", "dim"))
+    return _line(f"{fired.source} → {fired.to}", (f"  {printable(fired.reason)}", "dim"))

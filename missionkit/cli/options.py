@@ -10,7 +10,7 @@ from typing import Annotated, ParamSpec, TypeVar
 
 import typer
 
-from missionkit.errors import ExitCode, MissionkitError
+from missionkit.errors import ExitCode, MissionkitError, printable
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -40,12 +40,14 @@ def told(command: Callable[P, R]) -> Callable[P, R]:
         try:
             return command(*args, **kwargs)
         except MissionkitError as error:
-            print(error, file=sys.stderr)  # noqa: T201
+            for line in str(error).split("\n"):
+                print(printable(line), file=sys.stderr)  # noqa: T201
             raise typer.Exit(error.exit_code) from error
         except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
             raise
         except OSError as error:
-            print(f"{error.filename or error}: {error.strerror}", file=sys.stderr)  # noqa: T201
+            sentence = f"{error.filename or error}: {error.strerror}"
+            print(printable(sentence), file=sys.stderr)  # noqa: T201
             raise typer.Exit(ExitCode.BAD_FILE) from error
 
     return run

@@ -8,7 +8,7 @@ from pathlib import Path
 from missionkit.campaign.ending import outcome, reason
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
-from missionkit.errors import ExitCode
+from missionkit.errors import ExitCode, printable
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import Rehearsal
@@ -53,7 +53,8 @@ def report(order: Order, summary: Summary, folder: Path) -> None:
     if order.as_json:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return
-    print(f"{summary.outcome}: {numbers(summary)}\n{folder}")  # noqa: T201
+    print(printable(f"{summary.outcome}: {numbers(summary)}"))  # noqa: T201
+    print(printable(str(folder)))  # noqa: T201
 
 
 def exit_code(summary: Summary) -> ExitCode:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from unicodedata import combining, east_asian_width
 
-from missionkit.errors import Level, Problem
+from missionkit.errors import Level, Problem, printable
 
 SHOWN = 100  # characters of a source line
 BEFORE = 60  # of them before the column
@@ -47,7 +47,7 @@ def _block(problem: Problem, lines: Sources, paint: Callable[[str, int], str]) -
     code = f"[{problem.code}]" if problem.code else ""
     colour = _COLOURS[problem.level]
     level = paint(f"{problem.level}{code}:", colour)
-    yield f"{problem.place}: {level} {_printable(problem.message)}"
+    yield f"{problem.place}: {level} {printable(problem.message)}"
     source = lines.get(problem.place.file, ())
     line, column = problem.place.line, problem.place.column
     if 1 <= line <= len(source) and source[line - 1].strip():
@@ -55,7 +55,7 @@ def _block(problem: Problem, lines: Sources, paint: Callable[[str, int], str]) -
         yield f"  {shown}"
         yield f"  {_blank(before)}{paint('^', colour)}"
     if problem.remedy:
-        yield f"  {paint('help:', _HELP)} {_printable(problem.remedy)}"
+        yield f"  {paint('help:', _HELP)} {printable(problem.remedy)}"
 
 
 def _window(line: str, at: int) -> tuple[str, str]:
@@ -63,13 +63,8 @@ def _window(line: str, at: int) -> tuple[str, str]:
     at = min(at, len(line))
     first = 0 if len(line) <= SHOWN else max(0, at - BEFORE)
     start, end = ("…" if first else ""), ("…" if len(line) > first + SHOWN else "")
-    shown = _printable(line[first : first + SHOWN])
+    shown = printable(line[first : first + SHOWN])
     return f"{start}{shown}{end}", start + shown[: at - first]
-
-
-def _printable(line: str) -> str:
-    """Return a line that moves no cursor and paints nothing on a terminal."""
-    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in line)
 
 
 def _blank(before: str) -> str:

@@ -20,6 +20,7 @@ from missionkit.cli.origin import (
 )
 from missionkit.cli.outcome import numbers
 from missionkit.engine.flight import Plan
+from missionkit.errors import printable
 from missionkit.recorder.checkpoint import Loaded
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.folder import free_name, held, keep_mission, run_folder
@@ -98,7 +99,7 @@ class Folder(NamedTuple):
             except Exception as error:  # noqa: BLE001 - the flight has ended as it has ended
                 reports.add(f"{self.path / what}", error, then="")
         for sentence in reports.all:
-            print(sentence, file=sys.stderr)  # noqa: T201
+            print(printable(sentence), file=sys.stderr)  # noqa: T201
 
 
 def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
@@ -137,7 +138,7 @@ def folder_of(
             check_same(before, origin, path, force=order.force)
             past = found(path, stamp(origin))
             for wrong in past.loaded.wrong:
-                print(wrong, file=sys.stderr)  # noqa: T201
+                print(printable(wrong), file=sys.stderr)  # noqa: T201
         if before != origin:
             keep_mission(path, order.mission)
             keep_origin(path, origin)

@@ -22,15 +22,15 @@ class Kind(NamedTuple):
     value: float | None
     unit: str
     effect: str
-    least: float = -math.inf
-    most: float = math.inf
+    least: float = -1e6
+    most: float = 1e6
 
 
 KINDS: Mapping[str, Kind] = {
     "baro_stuck": Kind(None, "", "the barometer repeats the last height, with new times"),
     "camera_frozen": Kind(None, "", "the camera repeats its last frame, with its old time"),
     "camera_off": Kind(None, "", "no frames"),
-    "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0),
+    "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0, most=60.0),
     "camera_flipped": Kind(None, "", "images arrive upside down"),
     "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
     "gnss_jump": Kind(10.0, "m", "fixes are off to the north by VALUE"),
@@ -38,14 +38,14 @@ KINDS: Mapping[str, Kind] = {
     "gnss_toggling": Kind(
         4.0, "s", "fixes are lost as by gnss_lost for every other half of VALUE", least=0.02
     ),
-    "imu_biased": Kind(2.0, "m/s²", "the accelerometer is off by VALUE forwards"),
+    "imu_biased": Kind(2.0, "m/s²", "the accelerometer is off by VALUE forwards", -100.0, 100.0),
     "marker_hidden": Kind(
         None, "id", "the marker VALUE (default: every marker) is covered", least=0.0
     ),
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
     "range_lost": Kind(None, "", "the range finder says nothing"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
-    "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0),
+    "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0, most=60.0),
     "velocity_bias": Kind(
         0.25,
         "m/s",
@@ -55,7 +55,9 @@ KINDS: Mapping[str, Kind] = {
     "control_slow": Kind(
         0.1, "s", "the autopilot's velocity loop runs once every VALUE", least=0.0, most=1.0
     ),
-    "wind_gust": Kind(6.0, "m/s", "VALUE is added along the mean wind (north without one)"),
+    "wind_gust": Kind(
+        6.0, "m/s", "VALUE is added along the mean wind (north without one)", -100.0, 100.0
+    ),
 }
 
 GRAMMAR = re.compile(
@@ -63,6 +65,7 @@ GRAMMAR = re.compile(
     r"(@((?P<start>\d+(\.\d+)?)|(?P<state>[A-Za-z_][\w.-]*)(:(?P<delay>\d+(\.\d+)?))?))?"
     r"(\+(?P<duration>\d+(\.\d+)?))?"
 )
+LATEST = 1e6  # s
 FORM = "NAME[=VALUE][@WHEN][+DURATION], WHEN in seconds or STATE[:DELAY]"
 
 
@@ -114,6 +117,9 @@ def fault_in(text: str, value: Callable[[str, str | None], float | None]) -> Fau
     if match is None:
         raise UsageError(f"cannot read the fault {text!r}; the form is {FORM}")
     name, part = name_in(text), match.groupdict()
+    times = [float(part[key] or 0.0) for key in ("start", "delay", "duration")]
+    if max(times) > LATEST:
+        raise UsageError(f"fault {text[:60]!r}: times go up to {LATEST:g} s")
     return Fault(
         name,
         value(name, part["value"]),
@@ -136,7 +142,7 @@ def _value(name: str, text: str | None) -> float | None:
     if not math.isfinite(value):
         raise UsageError(f"fault {name} needs a number ({kind.unit}), got {text!r}")
     if not kind.least <= value <= kind.most:
-        allowed = f"{kind.least:g} to {kind.most:g}" if kind.most < math.inf else "0 or more"
+        allowed = f"{kind.least:g} to {kind.most:g}"
         raise UsageError(f"fault {name} takes {allowed}, got {text}")
     return value
 

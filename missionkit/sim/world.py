@@ -17,6 +17,7 @@ from missionkit.perception.dictionaries import SIZES, DictionaryName
 from missionkit.sim.parameters import Autopilot, BatteryModel, Frozen, Quadrotor, Sensors
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
+WindSpeed = Annotated[MetresPerSecond, Field(ge=-100, le=100)]
 Spot = tuple[Metres, Metres]
 """North, east (m)."""
 
@@ -34,8 +35,8 @@ class Wind(Frozen):
     Source: Dryden's model to first order, MIL-F-8785C, at constant airspeed.
     """
 
-    mean: tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond] = (0.0, 0.0, 0.0)
-    gust: MetresPerSecond = Field(default=0.0, ge=0)
+    mean: tuple[WindSpeed, WindSpeed, WindSpeed] = (0.0, 0.0, 0.0)
+    gust: MetresPerSecond = Field(default=0.0, ge=0, le=30)
     gust_tau: Seconds = Field(default=3.0, gt=0)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from concurrent.futures import CancelledError
 
 import pytest
 from campaigns import bombed, cases, hop
@@ -80,3 +81,48 @@ def test_a_worker_that_breaks_is_a_row_and_replaced(
     assert row.visits == ()
     rows = cluster.flown(order, cases(3), address=address, timeout=PATIENCE)
     assert [it.outcome for it in rows] == ["success"] * 3
+
+
+class Vanishing:
+    """A client whose scheduler goes away after some questions."""
+
+    def __init__(self, error, answers):
+        self.error, self.answers = error, answers
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def nthreads(self):
+        self.answers -= 1
+        if self.answers < 0:
+            raise self.error
+        return {"worker": 1}
+
+    def submit(self, *_, **__):
+        return Future()
+
+
+class Future:
+    key = "run"
+
+    def done(self):
+        return True
+
+    def exception(self):
+        raise CancelledError
+
+
+@pytest.mark.parametrize("answers", [0, 1])
+@pytest.mark.parametrize(
+    "error", [ConnectionResetError("reset by peer"), TimeoutError(), CancelledError()]
+)
+def test_a_scheduler_that_vanishes_is_told_in_a_sentence(monkeypatch, error, answers):
+    monkeypatch.setattr(cluster, "_client", lambda *_: Vanishing(error, answers))
+    monkeypatch.setattr(cluster, "_ended", lambda _, flying: list(flying))
+    with pytest.raises(VehicleError, match=f"the Dask cluster at {ADDRESS} has gone") as told:
+        list(cluster.flown(Order("m.yaml", {}), cases(3), address=ADDRESS))
+    assert "the same command goes on with the others" in str(told.value)
+    assert told.value.exit_code == 3

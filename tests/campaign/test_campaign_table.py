@@ -53,3 +53,13 @@ def test_the_table_has_a_row_for_each_run_and_a_column_for_everything(tmp_path):
     assert (first["path"], first["outcome"]) == ("idle > land", "success")
     assert (second["param:height"], second["metric:duration"]) == ("3", "")
     assert second["outcome"] == "hung"
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", " =1", "\r=1"])
+def test_a_text_is_no_formula_for_a_spreadsheet(tmp_path, text):
+    write(tmp_path, [row(0, parameters={"label": text, "down": -2.0}, problems=(text,))])
+    with (tmp_path / "runs.csv").open(newline="") as stream:
+        (first,) = csv.DictReader(stream)
+    cell = f"'{text}".replace("\r", "\ufffd")
+    assert (first["param:label"], first["problems"]) == (cell, cell)
+    assert first["param:down"] == "-2.0"

@@ -209,3 +209,15 @@ def test_no_color_is_respected(monkeypatch, no_color, colours):
     with live_view(out, lambda: 0.0) as view:
         view.update(tick(verdicts=(SURE,)))
     assert ("\x1b[32m" in out.getvalue()) is colours
+
+
+def test_neither_view_passes_on_what_moves_a_cursor_or_turns_the_text():
+    evil = "\x1b[2J\u202egone"
+    record = tick(problems=(evil,))._replace(step_note=evil)
+    out = io.StringIO()
+    LineView(out).update(record)
+    console = Console(file=io.StringIO(), force_terminal=False, width=120)
+    console.print(page(record, [(1.0, evil)], f"{evil} [/b]"))
+    for said in (out.getvalue(), console.file.getvalue()):
+        assert "\ufffd[2J\ufffdgone" in said
+        assert not {"\x1b", "\u202e"} & set(said)

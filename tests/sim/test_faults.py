@@ -40,7 +40,7 @@ def test_grammar(text: str, fault: Fault) -> None:
         ("gnss_jump=far", r"needs a number \(m\)"),
         ("gnss_jump=nan", "needs a number"),
         ("battery_sag=3", "takes 0 to 1"),
-        ("camera_delayed=-1", "takes 0 or more, got -1"),
+        ("camera_delayed=-1", "takes 0 to 60, got -1"),
         ("gnss_lost@20s", r"NAME\[=VALUE\]"),
         ("gnss_lost@visual+1.0+6", r"NAME\[=VALUE\]"),
         ("gnss_lost+", r"NAME\[=VALUE\]"),

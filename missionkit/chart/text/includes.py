@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from missionkit.chart.text.beside import unfit
 from missionkit.chart.text.located import Row, Table, Text, place_of, shown
 from missionkit.chart.text.parameters import Expanded, filled
 from missionkit.chart.text.reader import Document, read_file
@@ -95,10 +96,7 @@ class _Work:
             wrong = "it includes itself"
         if not wrong and (len(chain) > MAX_DEPTH or len(self.files) >= MAX_FILES):
             wrong = f"more than {MAX_DEPTH} files deep or {MAX_FILES} in all"
-        if not wrong and not path.resolve().is_relative_to(self.root.resolve()):
-            wrong = "outside the folder of the mission"
-        if not wrong and not path.is_file():
-            wrong = "no such file beside the mission"
+        wrong = wrong or unfit(self.root, path)
         if wrong:
             message = f"include {shown(written)}: {wrong}"
             self.problems.append(Problem(state.place_of(KEY), message))

@@ -28,6 +28,10 @@ _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _UNPRINTABLE = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
 )
+# Also written as an escape: what moves a cursor, ends a string or turns the direction of reading.
+_HIDDEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]"
+)
 _CORE_TAG = "tag:yaml.org,2002:"
 _SCALAR_TAGS: dict[str, type | tuple[type, ...]] = {
     "null": type(None),
@@ -163,6 +167,9 @@ class _Builder:
     def _scalar(self, event: Any) -> None:
         place = self._place(event)
         value = self._value(event, place)
+        if isinstance(value, str) and (bad := _HIDDEN.search(value)):
+            message = f"control character U+{ord(bad[0]):04X} in a text: it hides what is written"
+            self.problems.append(Problem(place, message))
         if event.anchor:
             self.anchors[event.anchor] = (value, 1, 0)
         self._add(value, place, 1, 0)

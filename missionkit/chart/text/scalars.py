@@ -16,6 +16,7 @@ _CONSTANTS: dict[str, Scalar] = {
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
+LEAST, MOST = 1e-12, 1e9  # of a number that is not whole; the squares of both are harmless
 _NUMERIC_START = frozenset("+-.0123456789")
 
 
@@ -23,7 +24,8 @@ def resolve(text: str) -> Scalar:
     """Return what an unquoted scalar means.
 
     Raises:
-        ValueError: a number that is not finite or does not fit in 64 bits.
+        ValueError: a number that is not finite, does not fit in 64 bits, or is so large or small
+            that sums and squares of it would not be.
     """
     if text in _CONSTANTS:
         return _CONSTANTS[text]
@@ -49,6 +51,8 @@ def _finite(text: str) -> float:
         number = math.inf
     if math.isinf(number):
         raise ValueError(f"{text} is not a finite number")
+    if number and not LEAST <= abs(number) <= MOST:
+        raise ValueError(f"{text} is no quantity of a flight: {LEAST:g} to {MOST:g} are, and 0")
     return number
 
 

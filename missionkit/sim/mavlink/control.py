@@ -20,6 +20,7 @@ COLUMNS = (
     *("at", "north", "east", "down", "v_north", "v_east", "v_down", "qw", "qx", "qy", "qz"),
     *("p", "q", "r", "on_ground", "armed", "mode", "crashed", "charge", "clearance", "energy"),
 )
+LONGEST = 1_000_000  # bytes of a line
 PATIENCE = 5.0  # s, for a reader that does not read
 Answer = dict[str, Any]
 
@@ -97,7 +98,10 @@ def parameter(state: State, name: Any, request: Answer) -> Answer:
             f"unknown parameter {name!r}: {nearest(str(name), state.parameters.names)}"
         )
     if "value" in request:
-        state.parameters.set(str(name), float(request["value"]))
+        value = float(request["value"])
+        if not math.isfinite(value):
+            raise UsageError(f"parameter {name}: {value} is not a finite number")
+        state.parameters.set(str(name), value)
     return {"name": name, "value": state.parameters[str(name)]}
 
 
@@ -118,7 +122,9 @@ def answer(state: State, line: str) -> Answer:
     """Answer one line."""
     try:
         return _answer(state, json.loads(line))
-    except (UsageError, ValueError, TypeError) as error:
+    except RecursionError:
+        return {"error": "nested too deeply"}
+    except (UsageError, ValueError, TypeError, OverflowError) as error:
         return {"error": str(error)}
 
 
@@ -154,6 +160,9 @@ class Control:
         try:
             data = peer.recv(65536)
             self._peers[peer] += data
+            if len(self._peers[peer]) > LONGEST and b"\n" not in self._peers[peer]:
+                peer.sendall(b'{"error": "a line that does not end"}\n')
+                data = b""
             while data and b"\n" in self._peers[peer]:
                 line, _, rest = self._peers[peer].partition(b"\n")
                 self._peers[peer] = rest

@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from typing import Any
 
 import pytest
@@ -168,3 +168,41 @@ def test_a_home_that_is_no_place_is_refused(home: str) -> None:
     result = CliRunner().invoke(app, ["sitl", "--home", home])
     assert result.exit_code == 2
     assert "home" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("[" * 100_000, "nested too deeply"),
+        ('{"truth":' * 5_000, "nested too deeply"),
+        ('{"track": true, "every": 1e400}', "cannot convert float infinity to integer"),
+        ('{"track": true, "since": [1]}', "must be"),
+        ('{"parameter": "COM_OF_LOSS_T", "value": 1e400}', "not a finite number"),
+        ("7", "not iterable"),
+        ("{", "Expecting"),
+    ],
+)
+def test_nonsense_on_the_control_socket_is_answered_in_a_sentence(line: str, says: str) -> None:
+    with serving(Setup(links=("udpin:127.0.0.1:0",), speed=10.0)) as server:
+        with (
+            socket.create_connection((LOCAL, server.control_port), timeout=PATIENCE) as peer,
+            peer.makefile("rw") as file,
+        ):
+            file.write(line + "\n")
+            file.flush()
+            assert says in json.loads(file.readline())["error"]
+        with closing(Asked(server.control_port)) as ask:
+            assert ask(time=True)["time"] >= 0.0
+
+
+def test_a_line_on_the_control_socket_that_never_ends_is_cut_off() -> None:
+    with serving(Setup(links=("udpin:127.0.0.1:0",), speed=10.0)) as server:
+        with (
+            socket.create_connection((LOCAL, server.control_port), timeout=PATIENCE) as peer,
+            suppress(ConnectionError),
+        ):
+            for _ in range(40):
+                peer.sendall(b"[" * 65536)
+            assert b"does not end" in peer.recv(4096)
+        with closing(Asked(server.control_port)) as ask:
+            assert ask(time=True)["time"] >= 0.0
