@@ -63,15 +63,19 @@ def _checked(
     except FileError as error:
         return None, list(error.problems)
     world, problems = _world_of(path, mission)
-    endurance = None if world is None else _endurance(world)
-    return mission, [*_found(mission, catalogue, endurance), *problems]
+    return mission, [*_found(mission, catalogue, world), *problems]
 
 
-def _found(mission: Mission, catalogue: Catalogue, endurance: float | None = None) -> list[Problem]:
+def _found(mission: Mission, catalogue: Catalogue, world: World | None = None) -> list[Problem]:
     """Return what is wrong with the chart of a mission, in the order of its files."""
     from missionkit.chart.checks import findings  # noqa: PLC0415
 
-    found = {*unmet(mission, catalogue), *findings(mission, catalogue, endurance=endurance)}
+    endurance = None if world is None else _endurance(world)
+    sight = None if world is None else world.sensors.scan.range
+    found = {
+        *unmet(mission, catalogue),
+        *findings(mission, catalogue, endurance=endurance, sight=sight),
+    }
     return sorted(found, key=_order)
 
 

@@ -56,13 +56,12 @@ def act(
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
-    on_ground = seen.status is None or not seen.status.in_air
-    if step.action is not None or (on_ground and step.guidance is None):
-        mode = Mode.NONE
+    mode = _flown(mode, step, seen)
     hands = scanned(plan, hands, seen)
     if mode is not Mode.NONE and blind(plan, hands, step.guidance, seen):
         step = step._replace(guidance=None, done=False, note=BLIND)
-    hands = standing(plan, hands, mode, step.guidance, seen)
+    if not step.stop:
+        hands = standing(plan, hands, mode, step.guidance, seen)
     command, control, avoidance = _commanded(plan, mode, hands, step, seen, contain)
     if wrong := contain.take():  # the planner
         failing += wrong
@@ -86,6 +85,14 @@ def act(
         scan=hands.scan,
     )
     return following, _ordered(command, orders, seen), step
+
+
+def _flown(mode: Mode, step: Step, seen: Estimate) -> Mode:
+    """Return the mode in which a step is flown: NONE if the autopilot flies by itself."""
+    on_ground = seen.status is None or not seen.status.in_air
+    if step.action is not None or (on_ground and step.guidance is None):
+        return Mode.NONE
+    return Mode.GPS if step.stop else mode
 
 
 def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Command:

@@ -23,6 +23,7 @@ def fault_of(answer: object) -> str:
         "payload": _text_or_none(answer.payload),
         "note": isinstance(answer.note, str),
         "events": _events(answer.events),
+        "stop": isinstance(answer.stop, bool),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""

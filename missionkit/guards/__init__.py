@@ -4,6 +4,7 @@ from missionkit.guards.battery import BatteryBelow
 from missionkit.guards.camera import CameraSilent
 from missionkit.guards.confidence import ArucoConfidence
 from missionkit.guards.converged import Converged
+from missionkit.guards.disturbed import Disturbed
 from missionkit.guards.estimate import EstimateBad, GnssLost
 from missionkit.guards.fence import InsideFence
 from missionkit.guards.link import LinkLost
@@ -20,6 +21,7 @@ ALL = (
     BatteryBelow,
     CameraSilent,
     Converged,
+    Disturbed,
     Done,
     Elapsed,
     EstimateBad,

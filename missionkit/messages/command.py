@@ -86,3 +86,4 @@ class Step(NamedTuple):
     note: str = ""  # shown in the live view and the record
     memory: Any = None  # given back to the behaviour at the next tick
     events: tuple[str, ...] = ()  # for the chart, heard at the next tick
+    stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance

@@ -129,7 +129,7 @@ class PotentialField(Plugin):
             return seeing - wanted, memory.clear()
         distance = _length(goal - seen.position)
         fade = min(1.0, distance / self.radius)
-        slowed = braked(seeing, seen.velocity, around, self._stopping)
+        slowed = braked(seeing, seen.velocity, around, self.stopping)
         push = slowed + fade * self.repulsion(around) - wanted
         hindered = _length(push) > 0.3 * _length(wanted) > STILL
         progress = self._progress(memory.progress, seen, goal, around, hindered=hindered)
@@ -178,7 +178,7 @@ class PotentialField(Plugin):
 
     def admissible(self, sight: float) -> float:
         """Return the speed (m/s) from which the vehicle stops within `sight` (m)."""
-        how = self._stopping
+        how = self.stopping
         return admissible_speed(sight - how.width, how) if math.isfinite(sight) else math.inf
 
     def brake(
@@ -196,12 +196,12 @@ class PotentialField(Plugin):
             return velocity
         if guidance is not None and guidance.work is not None:
             around = around._replace(keep=self._kept(memory, guidance.work, guidance.position))
-        slowed = braked(velocity, seen.velocity, around, self._stopping, FIRM)
-        return backed_off(slowed, around, self._stopping, RETREAT)
+        slowed = braked(velocity, seen.velocity, around, self.stopping, FIRM)
+        return backed_off(slowed, around, self.stopping, RETREAT)
 
     def _kept(self, memory: FieldMemory, work: Vec3, goal: Vec3) -> Distances:
         """Return what is to be kept (N,), m, of each point near a work and its goal."""
-        points, full = memory.points, self._stopping.width
+        points, full = memory.points, self.stopping.width
         if points is None:
             return np.empty(0)
         own = np.hypot(points[:, 0] - work[0], points[:, 1] - work[1]) <= OWN
@@ -218,7 +218,8 @@ class PotentialField(Plugin):
         return np.array([self.gain_xy, self.gain_xy, self.gain_z])
 
     @cached_property
-    def _stopping(self) -> Stopping:
+    def stopping(self) -> Stopping:
+        """How the vehicle stops, and how well its scanner sees."""
         return Stopping(
             self.body_radius + self.clearance,
             self.deceleration,
@@ -240,7 +241,7 @@ class PotentialField(Plugin):
             return None
         away = seen.position - points
         squared = np.vecdot(away, away)
-        how = self._stopping
+        how = self.stopping
         stop = stopping_distance(max(_length(velocity), _length(seen.velocity)), how)
         reach = max(self.radius + self.body_radius, how.width + stop)
         reach = math.hypot(reach, self.column)
@@ -268,11 +269,11 @@ class PotentialField(Plugin):
             return last._replace(since=seen.now)
         if seen.now - last.since < self.patience:
             return last
-        passage = 2.0 * self._stopping.width
+        passage = 2.0 * self.stopping.width
         return last._replace(side=shorter_side(around.away, to_goal, seen.velocity, passage))
 
     def _blocked(self, around: Surroundings, to_goal: Vec3, distance: float) -> bool:
-        how = self._stopping
+        how = self.stopping
         free = free_path(around, to_goal / distance, how)
         return free < min(distance, stopping_distance(self.escape_speed, how))
 
@@ -281,7 +282,7 @@ class PotentialField(Plugin):
         gap = math.sqrt(around.squared[i]) - self.body_radius
         along = follow(around.away[i], gap, self.keep, self.escape_speed, side)
         along[2] = wanted[2]
-        return braked(along, seen.velocity, around, self._stopping)
+        return braked(along, seen.velocity, around, self.stopping)
 
 
 def _length(v: Vec3) -> float:

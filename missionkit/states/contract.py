@@ -21,6 +21,7 @@ class Failsafe:
     parameters: Mapping[str, float]
     to_kind: str
     of_target: bool = False
+    emergency: bool = False  # does not wait for the dwell time
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ import math
 from missionkit.geometry import norm, wrap
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.states.common import LOCK_LIMIT, LOCK_LOST
-from missionkit.states.contract import Invariant, StateKind
+from missionkit.states.contract import Failsafe, Invariant, StateKind
 
 POSITION = 0.10  # m, ε_pos
 YAW = 5.0  # deg, ε_yaw
@@ -21,6 +21,9 @@ def _on_goal(seen: Estimate, _: str | None) -> Verdict:
     return Verdict.at_most(turned, YAW, "yaw error, deg")
 
 
+PUSHED = Failsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)
+"""A gust at work: leave it backwards, to where it was approached from."""
+
 TASK = StateKind(
     name="task",
     summary="Working at the goal pose, within its tolerance.",
@@ -30,5 +33,5 @@ TASK = StateKind(
     invariant=Invariant(
         "‖e_p‖ < ε_pos ∧ |e_ψ| < ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
     ),
-    failsafes=(LOCK_LOST,),
+    failsafes=(PUSHED, LOCK_LOST),
 )

@@ -10,7 +10,7 @@ from samples import calm
 
 from missionkit.behaviors import Hold, Land, TakeOff
 from missionkit.geometry import vec
-from missionkit.messages import Action
+from missionkit.messages import Action, VehicleStatus
 
 GROUND = {"armed": False, "in_air": False, "mode": "hold"}
 UNALIGNED = calm().health._replace(aligned=False)
@@ -102,3 +102,35 @@ def test_hold_does_nothing_on_the_ground_and_keeps_its_place():
     steps = play(Hold(), story)
     assert [step.guidance is None for step in steps] == [True, True, False]
     assert {step.action for step in steps} == {None}
+
+
+FAST = {"velocity": np.array([4.0, 3.0, 0.5])}
+
+
+def flying(mode="offboard", **changes):
+    status = VehicleStatus(10.0, armed=True, in_air=True, ready=True, mode=mode)
+    return calm(status=status, **changes)
+
+
+def test_a_vehicle_that_moves_comes_to_rest_before_it_lands():
+    fast, slow = flying(**FAST), flying(velocity=np.array([0.4, 0.5, 1.5]))
+    steps = play(Land(), [fast, fast, slow])
+    assert [step.stop for step in steps] == [True, True, False]
+    assert [step.action for step in steps] == [None, None, Action.LAND]
+
+
+def test_braking_before_a_landing_takes_no_longer_than_it_may():
+    steps = play(Land(brake=1.0), [flying(now=10.0 + 0.5 * n, **FAST) for n in range(4)])
+    assert [step.stop for step in steps] == [True, True, False, False]
+
+
+def test_with_a_diverged_estimate_it_brakes_for_a_while_however_fast_it_seems():
+    lost = calm().health._replace(diverged=True)
+    steps = play(Land(), [flying(now=10.0 + n, health=lost) for n in range(4)])
+    assert [step.stop for step in steps] == [True, True, False, False]
+
+
+@pytest.mark.parametrize("mode", ["hold", "take_off", "land", "return"])
+def test_an_autopilot_that_flies_by_itself_is_told_to_land_at_once(mode):
+    (step,) = play(Land(), [flying(mode, **FAST)])
+    assert step.action is Action.LAND

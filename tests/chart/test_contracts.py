@@ -51,7 +51,7 @@ FAR = ("hover", "goal unreachable")
 def test_default_failsafes_become_transitions_after_the_missions_own():
     assert ways(FULL) == {
         "visual": [("task", "a"), LOST, FAR],
-        "task": [LOST],
+        "task": [("visual", "disturbed"), LOST],
         "search": [("gps", "elapsed (longer_than 30)")],
         "gps": [FAR],
         "return": [("land", "goal unreachable")],

@@ -94,6 +94,6 @@ def test_a_task_without_a_goal_yet_is_not_off_its_goal():
     assert walk.tick(goal=None).answers["I(x)"].holds is None
     walk.run(3.0, goal=None)
     assert (walk.problems, walk.trace) == ([], [])
-    goal = Goal(vec(0.0, 0.5, -5.0), 0.0, 3.0)
+    goal = Goal(vec(0.0, 0.2, -5.0), 0.0, 3.0)
     walk.run(6.0, goal=goal)
     assert walk.trace == [(5.05, "x", "v", "invariant broken for 2 s")]

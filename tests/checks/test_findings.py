@@ -16,6 +16,7 @@ from missionkit.chart.load import load
 from missionkit.errors import Problem
 
 ENDURANCE = 450.0  # s, that of the simulated vehicle
+SIGHT = 12.0  # m, that of the simulated scanner
 FOLDER = Path(__file__).parent
 FILES = sorted(path.name for path in FOLDER.glob("*.yaml"))
 
@@ -28,7 +29,8 @@ def told(problem: Problem) -> str:
 @pytest.mark.parametrize("name", FILES)
 def test_findings(name: str, catalogue: Catalogue, monkeypatch: pytest.MonkeyPatch, update_refs):
     monkeypatch.chdir(FOLDER)
-    found = findings(load(Path(name), catalogue), catalogue, endurance=ENDURANCE)
+    mission = load(Path(name), catalogue)
+    found = findings(mission, catalogue, endurance=ENDURANCE, sight=SIGHT)
     report = "".join(map(told, found))
     if update_refs:
         Path(name).with_suffix(".txt").write_text(report)

@@ -218,3 +218,15 @@ def test_braking_before_an_obstacle_does_not_wait_for_the_comfort_limit():
     command, _ = pilot.act(**{**fast, "scanned_at": 10.1}, obstacles=wall)
     assert command.setpoint.velocity[0] > 0.0
     assert pilot.hands.control.pushed
+
+
+def test_before_a_landing_the_vehicle_is_brought_to_rest_by_a_velocity_of_zero():
+    pilot = Pilot("{kind: land}", name="land")
+    flying = VehicleStatus(10.0, armed=True, in_air=True, ready=True, mode="offboard")
+    lost = calm().health._replace(diverged=True)
+    command, _ = pilot.act(entered=True, status=flying, velocity=vec(4, 0, 0), health=lost)
+    assert command.action is None
+    assert norm(command.setpoint.velocity) == 0.0
+    assert pilot.hands.held is None
+    command, _ = pilot.act(now=14.5, status=flying, velocity=vec(4, 0, 0))
+    assert command == Command(action=Action.LAND)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from samples import calm
@@ -10,6 +12,7 @@ from missionkit.geometry import from_euler
 from missionkit.guards import (
     BatteryBelow,
     Converged,
+    Disturbed,
     Done,
     Elapsed,
     EstimateBad,
@@ -52,6 +55,12 @@ def goal(at=(0.0, 0.0, -5.0), yaw=0.0, name=None):
         (NearGoal(radius=1), {"goal": goal((1.0, 0.0, -5.0))}, True),
         (NearGoal(radius=1), {"goal": goal((1.01, 0.0, -5.0))}, False),
         (NearGoal(radius=1), {}, None),
+        (Disturbed(error=0.3), {"goal": goal((0.4, 0.0, -5.0))}, True),
+        (Disturbed(error=0.3), {"goal": goal((0.2, 0.0, -5.0))}, False),
+        (Disturbed(), {"attitude": from_euler(0.0, 0.4, 1.0), "goal": goal()}, True),
+        (Disturbed(), {"attitude": from_euler(0.3, 0.0, 1.0), "goal": goal()}, False),
+        (Disturbed(), {"attitude": from_euler(0.4, 0.0, 0.0)}, True),
+        (Disturbed(), {}, None),
         (FENCE, {}, True),
         (FENCE, {"position": np.array([0.0, 0.0, -8.1])}, False),
         (FENCE, {"position": np.array([-10.1, 0.0, -5.0])}, False),
@@ -115,3 +124,13 @@ def test_converged(seen, changes, holds, value):
 def test_margin_says_how_far_inside():
     verdict = FENCE.check(calm(position=np.array([0.0, 4.0, -5.0])))
     assert (verdict.value, verdict.threshold, verdict.margin) == (1.0, 0.0, 1.0)
+
+
+def test_disturbed_says_what_is_worse():
+    seen = calm(attitude=from_euler(0.0, math.radians(15.0), 0.0), goal=goal((0.1, 0.0, -5.0)))
+    verdict = Disturbed(error=0.25, tilt_deg=20).check(seen)
+    assert (verdict.why, verdict.threshold) == ("tilt, deg", 20.0)
+    assert verdict.value == pytest.approx(15.0)
+    assert verdict.margin == pytest.approx(-5.0)
+    off = Disturbed(error=0.1, tilt_deg=80).check(seen)
+    assert (off.why, off.value) == ("off the goal, m", pytest.approx(0.1))

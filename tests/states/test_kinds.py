@@ -50,7 +50,10 @@ def test_modes_are_those_of_the_paper():
 
 
 def test_default_failsafes_are_those_of_the_paper():
-    """Section 7.2: lock lost for 2.0 s, search for 30.0 s, goal out of reach."""
+    """Section 7.2: lock lost for 2.0 s, search for 30.0 s, goal out of reach.
+
+    That a task is left when something pushes the vehicle is ours.
+    """
     said = {
         name: [(one.use, one.parameters.get("longer_than"), one.to_kind) for one in kind.failsafes]
         for name, kind in KINDS.items()
@@ -61,7 +64,7 @@ def test_default_failsafes_are_those_of_the_paper():
         "gps": [far],
         "visual": [lost, far],
         "search": [("elapsed", 30.0, "gps")],
-        "task": [lost],
+        "task": [("disturbed", None, "visual"), lost],
         "return": [("goal_unreachable", None, "land")],
     }
 

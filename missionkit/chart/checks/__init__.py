@@ -14,6 +14,7 @@ from missionkit.chart.checks import (
     loops,
     needs,
     regions,
+    speed,
     states,
     transitions,
 )
@@ -38,7 +39,11 @@ CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (
 
 
 def findings(
-    mission: Mission, catalogue: Catalogue, *, endurance: float | None = None
+    mission: Mission,
+    catalogue: Catalogue,
+    *,
+    endurance: float | None = None,
+    sight: float | None = None,
 ) -> list[Problem]:
     """Return everything that the checks find, in the order of the file.
 
@@ -46,12 +51,15 @@ def findings(
         mission: as loaded without problems; its contracts are carried out here.
         catalogue: what it was loaded with.
         endurance: time (s) that the vehicle hovers on a full battery, if that is known.
+        sight: how far (m) the scanner sees obstacles, if that is known.
     """
     chart = Chart(fulfilled(mission, catalogue), catalogue)
     found = {problem for check in CHECKS for problem in check(chart)}
     found |= set(defaults.problems_of(mission, catalogue))
     if endurance is not None:
         found |= set(energy.problems_of(chart, endurance))
+    if sight is not None:
+        found |= set(speed.problems_of(chart, sight))
     return sorted(found, key=_order)
 
 

@@ -114,10 +114,11 @@ def _transition(
         parameters["target"] = targets[0]
     guard = catalogue.guards[failsafe.use](**parameters)
     return Transition.model_construct(
-        {"to", "when", "name"},
+        {"to", "when", "name", "emergency"},
         to=(to,),
         when=ex.Use(failsafe.use, guard, NOWHERE),
         name=failsafe.name,
+        emergency=failsafe.emergency,
     )
 
 
