@@ -101,5 +101,5 @@ def _places() -> Iterator[tuple[Path, bool]]:
     yield Path(__file__).parent / "__pycache__" / "kernels", True
     with suppress(RuntimeError):  # a user without a home
         home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        yield Path(home) / PACKAGE, False
+        yield Path(home) / f"{PACKAGE}-kernels", False
     yield runtime_folder() / "kernels", False

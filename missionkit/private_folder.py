@@ -14,11 +14,12 @@ def runtime_folder() -> Path:
     `XDG_RUNTIME_DIR`, or `/run/user/UID` without it (so that a service and a shell of one user
     agree), or a folder named after the user in the temporary one.
     """
+    name = f"missionkit-{os.getuid()}"
     named = os.environ.get("XDG_RUNTIME_DIR")
     for base in (Path(named) if named else None, Path(f"/run/user/{os.getuid()}")):
         if base is not None and base.is_dir() and base.stat().st_uid == os.getuid():
-            return base / "missionkit"
-    return Path(tempfile.gettempdir()) / f"missionkit-{os.getuid()}"
+            return base / name
+    return Path(tempfile.gettempdir()) / name
 
 
 def private(folder: Path) -> Path:

@@ -113,6 +113,6 @@ def test_a_lock_folder_of_another_user_is_refused(tmp_path):
 def test_the_lock_folder_is_the_users_own(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     with LinkLock(parse("udpin://0.0.0.0:14540")) as lock:
-        assert lock.path.parent == tmp_path / "missionkit"
+        assert lock.path.parent == tmp_path / f"missionkit-{os.getuid()}"
         assert stat.S_IMODE(lock.path.parent.stat().st_mode) == 0o700
         assert lock.path.read_text() == f"{os.getpid()}\n"
