@@ -55,7 +55,7 @@ def fence(wanted: Wanted) -> ExitCode:
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
     around = box_of(mission, wanted.margin)
     points = [_point(text) for text in wanted.rally]
-    vehicle = MavsdkVehicle(parse(wanted.address), system=wanted.system)
+    vehicle = MavsdkVehicle(parse(wanted.address), system=wanted.system, guard=None)
     print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
     return ExitCode.SUCCESS
 

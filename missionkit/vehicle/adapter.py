@@ -23,6 +23,8 @@ from missionkit.vehicle.camera import Camera, NoCamera
 from missionkit.vehicle.commands import Report
 from missionkit.vehicle.connection import Link, listed
 from missionkit.vehicle.dialect import Dialect, dialect_of
+from missionkit.vehicle.guardian.policy import USUAL, Patience
+from missionkit.vehicle.guarding import Guardian
 from missionkit.vehicle.lock import LinkLock
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.parts import Parts
@@ -56,6 +58,7 @@ class MavsdkVehicle:
         lock: against a second process on the same link.
         share: what of the estimate the autopilot is told; nothing by default.
         system: MAVLink system id of the vehicle, where several share the link.
+        guard: how long the guardian bears silence; None: no guardian, for who only looks.
     """
 
     def __init__(
@@ -67,6 +70,7 @@ class MavsdkVehicle:
         lock: LinkLock | None = None,
         share: Share = NOTHING,
         system: int | None = None,
+        guard: Patience | None = USUAL,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -78,6 +82,8 @@ class MavsdkVehicle:
         self._clock = MissionClock(pace)
         self._share = share
         self._system = system
+        self._guard = guard
+        self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
         self._events: list[str] = []
         self._noting = threading.Lock()
@@ -117,6 +123,11 @@ class MavsdkVehicle:
         return self._joined.streams
 
     @property
+    def guardian(self) -> Guardian | None:
+        """What owns the link, and stops the vehicle when this process falls silent."""
+        return self._guardian
+
+    @property
     def in_control(self) -> bool:
         """Whether missionkit commands; no: a pilot, or the autopilot by itself."""
         return self._joined.helm.ours
@@ -132,16 +143,18 @@ class MavsdkVehicle:
         Raises:
             VehicleError: the link is in use or nobody answered; what to check is said.
         """
-        self._lock.take()
+        await asyncio.to_thread(self._lock.take)
         try:
-            link = await Link.open(self.address, self._patience, self._system)
+            await asyncio.to_thread(self._be_guarded)
+            local = None if self._guardian is None else self._guardian.local
+            link = await Link.open(self.address, self._patience, self._system, local)
             try:
                 await self._join(link)
             except BaseException:
                 link.close()
                 raise
         except BaseException:
-            self._lock.release()
+            self._let_go()
             raise
 
     async def observe(self, until: float) -> Observation:
@@ -195,12 +208,14 @@ class MavsdkVehicle:
             await asyncio.to_thread(self._workers.shutdown, cancel_futures=True)
             parts.link.close()
         self._workers.shutdown(wait=False)
-        self._lock.release()
+        await asyncio.to_thread(self._let_go)
 
     def resume_control(self) -> None:
         """Command again after a pilot's takeover. Only a person may ask for this."""
         helm = self._joined.helm
         if not helm.ours:
+            if self._guardian is not None:
+                self._guardian.given()
             helm.resume()
             self.note(RESUMED)
 
@@ -236,7 +251,8 @@ class MavsdkVehicle:
         dialect = None if beat is None else dialect_of(int(beat["autopilot"]))
         if dialect is None:
             raise VehicleError(f"{self.address.url}: the autopilot is silent")
-        self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace)
+        idle = (lambda: None) if self._guardian is None else self._guardian.idle
+        self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace, idle)
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
@@ -265,6 +281,23 @@ class MavsdkVehicle:
         if beat is not None and (why := unfit(beat.fields)):
             raise VehicleError(f"{self.address.url}: system {link.system_id} is not flown: {why}")
         return beat
+
+    def _be_guarded(self) -> None:
+        if self._guard is not None:
+            descriptor, overruled = self._lock.descriptor, self._overruled
+            self._guardian = Guardian(
+                self.address, descriptor, self._pace, self._guard, overruled, self.note
+            )
+
+    def _overruled(self) -> None:
+        if self._parts is not None:
+            self._parts.helm.overruled()
+
+    def _let_go(self) -> None:
+        guardian, self._guardian = self._guardian, None
+        if guardian is not None:
+            guardian.close()
+        self._lock.release()
 
     def _take_reports(self, parts: Parts) -> None:
         for report in parts.commander.reports():

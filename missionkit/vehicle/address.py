@@ -44,6 +44,12 @@ class Address(NamedTuple):
         return tuple(text.split("; "))
 
 
+def unopened(address: Address, why: str) -> str:
+    """Return what to say about a link that cannot be opened."""
+    checks = "".join(f"\n  - {line}" for line in address.advice)
+    return f"{address.url} cannot be opened ({why}); check that{checks}"
+
+
 _ADVICE = {
     "udpin": "the autopilot (or its simulator) sends to port {number} of this machine; "
     "no firewall drops UDP port {number}; no other program holds the port",

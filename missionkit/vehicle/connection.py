@@ -18,7 +18,7 @@ from mavsdk.plugins.mission_raw import MissionItem, MissionRaw
 from mavsdk.plugins.param import Param, ParamError
 
 from missionkit.errors import VehicleError
-from missionkit.vehicle.address import Address
+from missionkit.vehicle.address import Address, unopened
 from missionkit.vehicle.plan_items import Item
 
 LOOK = 0.1  # s between two looks at which systems are there
@@ -64,13 +64,20 @@ class Link:
         self._subscriptions: list[Any] = []
 
     @classmethod
-    async def open(cls, address: Address, patience: float, system_id: int | None = None) -> Link:
+    async def open(
+        cls,
+        address: Address,
+        patience: float,
+        system_id: int | None = None,
+        local: Address | None = None,
+    ) -> Link:
         """Connect, and wait until an autopilot has said something.
 
         Args:
             address: where it is.
             patience: s to wait for it.
             system_id: of the vehicle, where several share the link; None: the first that answers.
+            local: where its guardian relays the link; None: there is none.
 
         Raises:
             VehicleError: the link cannot be opened, or nobody answers within `patience` (s).
@@ -79,13 +86,13 @@ class Link:
         setting = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)
         mavsdk = Mavsdk(setting)
         try:
-            await mavsdk.add_any_connection(address.url)
+            await mavsdk.add_any_connection((local or address).url)
             system = await mavsdk.first_autopilot(timeout_s=patience)
             if system is not None and system_id is not None:
                 system = await _named(mavsdk, system_id, address, patience)
         except MavsdkConnectionError as error:
             mavsdk.destroy()
-            raise VehicleError(_unopened(address, str(error))) from None
+            raise VehicleError(unopened(address, str(error))) from None
         except BaseException:
             mavsdk.destroy()
             raise
@@ -242,11 +249,6 @@ async def _named(mavsdk: Mavsdk, system_id: int, address: Address, patience: flo
 def listed(systems: Mapping[int, str]) -> str:
     """Return systems as a list to read: `system 1 (px4 multicopter), system 7 (...)`."""
     return ", ".join(f"system {number} ({kind})" for number, kind in sorted(systems.items()))
-
-
-def _unopened(address: Address, why: str) -> str:
-    checks = "".join(f"\n  - {line}" for line in address.advice)
-    return f"{address.url} cannot be opened ({why}); check that{checks}"
 
 
 def _unanswered(address: Address, patience: float) -> str:

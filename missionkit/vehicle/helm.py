@@ -83,6 +83,13 @@ class Helm:
                 self._now = Authority(self._now.holder)
             self._tell(REBOOTED)
 
+    def overruled(self) -> None:
+        """Note that the guardian has stopped the vehicle: nothing is resumed by itself."""
+        with self._lock:
+            taken, self._now = self._now.ours, lost(self._now)
+        if taken:
+            self._give_way(FAILSAFE_TAKEOVER)
+
     def resume(self) -> None:
         """Command again, because somebody asked for it."""
         with self._lock:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import stat
+import threading
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -13,6 +14,11 @@ from typing import IO
 from missionkit.errors import VehicleError
 from missionkit.private_folder import private, runtime_folder
 from missionkit.vehicle.address import Address
+from missionkit.vehicle.guardian import HOLDER
+from missionkit.vehicle.timing import wall
+
+FINISHING = 12.0  # s to wait for a guardian without a mission
+SIGNED = 0.3  # s until a guardian has noticed that its mission is gone
 
 
 class LinkLock:
@@ -38,11 +44,8 @@ class LinkLock:
             file = _own_file(self.path)
         except OSError as error:
             raise VehicleError(f"the lock of {self._address.url} cannot be used: {error}") from None
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            file.seek(0)
-            holder = file.read().strip() or "unknown"
+        holder = _locked(file)
+        if holder:
             file.close()
             raise VehicleError(
                 f"{self._address.url} is in use by another missionkit (process {holder}): "
@@ -50,9 +53,21 @@ class LinkLock:
             ) from None
         self._file = file
         with suppress(OSError):  # a full disk: who holds it is for the message alone
-            file.truncate(0)
+            file.seek(0)
+            file.truncate()
             file.write(f"{os.getpid()}\n")
             file.flush()
+
+    @property
+    def descriptor(self) -> int:
+        """The file that holds the lock, for a guardian to hold it as well.
+
+        Raises:
+            VehicleError: it is not taken.
+        """
+        if self._file is None:
+            raise VehicleError(f"the lock of {self._address.url} is not taken")
+        return self._file.fileno()
 
     def release(self) -> None:
         """Let go of the lock. The file stays: removing it would let two processes in."""
@@ -71,6 +86,25 @@ class LinkLock:
         trace: TracebackType | None,
     ) -> None:
         self.release()
+
+
+def _locked(file: IO[str]) -> str:
+    """Lock a file; return "", or who has it.
+
+    A guardian whose mission is gone lets go as soon as the vehicle holds: it is waited for.
+    """
+    begun = wall()
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.seek(0)
+            holder = file.read().strip() or "unknown"
+        else:
+            return ""
+        if wall() - begun > (FINISHING if holder.startswith(HOLDER) else SIGNED):
+            return holder
+        threading.Event().wait(0.05)
 
 
 def _own_file(path: Path) -> IO[str]:

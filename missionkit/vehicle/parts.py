@@ -38,6 +38,7 @@ class Parts:
         clock: mission time.
         note: takes an event for the mission.
         pace: seconds of the vehicle in one of the wall.
+        idle: called when setpoints stop on purpose.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class Parts:
         clock: MissionClock,
         note: Callable[[str], None],
         pace: float,
+        idle: Callable[[], None] = lambda: None,
     ) -> None:
         self.link = link
         self.dialect = dialect
@@ -55,7 +57,8 @@ class Parts:
         self.phase = Phase(cache, dialect)
         self.observer = Observer(cache, self.phase, clock)
         self.helm = Helm(dialect, self._let_go, note, self._unheard)
-        self.streamer = Streamer(self._emit, self._listens, wall, pace)
+        self._idle = idle
+        self.streamer = Streamer(self._emit, self._listens, wall, pace, paused=self._pauses)
         self.commander = Commander(link, cache, dialect, self.state, self.helm.order, pace)
         self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, self._rebooted, pace)
         self.payload = Payload(link, cache, pace)
@@ -79,11 +82,13 @@ class Parts:
         self.commander.stop()
         self.payload.release()
         if not self.helm.ours or not self.state.in_air:
-            return
-        if self.state.mode == self.dialect.offboard_word:
+            self._idle()
+        elif self.state.mode == self.dialect.offboard_word:
             with suppress(RuntimeError):  # no link, no hold: its failsafe will
                 self._emit(STILL)
                 self.commander.carry_out((Action.HOLD, None))
+        elif self.helm.aim == self.state.mode:
+            self._idle()
 
     def obey(self, command: Command, at: float) -> None:
         """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
@@ -136,6 +141,7 @@ class Parts:
     def _let_go(self) -> None:
         self.streamer.quiet()
         self.commander.drop()
+        self._idle()
 
     def _rebooted(self) -> None:
         self.helm.rebooted(flying=bool(self.state.armed))
@@ -159,6 +165,13 @@ class Parts:
         if dialect.early:
             return state.mode != "land"  # ignored outside offboard, and needed to enter it
         return state.mode == dialect.offboard_word and not self.phase.climbing
+
+    def _pauses(self) -> bool:
+        """Tell the guardian that setpoints stop on purpose, if they do: waking up is no purpose."""
+        if self.state.heard < self.streamer.woken + BACKLOG:
+            return False
+        self._idle()
+        return True
 
     def _emit(self, setpoint: AnySetpoint) -> None:
         start = self.observer.start

@@ -72,6 +72,8 @@ class Streamer:
         wall: the wall clock (s).
         pace: seconds of the vehicle in one of the wall.
         rate: how often (Hz) a fresh command is repeated when no new one comes.
+        paused: called while the gate is closed, until it has noted (True) that setpoints stop on
+            purpose.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class Streamer:
         wall: Callable[[], float],
         pace: float = 1.0,
         rate: float = RATE,
+        paused: Gate = lambda: True,
     ) -> None:
         self._emit = emit
         self._gate = gate
@@ -91,6 +94,8 @@ class Streamer:
         self._news = threading.Condition()
         self._fresh = False
         self._ended = False
+        self._paused = paused
+        self._flows = False
         self._since: float | None = None
         self._looked = wall()
         self.woken = float("-inf")  # s, wall, when the process last woke up after a standstill
@@ -137,8 +142,8 @@ class Streamer:
         if (now - self._looked) * self._pace > STALE:
             self.woken = now
         self._looked = now
-        setpoint = due(self._told, now, self._pace)
-        if setpoint is None or not self._gate() or self._wall() - now > LATE:
+        setpoint = self._allowed(due(self._told, now, self._pace))
+        if setpoint is None or self._wall() - now > LATE:
             self._since = None
             return False
         try:
@@ -150,7 +155,16 @@ class Streamer:
             self._since = now
         self.last = now
         self.sent += 1
+        self._flows = True
         return True
+
+    def _allowed(self, setpoint: AnySetpoint | None) -> AnySetpoint | None:
+        """Return the setpoint, or None while the vehicle does not listen to us."""
+        if setpoint is None or self._gate():
+            return setpoint
+        if self._flows:
+            self._flows = not self._paused()
+        return None
 
     def _run(self) -> None:
         while True:

@@ -1,8 +1,8 @@
 """A client of its own process that flies north until something is done to it.
 
 usage: python -m vehicle.client URL SPEED LOCKS
-Says "flying" once it does. SIGUSR1 holds the interpreter's lock for two seconds of the vehicle,
-SIGUSR2 collects garbage again and again for four.
+Says "flying" and its guardian's process number once it does. SIGUSR1 holds the interpreter's lock
+for two seconds of the vehicle, SIGUSR2 collects garbage again and again for four.
 """
 
 import asyncio
@@ -40,7 +40,7 @@ async def main(url, speed, locks):
     flight = Flight(vehicle, speed)
     await flight.take_off()
     await flight.until(lambda: flight.status.mode == "offboard", NORTH)
-    sys.stdout.write("flying\n")
+    sys.stdout.write(f"flying {vehicle.guardian.process}\n")
     sys.stdout.flush()
     while True:
         await flight.tick(NORTH)

@@ -18,11 +18,13 @@ from missionkit.messages import Action, Command, Setpoint
 from missionkit.sim.mavlink.server import Setup, serving
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
+from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.lock import LinkLock
 
 SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done
 PERIOD = 0.05
+UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine is no silence
 STILL = Command()
 NORTH = Command(Setpoint(vec(2.0, 0.0, 0.0), 0.0))
 CLIMB = Command(action=Action.TAKE_OFF, height=2.5)
@@ -166,10 +168,11 @@ class Flight:
 
 
 @asynccontextmanager
-async def flying(sitl, tmp_path, **options):
+async def flying(sitl, tmp_path, guard=UNHURRIED, **options):
+    """Fly an autopilot through a guardian that bears what a busy machine does."""
     address = parse(sitl.url)
     lock = LinkLock(address, tmp_path)
-    vehicle = MavsdkVehicle(address, pace=sitl.speed, lock=lock, **options)
+    vehicle = MavsdkVehicle(address, pace=sitl.speed, lock=lock, guard=guard, **options)
     await vehicle.connect()
     try:
         yield Flight(vehicle, sitl.speed)
@@ -177,11 +180,11 @@ async def flying(sitl, tmp_path, **options):
         await vehicle.close()
 
 
-def over_the_wire(tmp_path, script, dialect="px4", **setup):
+def over_the_wire(tmp_path, script, dialect="px4", guard=UNHURRIED, **setup):
     """Run `script(flight, autopilot)`; return what it returns."""
 
     async def fly(autopilot):
-        async with flying(autopilot, tmp_path) as flight:
+        async with flying(autopilot, tmp_path, guard) as flight:
             return await script(flight, autopilot)
 
     with sitl(dialect, **setup) as autopilot:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from vehicle.flying import UNHURRIED
+
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
 from missionkit.cli.fly import fly_vehicle
@@ -80,7 +82,7 @@ def fly_mission(autopilot, text, tmp_path, strikes=None, catalogue=None, **optio
     catalogue = catalogue or builtin()
     address = address_of(autopilot.url)
     vehicle = MavsdkVehicle(
-        address, pace=autopilot.speed, lock=LinkLock(address, tmp_path), **options
+        address, pace=autopilot.speed, lock=LinkLock(address, tmp_path), guard=UNHURRIED, **options
     )
     told = Told(autopilot, reports=vehicle.reports)
 

@@ -2,11 +2,13 @@ import os
 import stat
 import subprocess
 import sys
+import threading
 
 import pytest
 
 from missionkit.errors import UsageError, VehicleError
 from missionkit.vehicle.address import FORMS, parse
+from missionkit.vehicle.guardian import HOLDER
 from missionkit.vehicle.lock import LinkLock
 
 
@@ -54,6 +56,7 @@ HOLD = """
 import sys
 from pathlib import Path
 from missionkit.vehicle.address import parse
+from missionkit.vehicle.guardian import HOLDER
 from missionkit.vehicle.lock import LinkLock
 lock = LinkLock(parse("udpin://0.0.0.0:14540"), Path(sys.argv[1]))
 lock.take()
@@ -116,3 +119,18 @@ def test_the_lock_folder_is_the_users_own(tmp_path, monkeypatch):
         assert lock.path.parent == tmp_path / f"missionkit-{os.getuid()}"
         assert stat.S_IMODE(lock.path.parent.stat().st_mode) == 0o700
         assert lock.path.read_text() == f"{os.getpid()}\n"
+
+
+def test_a_guardian_whose_mission_is_gone_is_waited_for(tmp_path):
+    address = parse("udpin://0.0.0.0:14540")
+    with LinkLock(address, tmp_path) as held:
+        held.path.write_text(f"{HOLDER} 1234\n")
+        waiting = LinkLock(address, tmp_path)
+        thread = threading.Thread(target=waiting.take)
+        thread.start()
+        thread.join(0.1)
+        assert thread.is_alive()
+    thread.join(10.0)
+    assert not thread.is_alive()
+    assert waiting.path.read_text() == f"{os.getpid()}\n"
+    waiting.release()

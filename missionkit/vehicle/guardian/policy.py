@@ -1,0 +1,141 @@
+"""When the guardian steps in: a pure machine of states and events, without sockets or clock.
+
+    WATCHING  nothing of ours moves the vehicle: no setpoints, or another mode than theirs
+    STEERED   setpoints come, and the vehicle is in the mode that follows them
+    BRAKING   none for 0.5 s: zero velocity is sent; a setpoint of the mission ends it
+    HOLDING   none for 1 s, or the process is gone: the vehicle is to hold, and setpoints and orders
+              of the mission are refused from here on
+    HELD      it holds, or somebody else flies it; a person must give control back
+
+A mission that falls silent on purpose (an order of its own such as LAND, a pilot, a vehicle that is
+not heard) says so first, and is WATCHING. Zero velocity is ignored in a pilot's mode, so it is sent
+at once; another mode is asked for only after a heartbeat that came later still showed ours.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+NEVER = float("-inf")
+BRAKE = 0.5  # s (of the vehicle) after the last setpoint
+HOLD = 1.0  # s after the last setpoint; PX4's own failsafe comes then by default
+GIVE_UP = 5.0  # s of holding without its being seen: the autopilot's own failsafe is left to act
+SETTLED = 1.0  # s of zero velocity after which a vehicle that stands is held
+STANDS = 0.3  # m/s
+
+
+class Phase(StrEnum):
+    """What the guardian is doing."""
+
+    WATCHING = "watching"
+    STEERED = "steered"
+    BRAKING = "braking"
+    HOLDING = "holding"
+    HELD = "held"
+
+
+class Patience(NamedTuple):
+    """How long silence may last (s, of the vehicle)."""
+
+    brake: float = BRAKE
+    hold: float = HOLD
+
+
+USUAL = Patience()
+
+
+class Guard(NamedTuple):
+    """What the guardian knows; times are the vehicle's (s)."""
+
+    phase: Phase = Phase.WATCHING
+    told: float = NEVER  # when the mission's last setpoint passed, NEVER after it fell silent
+    since: float = NEVER  # when holding began
+    ours: bool = False  # the newest heartbeat: armed, in the mode that follows setpoints
+    confirmed: bool = False  # a heartbeat since then showed that mode
+    left: bool = False  # the mission's process is gone
+
+    @property
+    def refuses(self) -> bool:
+        """Whether setpoints and orders of the mission are kept from the vehicle."""
+        return self.phase in {Phase.HOLDING, Phase.HELD}
+
+    @property
+    def brakes(self) -> bool:
+        """Whether zero velocity is to be sent."""
+        return self.phase in {Phase.BRAKING, Phase.HOLDING}
+
+    @property
+    def asks(self) -> bool:
+        """Whether the mode for holding is to be asked for, where there is one."""
+        return self.phase is Phase.HOLDING and self.confirmed
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing left to guard."""
+        return self.left and self.phase in {Phase.WATCHING, Phase.HELD}
+
+
+def setpoint(guard: Guard, now: float) -> Guard:
+    """Return the state after a setpoint of the mission."""
+    if guard.refuses:
+        return guard
+    return guard._replace(phase=Phase.STEERED if guard.ours else Phase.WATCHING, told=now)
+
+
+def silent(guard: Guard) -> Guard:
+    """Return the state after an order of the mission, or its word that it falls silent."""
+    if guard.refuses:
+        return guard
+    return guard._replace(phase=Phase.WATCHING, told=NEVER)
+
+
+def heard(guard: Guard, *, ours: bool) -> Guard:
+    """Return the state after a heartbeat; `ours`: armed, in the mode that follows setpoints."""
+    guard = guard._replace(ours=ours)
+    match guard.phase:
+        case Phase.WATCHING if ours and guard.told > NEVER:
+            return guard._replace(phase=Phase.STEERED)
+        case Phase.STEERED | Phase.BRAKING if not ours:
+            return guard._replace(phase=Phase.WATCHING)
+        case Phase.HOLDING:
+            return guard._replace(confirmed=True) if ours else guard._replace(phase=Phase.HELD)
+        case _:
+            return guard
+
+
+def moves(guard: Guard, now: float, speed: float) -> Guard:
+    """Return the state after a speed over ground (m/s), for a vehicle without a mode to hold in."""
+    settled = guard.phase is Phase.HOLDING and now - guard.since >= SETTLED
+    return guard._replace(phase=Phase.HELD) if settled and speed < STANDS else guard
+
+
+def gone(guard: Guard, now: float) -> Guard:
+    """Return the state after the end of the mission's process, however it came."""
+    guard = guard._replace(left=True)
+    if guard.refuses or guard.told == NEVER:
+        return guard
+    return _holding(guard, now)
+
+
+def given(guard: Guard) -> Guard:
+    """Return the state after a person gave control back to the mission."""
+    return Guard(ours=guard.ours, left=guard.left)
+
+
+def waited(guard: Guard, now: float, patience: Patience = USUAL) -> Guard:
+    """Return the state at a time (s)."""
+    silence = now - guard.told
+    match guard.phase:
+        case Phase.STEERED | Phase.BRAKING if silence > patience.hold:
+            return _holding(guard, now)
+        case Phase.STEERED if silence > patience.brake:
+            return guard._replace(phase=Phase.BRAKING)
+        case Phase.HOLDING if now - guard.since > GIVE_UP:
+            return guard._replace(phase=Phase.HELD)
+        case _:
+            return guard
+
+
+def _holding(guard: Guard, now: float) -> Guard:
+    return guard._replace(phase=Phase.HOLDING, since=now, confirmed=False)

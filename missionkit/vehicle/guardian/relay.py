@@ -1,0 +1,224 @@
+"""Frames between the autopilot and the mission, looked at on the way; the policy decides.
+
+Sent on untouched, but for what the mission may not say once the vehicle is told to hold.
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import NamedTuple
+
+from missionkit.vehicle.dialect import DIALECTS, Dialect, word
+from missionkit.vehicle.guardian import frames, policy
+from missionkit.vehicle.guardian.frames import ident_of
+from missionkit.vehicle.guardian.links import Link, Poller
+from missionkit.vehicle.guardian.policy import Guard, Patience, Phase
+
+AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
+ARM, SET_MODE = 400, 176  # MAV_CMD
+ORDERS = frozenset((20, 21, 22, 34, 84, 85, SET_MODE, 192, 193, 300))
+DATAGRAM = 2000  # bytes; MAVSDK reads no more than 2048 at once
+STILLS = 0.1  # s (of the vehicle) between two setpoints of zero velocity
+ASKED = 0.3  # s between two requests for a mode
+IDLE = 0.2  # s, of the wall, at most between two looks
+TENDED = 1.0  # s, of the wall, between two attempts to connect again
+UPWARDS = frozenset((*frames.SETPOINTS, frames.COMMAND_LONG, frames.COMMAND_INT, frames.SET_MODE))
+HEARD = frozenset((frames.HEARTBEAT,))
+HEARD_HOLDING = frozenset((frames.HEARTBEAT, frames.LOCAL_POSITION))
+OFFBOARD = (SET_MODE, 6.0)  # PX4's main mode: setpoints go on, so it is no word of silence
+
+
+class Ends(NamedTuple):
+    """Where the mission is."""
+
+    local: socket.socket  # its frames
+    control: socket.socket  # a word each: idle, given; port, failed, held
+
+
+class Relay:
+    """Carries frames both ways, and steps in when the mission falls silent.
+
+    Args:
+        poller: waits for all files.
+        ends: of the mission.
+        pace: seconds of the vehicle in one of the wall.
+        patience: how long silence may last.
+        alone: called when the mission's process is gone.
+    """
+
+    def __init__(
+        self,
+        poller: Poller,
+        ends: Ends,
+        pace: float,
+        patience: Patience,
+        alone: Callable[[], None],
+    ) -> None:
+        self.link: Link | None = None
+        self.guard = Guard()
+        self._poller = poller
+        self._ends = ends
+        self._pace = pace
+        self._patience = patience
+        self._alone = alone
+        self._to: frames.Route | None = None  # whom we would have to stop
+        self._dialects: dict[int, Dialect] = {}  # of each system that is heard
+        self._sequence = self._again = 0
+        self._stilled = self._asked = self._tended = policy.NEVER
+        self._met = False
+        poller.add(ends.local.fileno(), self._upwards, urgent=True)
+        poller.add(ends.control.fileno(), self._told, urgent=True)
+
+    def run(self) -> None:
+        """Carry on until there is nothing left to guard."""
+        while not self.guard.over:
+            self._poller.wait(min(IDLE, 0.5 * STILLS / self._pace) if self._alert else IDLE)
+            self._act()
+
+    @property
+    def now(self) -> float:
+        """Time (s) that passes as fast as the vehicle's."""
+        return time.perf_counter() * self._pace
+
+    def downwards(self, found: list[bytes]) -> None:
+        """Take frames of the autopilot."""
+        bundle: list[bytes] = []
+        size = 0
+        watched = HEARD_HOLDING if self.guard.phase is Phase.HOLDING else HEARD
+        for frame in found:
+            if ident_of(frame) in watched:
+                self._hear(frame)
+            size += len(frame)
+            if size > DATAGRAM and bundle:
+                self._pass(bundle)
+                size, bundle = len(frame), []
+            bundle.append(frame)
+        self._pass(bundle)
+
+    def _pass(self, bundle: list[bytes]) -> None:
+        if self._met:
+            with suppress(OSError):  # nobody there, or it does not read: told by the control end
+                self._ends.local.send(bundle[0] if len(bundle) == 1 else b"".join(bundle))
+
+    def _hear(self, frame: bytes) -> None:
+        said = frames.read(frame)
+        if said is None or said.component != AUTOPILOT:
+            return
+        if said.ident == frames.HEARTBEAT:
+            self._hear_beat(said)
+        elif self._to is not None and said.system == self._to.target and not self._by_mode:
+            self._move(policy.moves(self.guard, self.now, frames.speed(said)))
+
+    def _hear_beat(self, said: frames.Frame) -> None:
+        beat = frames.beat(said)
+        dialect = DIALECTS.get(beat.autopilot)
+        if dialect is None:
+            return
+        self._dialects[said.system] = dialect
+        if self._to is None or said.system == self._to.target:
+            ours = beat.armed and word(dialect, beat.mode) == dialect.offboard_word
+            self._move(policy.heard(self.guard, ours=ours))
+
+    def _upwards(self, _: int) -> None:
+        while True:
+            try:
+                data, peer = self._ends.local.recvfrom(65536)
+            except OSError:  # nothing more, or an earlier datagram was refused
+                return
+            if not self._met:
+                self._ends.local.connect(peer)
+                self._met = True
+            allowed = [frame for frame in frames.split(data)[0] if self._may(frame)]
+            if allowed and self.link is not None:
+                self.link.write(b"".join(allowed))
+
+    def _may(self, frame: bytes) -> bool:
+        """Look at a frame of the mission; say whether it may pass."""
+        if ident_of(frame) not in UPWARDS:
+            return True
+        said = frames.read(frame)
+        if said is None:
+            return False  # damaged
+        if said.ident in frames.SETPOINTS:
+            self._to = frames.Route(said.system, said.component, *frames.target(said))
+            self._move(policy.setpoint(self.guard, self.now))
+            return not self.guard.refuses
+        return self._may_order(said)
+
+    def _may_order(self, said: frames.Frame) -> bool:
+        if said.ident == frames.SET_MODE:
+            command, first, second = SET_MODE, 0.0, 0.0
+        else:
+            command, first, second = frames.order(said)
+        if command in ORDERS and not (self._by_mode and (command, second) == OFFBOARD):
+            self._move(policy.silent(self.guard))
+        held = command in ORDERS or (command == ARM and first == 1.0)
+        return not (held and self.guard.refuses)
+
+    def _told(self, _: int) -> None:
+        self._upwards(0)  # what was sent before comes before
+        try:
+            said = self._ends.control.recv(64)
+        except BlockingIOError:
+            return
+        except OSError:
+            said = b""
+        if said == b"idle":
+            self._move(policy.silent(self.guard))
+        elif said == b"given":
+            self._move(policy.given(self.guard))
+        elif not said:
+            self._poller.remove(self._ends.control.fileno())
+            self._alone()
+            self._move(policy.gone(self.guard, self.now))
+
+    def _move(self, guard: Guard) -> None:
+        before, self.guard = self.guard, guard
+        if guard.phase is Phase.HOLDING and before.phase is not Phase.HOLDING:
+            self._again = 0
+            if self.link is not None:
+                self.link.drop()  # what waits there is older than this
+            with suppress(OSError):
+                self._ends.control.send(b"held")
+
+    @property
+    def _alert(self) -> bool:
+        return self.guard.phase in {Phase.STEERED, Phase.BRAKING, Phase.HOLDING}
+
+    @property
+    def _by_mode(self) -> bool:
+        """Whether there is a mode for holding, apart from the one that follows setpoints."""
+        dialect = self._dialect
+        return dialect is not None and dialect.hold_word != dialect.offboard_word
+
+    @property
+    def _dialect(self) -> Dialect | None:
+        if self._to is not None:
+            return self._dialects.get(self._to.target)
+        return next(iter(self._dialects.values()), None)
+
+    def _act(self) -> None:
+        now = self.now
+        self._move(policy.waited(self.guard, now, self._patience))
+        if self.guard.brakes:
+            self._stop(now)
+        if now - self._tended > TENDED * self._pace and self.link is not None:
+            self._tended = now
+            self.link.tend()
+
+    def _stop(self, now: float) -> None:
+        to, dialect = self._to, self._dialect
+        if to is None or self.link is None:
+            return
+        if now - self._stilled >= STILLS:
+            self._stilled = now
+            self._sequence += 1
+            self.link.write(frames.still(to, self._sequence, int(1e3 * time.perf_counter())))
+        if self._by_mode and self.guard.asks and now - self._asked >= ASKED and dialect:
+            self._asked = now
+            self._sequence += 1
+            self.link.write(frames.mode(to, self._sequence, dialect.hold, self._again))
+            self._again += 1
