@@ -214,11 +214,16 @@ def preflight(
     system: System = None,
     *,
     as_json: Json = False,
+    write: Annotated[
+        bool, typer.Option("--set", help="write safe failsafe parameters, after asking")
+    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="do not ask; for scripts")] = False,
 ) -> None:
     """Look at a MAVLink vehicle and say whether it is fit to fly; nothing is commanded."""
-    from missionkit.cli.fly import preflight as command  # noqa: PLC0415
+    from missionkit.cli.preflight import Wanted  # noqa: PLC0415
+    from missionkit.cli.preflight import preflight as command  # noqa: PLC0415
 
-    raise typer.Exit(command(address, system=system, as_json=as_json))
+    raise typer.Exit(command(Wanted(address, system, as_json, write, yes)))
 
 
 @app.command()

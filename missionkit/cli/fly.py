@@ -12,12 +12,11 @@ from missionkit.engine.clock import RealTime
 from missionkit.engine.flight import Plan
 from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.waking import Resumption
-from missionkit.errors import ExitCode, UsageError, nearest
+from missionkit.errors import UsageError, nearest
 from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
-from missionkit.vehicle.inspection import inspect
 from missionkit.vehicle.sharing import NOTHING, Share
 
 NOTED = "what is noted of a tick"
@@ -112,35 +111,6 @@ def fly_vehicle(
             resume=resume,
         )
     )
-
-
-def preflight(
-    address: str, *, system: int | None = None, as_json: bool = False, patience: float = 10.0
-) -> ExitCode:
-    """Print the pre-flight report of the vehicle at an address.
-
-    Args:
-        address: such as udpin://0.0.0.0:14540.
-        system: MAVLink system id of the vehicle, where several share the link.
-        as_json: for programs.
-        patience: s to wait for it.
-
-    Raises:
-        UsageError: the address is none.
-        VehicleError: nobody answers there.
-    """
-    vehicle = MavsdkVehicle(parse(address), patience=patience, system=system)
-
-    async def look() -> ExitCode:
-        await vehicle.connect()
-        try:
-            report = await inspect(vehicle)
-        finally:
-            await vehicle.close()
-        print(report.json() if as_json else report.text())  # noqa: T201
-        return ExitCode.SUCCESS if report.fit else ExitCode.ENDED_SAFELY
-
-    return asyncio.run(look())
 
 
 class FromFirstTick:

@@ -27,6 +27,7 @@ class Failsafe(NamedTuple):
     otherwise: str  # what happens with another value
     remedy: str
     fatal: tuple[float, ...] = ()  # values that stop the rotors in the air
+    safe: float | None = None  # what `preflight --set` writes; None: that is for a person to choose
 
     def judge(self, value: float) -> tuple[Level, str]:
         """Return how good a value is, and what to say about it."""
@@ -45,6 +46,7 @@ PX4_FAILSAFES = (
         Level.WARNING,
         "it flies on for long when setpoints stop, or ends offboard at the least hiccup",
         "set 0.5 to 1 s",
+        safe=1.0,
     ),
     Failsafe(
         "COM_OBL_RC_ACT",
@@ -54,6 +56,7 @@ PX4_FAILSAFES = (
         "when setpoints stop it waits for a pilot at the remote control",
         "set 5 (hold), 4 (land) or 3 (return)",
         (6, 7),
+        safe=5,
     ),
     Failsafe(
         "NAV_DLL_ACT",
@@ -71,6 +74,7 @@ PX4_FAILSAFES = (
         Level.WARNING,
         "a lost data link is noticed late",
         "set 5 to 10 s",
+        safe=10,
     ),
     Failsafe(
         "COM_LOW_BAT_ACT",
@@ -79,6 +83,7 @@ PX4_FAILSAFES = (
         Level.WARNING,
         "a low battery is only told, not acted upon",
         "set 3 (return, then land)",
+        safe=3,
     ),
 )
 
@@ -90,6 +95,7 @@ ARDUPILOT_FAILSAFES = (
         Level.WARNING,
         "it flies on for that long (s) when setpoints stop",
         "set 1 s or less",
+        safe=1.0,
     ),
     Failsafe(
         "FS_GCS_ENABLE",
@@ -114,6 +120,7 @@ ARDUPILOT_FAILSAFES = (
         Level.BAD,
         "nothing happens when the position estimate fails",
         "set 1 (land)",
+        safe=1,
     ),
     Failsafe(
         "BATT_FS_LOW_ACT",
@@ -122,6 +129,7 @@ ARDUPILOT_FAILSAFES = (
         Level.WARNING,
         "a low battery is only told, not acted upon",
         "set 2 (return) or 1 (land)",
+        safe=2,
     ),
     Failsafe(
         "BATT_FS_CRT_ACT",
@@ -130,6 +138,7 @@ ARDUPILOT_FAILSAFES = (
         Level.WARNING,
         "nothing happens when the battery is all but empty",
         "set 1 (land)",
+        safe=1,
     ),
     Failsafe(
         "FENCE_ENABLE",

@@ -33,9 +33,9 @@ async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1
     """
     await told(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
-    parameters = await vehicle.call(_parameters, vehicle)
+    values = await vehicle.call(parameters, vehicle)
     await asyncio.sleep(SPAN)
-    findings = _found(vehicle, first, parameters, pace)
+    findings = _found(vehicle, first, values, pace)
     return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
 
 
@@ -55,7 +55,7 @@ def _is_told(cache: Cache, name: str) -> bool:
     return cache.latest(name) is not None
 
 
-def _parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
+def parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
     """Read what the failsafes depend on; if the autopilot does not answer once, ask no more."""
     values: dict[str, float | None] = {}
     for failsafe in vehicle.dialect.failsafes:
@@ -66,7 +66,7 @@ def _parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
 def _found(
     vehicle: MavsdkVehicle,
     first: Message | None,
-    parameters: Mapping[str, float | None],
+    values: Mapping[str, float | None],
     pace: float,
 ) -> Findings:
     state = vehicle.state
@@ -79,7 +79,7 @@ def _found(
         home=None if (home := home_message(vehicle.cache)) is None else home.fields,
         local=_fields(vehicle, "LOCAL_POSITION_NED"),
         fix=_fields(vehicle, "GPS_RAW_INT"),
-        parameters=parameters,
+        parameters=values,
         date_gap=_date_gap(vehicle),
         clock_rate=_rate(first, vehicle.cache.latest("LOCAL_POSITION_NED")),
         pace=pace,
