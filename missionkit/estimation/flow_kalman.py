@@ -25,8 +25,8 @@ class FlowKalman(Plugin):
     barometer. Attitude, and with it gravity and the turn rate that is taken out of the flow, comes
     from a complementary filter of gyroscope, accelerometer and magnetometer. On the ground the
     velocity is zero. Position is dead reckoning from `start`: its error grows, and `position_sd`
-    says how. Sightings of markers and satellite fixes are not used. The ground must be flat. Only
-    the simulator delivers flow and range; the MAVLink adapter does not read them.
+    says how. Sightings of markers and satellite fixes are not used. The ground must be flat.
+    Over MAVLink flow and range come from OPTICAL_FLOW_RAD or OPTICAL_FLOW, and DISTANCE_SENSOR.
 
         μ := A μ + B u,  Σ := A Σ Aᵀ + B σ² Bᵀ;   K = Σ Hᵀ (H Σ Hᵀ + R)⁻¹,  μ += K (z - H μ)
 

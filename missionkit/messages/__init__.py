@@ -17,7 +17,7 @@ from missionkit.messages.command import (
     Step,
 )
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
-from missionkit.messages.events import ABORT, is_event
+from missionkit.messages.events import ABORT, CONTROL_RESUMED, is_event
 from missionkit.messages.observation import (
     NO_CYCLE,
     Baro,
@@ -42,6 +42,7 @@ from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
 
 __all__ = [
     "ABORT",
+    "CONTROL_RESUMED",
     "NO_CYCLE",
     "Action",
     "AnySetpoint",

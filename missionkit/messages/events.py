@@ -7,6 +7,9 @@ import re
 ABORT = "operator: land"
 """What the operator's landing is called among the events; it is no name that a chart can hear."""
 
+CONTROL_RESUMED = "control_resumed"
+"""The event when a person, by a key, has let missionkit command again."""
+
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
 
 

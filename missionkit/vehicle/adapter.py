@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from missionkit.errors import VehicleError
-from missionkit.messages import Command, Observation, Record, Setpoint
+from missionkit.messages import CONTROL_RESUMED, Command, Observation, Record, Setpoint
 from missionkit.vehicle import velocity_correction
 from missionkit.vehicle.address import Address
 from missionkit.vehicle.cache import Cache, Message
@@ -40,7 +40,6 @@ from missionkit.vehicle.vehicle_type import unfit
 from missionkit.vehicle.velocity_correction import Correction, Moving
 
 PATIENCE = 10.0  # s to wait for an answer
-RESUMED = "control_resumed"  # the event when a person gave control back
 CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
 WORDS_WITHIN = 3.0  # s (wall; longer where time passes slowly) to wait for a heartbeat
 
@@ -217,7 +216,7 @@ class MavsdkVehicle:
             if self._guardian is not None:
                 self._guardian.given()
             helm.resume()
-            self.note(RESUMED)
+            self.note(CONTROL_RESUMED)
 
     async def call(self, function: Callable[..., T], *args: Any) -> T:
         """Run a blocking function of the link without stopping the event loop."""

@@ -57,6 +57,24 @@ def test_nothing_takes_off_without_a_position(armed):
     assert "waiting for a position" in step.note
 
 
+def test_launched_by_hand_nothing_is_commanded_until_the_pilot_gives_control():
+    story = [
+        ground(status=status(**GROUND), health=UNALIGNED),
+        ground(status=status(**GROUND)),
+        ground(status=status(in_air=False, mode="position"), events=("control_resumed",)),
+        ground(2.0, status=status(mode="position")),
+        ground(2.0, status=status(mode="position"), events=("control_resumed",)),
+    ]
+    steps = play(TakeOff(height=2.0, by="pilot"), story)
+    assert [(step.action, step.done, step.note) for step in steps] == [
+        (None, False, "waiting for the estimate to align"),
+        (None, False, "waiting for the pilot to take off"),
+        (None, False, "waiting for the pilot to take off"),
+        (None, False, "a pilot flies, 2.0 m up: waiting for control"),
+        (None, True, ""),
+    ]
+
+
 def test_take_off_is_done_when_the_autopilot_thinks_it_is_high_enough():
     """Its own idea of the height may differ by more than the tolerance."""
     climbing, above = status(mode="take_off"), status(mode="hold")
