@@ -20,6 +20,7 @@ from missionkit.cli.resume import Saving
 from missionkit.messages import Observation, Record
 from missionkit.recorder.checkpoint import NEWEST
 from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.sink import inline
 from missionkit.rehearsal import Kept, rehearse
 from studies.flight import Camera, Order, staged
 from studies.kills import PERIOD, Kill, Survived, copied, survived
@@ -65,7 +66,7 @@ def cost(camera: Camera) -> Cost:
     took: list[float] = []
     ready = staged(Order(0, camera))
     with TemporaryDirectory() as name, FlightRecorder(Path(name)) as recorder:
-        saving = Saving(Path(name), ready, recorder, "")
+        saving = Saving(Path(name), ready, recorder, "", inline().checkpoints)
 
         def save(kept: Kept) -> None:
             before = perf_counter()

@@ -359,6 +359,37 @@ def test_a_plug_in_that_was_changed_is_refused_before_it_is_run(call, killed, tm
     assert forced.exit_code == 0
 
 
+SUICIDE = """\
+import os, signal
+from missionkit.engine import loop
+
+ticks, tick = 0, loop.tick
+
+
+def last(*arguments):
+    global ticks
+    ticks += 1
+    if ticks == {tick}:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return tick(*arguments)
+
+
+loop.tick = last
+from missionkit.cli.app import app
+
+app(["run", "stay.yaml", "--headless"])
+"""
+
+
+@pytest.mark.parametrize("tick", [3, 77, 160])
+def test_the_record_of_a_killed_flight_reaches_to_the_tick_before(stay, tmp_path, tick):
+    code = SUICIDE.format(tick=tick)
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    poses = [entry.at for entry in read(tmp_path / "runs/stay-seed0/flight.mcap", "/pose")]
+    assert poses == pytest.approx([0.05 * number for number in range(1, tick)])
+
+
 def test_two_do_not_go_on_with_one_flight(call, killed):
     folder = killed()
     with held(folder):
