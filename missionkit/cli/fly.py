@@ -17,6 +17,7 @@ from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
+from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.sharing import NOTHING, Share
 
 NOTED = "what is noted of a tick"
@@ -33,6 +34,7 @@ def vehicle_of(
     folder: Path = Path(),
     share: Share = NOTHING,
     system: int | None = None,
+    guard: Patience | None = USUAL,
 ) -> MavsdkVehicle:
     """Return the vehicle at an address, with the mission's camera.
 
@@ -47,13 +49,14 @@ def vehicle_of(
         folder: of the mission, which a file that it names is looked for in.
         share: what of the estimate the autopilot is told.
         system: its MAVLink system id, where several share the link.
+        guard: how long its guardian bears silence; None: no guardian.
 
     Raises:
         FileError: the mission names a file for a camera, and there is none.
         UsageError: the address is none, or the source does not exist.
     """
     camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
-    return MavsdkVehicle(parse(address), camera, speed, share=share, system=system)
+    return MavsdkVehicle(parse(address), camera, speed, share=share, system=system, guard=guard)
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:

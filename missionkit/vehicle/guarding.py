@@ -20,6 +20,7 @@ from pathlib import Path
 from missionkit.errors import VehicleError
 from missionkit.vehicle.address import Address, unopened
 from missionkit.vehicle.guardian.policy import Patience
+from missionkit.vehicle.streams import SPARE
 
 STARTED = 10.0  # s to wait for the process
 ENDED = 1.0  # s to wait for its end; it stays on while the vehicle does not yet hold
@@ -100,7 +101,8 @@ class Guardian:
     def _started(self) -> tuple[socket.socket, subprocess.Popen[bytes]]:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
-            numbers = (self._pace, *self._patience, self._port, theirs.fileno(), self._lock)
+            spare = ",".join(map(str, SPARE))
+            numbers = (self._pace, *self._patience, self._port, theirs.fileno(), self._lock, spare)
             process = subprocess.Popen(  # noqa: S603 - this interpreter, our own module
                 [
                     *(sys.executable, "-I", "-S", "-c", _RUN, str(_ROOT)),

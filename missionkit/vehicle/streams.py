@@ -45,6 +45,22 @@ NAMES: Mapping[int, str] = {
     330: "OBSTACLE_DISTANCE",
     331: "ODOMETRY",
 }
+SPARE = frozenset(  # streamed unasked by one autopilot or the other; needed here by nobody
+    (
+        30,  # ATTITUDE
+        33,  # GLOBAL_POSITION_INT
+        36,  # SERVO_OUTPUT_RAW
+        62,  # NAV_CONTROLLER_OUTPUT
+        65,  # RC_CHANNELS
+        74,  # VFR_HUD
+        83,  # ATTITUDE_TARGET
+        85,  # POSITION_TARGET_LOCAL_NED
+        87,  # POSITION_TARGET_GLOBAL_INT
+        141,  # ALTITUDE
+        230,  # ESTIMATOR_STATUS
+        241,  # VIBRATION
+    )
+) - frozenset(NAMES)
 QUEUED = frozenset(  # every one counts, or several sensors send the same message
     (
         "ATTITUDE_QUATERNION",

@@ -6,7 +6,7 @@ import select
 import socket
 import threading
 import tty
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 from vehicle.flying import SPEED, Sitl, affordable, flying, free_port
@@ -34,6 +34,32 @@ def tcpout():
 
 
 @contextmanager
+def tcpin():
+    """Call missionkit from the autopilot's side, as soon as it listens."""
+    port, ended = free_port(), threading.Event()
+    with udpout() as (server, _), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.connect(server.addresses[0])
+        thread = threading.Thread(target=_call, args=(port, wire, ended), daemon=True)
+        thread.start()
+        try:
+            yield server, f"tcpin://127.0.0.1:{port}"
+        finally:
+            ended.set()
+            thread.join(2.0)
+
+
+def _call(port, wire, ended):
+    while not ended.is_set():
+        try:
+            line = socket.create_connection(("127.0.0.1", port))
+        except OSError:
+            ended.wait(0.02)
+        else:
+            with line, suppress(OSError):  # a reset: it has been let go of
+                _carry(line.fileno(), wire, ended)
+
+
+@contextmanager
 def serial():
     """Join a pseudo terminal to the autopilot's datagrams."""
     ours, theirs = os.openpty()
@@ -58,11 +84,13 @@ def _carry(terminal, wire, ended):
         for end in select.select([terminal, wire], [], [], 0.02)[0]:
             if end is wire:
                 os.write(terminal, wire.recv(4096))
+            elif data := os.read(terminal, 4096):
+                wire.send(data)
             else:
-                wire.send(os.read(terminal, 4096))
+                return
 
 
-@pytest.mark.parametrize("link", [udpin, udpout, tcpout, serial])
+@pytest.mark.parametrize("link", [udpin, udpout, tcpin, tcpout, serial])
 def test_it_arms_over_every_kind_of_link(link, tmp_path):
     async def arm(autopilot):
         async with flying(autopilot, tmp_path) as flight:

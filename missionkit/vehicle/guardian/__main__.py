@@ -1,8 +1,8 @@
 """The guardian's process: `python -m missionkit.vehicle.guardian SCHEME PLACE NUMBER …`.
 
 Its arguments, as `missionkit.vehicle.guarding` gives them: the address, seconds of the vehicle in
-one of the wall, how long silence may last (s, twice), the local port (0: any free one), and the
-file descriptors of the control socket and of the link's lock.
+one of the wall, how long silence may last (s, twice), the local port (0: any free one), the file
+descriptors of the control socket and of the link's lock, and the message ids to leave out.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from missionkit.vehicle.guardian.links import Poller, open_link
 from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.guardian.relay import Ends, Relay
 
+URGENT = -10  # niceness: it has little to do, and that must not wait
 LOOPBACK = "127.0.0.1"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGPIPE)
 
@@ -28,12 +29,15 @@ def main(arguments: list[str]) -> None:
     for meant in SIGNALS:  # for the mission, whose end is waited for here
         signal.signal(meant, signal.SIG_IGN)
     gc.disable()  # nothing here is cyclic
-    scheme, place, number, pace, brake, hold, port, control, lock = arguments
+    with suppress(OSError):  # where that is allowed
+        os.setpriority(os.PRIO_PROCESS, 0, URGENT)
+    scheme, place, number, pace, brake, hold, port, control, lock, spare = arguments
     ends = Ends(_local(int(port)), socket.socket(fileno=int(control)))
     ends.control.settimeout(0.0)
     poller = Poller()
+    left_out = frozenset(map(int, spare.split(",")))
     patience = Patience(float(brake), float(hold))
-    relay = Relay(poller, ends, float(pace), patience, lambda: _sign(int(lock)))
+    relay = Relay(poller, ends, float(pace), patience, left_out, lambda: _sign(int(lock)))
     try:
         relay.link = open_link(scheme, place, int(number), poller, relay.downwards)
     except OSError as error:

@@ -18,7 +18,7 @@ GATHERED = 0.003  # s in which frames of the autopilot are gathered: fewer, full
 PEERS = 8
 BACKLOG = 4096  # bytes that wait for a slow line; what comes then is lost
 Handler = Callable[[int], None]
-Peer = tuple[str, int]
+Peer = tuple[object, ...]  # host, port, and more for IPv6
 
 
 class Poller:
@@ -102,7 +102,7 @@ class Datagrams:
         self._peers: dict[Peer, None] = {}
         self._out = out
         if out:
-            self._peers[address[:2]] = None  # type: ignore[index]
+            self._peers[address] = None
         else:
             self._socket.bind(address)
         self._socket.settimeout(0.0)

@@ -1,6 +1,7 @@
 """Frames between the autopilot and the mission, looked at on the way; the policy decides.
 
-Sent on untouched, but for what the mission may not say once the vehicle is told to hold.
+Sent on untouched, but for streams that the mission does without, and for what it may not say once
+the vehicle is told to hold.
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ class Relay:
         ends: of the mission.
         pace: seconds of the vehicle in one of the wall.
         patience: how long silence may last.
+        spare: message ids of the autopilot's that the mission does without.
         alone: called when the mission's process is gone.
     """
 
@@ -55,6 +57,7 @@ class Relay:
         ends: Ends,
         pace: float,
         patience: Patience,
+        spare: frozenset[int],
         alone: Callable[[], None],
     ) -> None:
         self.link: Link | None = None
@@ -63,6 +66,7 @@ class Relay:
         self._ends = ends
         self._pace = pace
         self._patience = patience
+        self._spare = spare
         self._alone = alone
         self._to: frames.Route | None = None  # whom we would have to stop
         self._dialects: dict[int, Dialect] = {}  # of each system that is heard
@@ -86,17 +90,21 @@ class Relay:
     def downwards(self, found: list[bytes]) -> None:
         """Take frames of the autopilot."""
         bundle: list[bytes] = []
-        size = 0
+        size, spare = 0, self._spare
         watched = HEARD_HOLDING if self.guard.phase is Phase.HOLDING else HEARD
         for frame in found:
-            if ident_of(frame) in watched:
+            ident = ident_of(frame)
+            if ident in spare:
+                continue
+            if ident in watched:
                 self._hear(frame)
             size += len(frame)
             if size > DATAGRAM and bundle:
                 self._pass(bundle)
                 size, bundle = len(frame), []
             bundle.append(frame)
-        self._pass(bundle)
+        if bundle:
+            self._pass(bundle)
 
     def _pass(self, bundle: list[bytes]) -> None:
         if self._met:
