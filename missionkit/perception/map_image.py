@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+import zlib
 
 import cv2
 import numpy as np
@@ -73,13 +74,31 @@ def _text(body: bytes, count: int) -> npt.NDArray[np.int64]:
     return np.array([int(word) for word in words[:count]], np.int64)
 
 
+def _require_whole(data: bytes) -> None:
+    """Follow a PNG's chunks to its end and compare their checksums.
+
+    Raises:
+        ValueError: it is cut short or was changed.
+    """
+    at, kind = len(PNG), b""
+    while kind != b"IEND":
+        if at + 12 > len(data):
+            raise ValueError("a PNG that cannot be decoded: it is cut short")
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, end = data[at + 4 : at + 8], at + 8 + length
+        if data[end : end + 4] != struct.pack(">I", zlib.crc32(data[at + 4 : end])):
+            raise ValueError("a PNG that cannot be decoded: it is cut short or damaged")
+        at = end + 4
+
+
 def _png(data: bytes) -> Shades:
+    _require_whole(data)
     try:
         image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
         raise ValueError(f"a PNG that cannot be decoded: {error}") from None
     if image is None:
-        raise ValueError("a PNG that cannot be decoded: it is cut short or damaged")
+        raise ValueError("a PNG that cannot be decoded")
     largest = 65535.0 if image.dtype == np.uint16 else 255.0
     if image.ndim == 2:
         return image.astype(np.float64) / largest

@@ -75,6 +75,9 @@ def test_white_is_the_largest_value_of_a_pgm_whatever_it_is(data):
     np.testing.assert_allclose(decode_shades(data, 3), [[0.0, 0.5, 1.0]])
 
 
+PNG_HEADER = b"\x89PNG\r\n\x1a\n" + b"\0\0\0\rIHDR" + b"\0\0\0\x05" * 2
+
+
 def png(image):
     return cv2.imencode(".png", image)[1].tobytes()
 
@@ -114,7 +117,10 @@ def test_what_is_transparent_is_not_known_and_blocked(mode, shade, alpha):
         (b"P2 2 1 255\n1 x", "a pixel is not a number"),
         (b"P5 -2 1 255\n1 x", "not a PNG or PGM"),
         (png(np.zeros((11, 10), np.uint8)), "10 x 11 pixels, and 100 are the most"),
-        (png(np.zeros((5, 5), np.uint8))[:45], "a PNG that cannot be decoded"),
+        (png(np.zeros((5, 5), np.uint8))[:45], "a PNG that cannot be decoded: it is cut short"),
+        (png(np.eye(9, dtype=np.uint8))[:-13], "it is cut short"),
+        (png(np.eye(9, dtype=np.uint8)).replace(b"IDAT", b"IDAU"), "cut short or damaged"),
+        (PNG_HEADER + b"\xff" * 40, "it is cut short or damaged"),
         (b"\x89PNG\r\n\x1a\n" + bytes(40), "it has 0 x 0 pixels"),
         (cv2.imencode(".jpg", np.zeros((5, 5), np.uint8))[1].tobytes(), "not a PNG or PGM"),
     ],
