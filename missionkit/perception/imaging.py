@@ -51,7 +51,10 @@ def decode_grey(data: bytes) -> Image:
     Raises:
         ValueError: the data are not an image.
     """
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE) if data else None
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE) if data else None
+    except cv2.error:  # it claims to be too large
+        image = None
     if image is None:
         raise ValueError(f"these {len(data)} bytes are not an image")
     return np.asarray(image, np.uint8)

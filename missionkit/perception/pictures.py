@@ -16,7 +16,10 @@ AXIS = 0.5  # of a marker's edge
 
 def read(path: str) -> Image | None:
     """Return the image in a file, None if there is none."""
-    image = cv2.imread(path) if Path(path).is_file() else None
+    try:
+        image = cv2.imread(path) if Path(path).is_file() else None
+    except cv2.error:  # it claims to be too large
+        return None
     return None if image is None else np.asarray(image, np.uint8)
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from missionkit.perception import pictures
 from missionkit.perception.imaging import decode_grey, dictionary, encode_jpeg, grey, marker_bitmap
 
 
@@ -35,3 +36,11 @@ def test_unknown_dictionary_and_id_are_refused_with_the_alternatives():
 
 def test_a_colour_image_becomes_grey():
     assert grey(np.full((4, 6, 3), 77, np.uint8)).tolist() == [[77] * 6] * 4
+
+
+def test_an_image_that_claims_to_be_huge_is_not_decoded(tmp_path):
+    claim = b"P5 20000 20000 255\n" + bytes(400)
+    with pytest.raises(ValueError, match="not an image"):
+        decode_grey(claim)
+    (tmp_path / "huge.pgm").write_bytes(claim)
+    assert pictures.read(str(tmp_path / "huge.pgm")) is None
