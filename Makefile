@@ -37,6 +37,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.known_map
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
+	$(BIN)/python -m studies.faults
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas

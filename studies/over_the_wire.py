@@ -76,10 +76,16 @@ class Spans:
 
 @contextmanager
 def sitl(
-    world: str, dialect: str, port: int, speed: float, seed: int, more: Sequence[str] = ()
+    world: str | None,
+    dialect: str,
+    port: int,
+    speed: float,
+    seed: int,
+    more: Sequence[str] = (),
 ) -> Iterator[Autopilot]:
     """Run a simulated autopilot, with `more` options, while this context is open."""
-    line = [sys.executable, "-m", "missionkit", "sitl", "--world", world, "--dialect", dialect]
+    line = [sys.executable, "-m", "missionkit", "sitl", "--dialect", dialect]
+    line += [] if world is None else ["--world", world]
     line += ["--link", f"udpout:127.0.0.1:{port}", "--speed", f"{speed:g}", "--seed", str(seed)]
     process = subprocess.Popen([*line, *more, "--json"], stdout=subprocess.PIPE, text=True)  # noqa: S603
     with process:
