@@ -86,6 +86,12 @@ class VehicleError(MissionkitError):
     exit_code = ExitCode.VEHICLE_LOST
 
 
+class NotFitError(MissionkitError):
+    """The pre-flight report speaks against flying: nothing was armed."""
+
+    exit_code = ExitCode.ENDED_SAFELY
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """Say the alternatives to a misspelt word, the nearest first.
 

@@ -52,6 +52,10 @@ class WindowGuard(Plugin):
     def check(self, memory: Any, seen: Estimate) -> Verdict:
         """Say whether the guard holds, from the memory already advanced to this tick."""
 
+    def resumed(self, memory: Any, gap: float) -> Any:  # noqa: ARG002
+        """Return the memory after `gap` (s) in which nobody commanded and nothing was seen."""
+        return memory
+
     def region(self) -> Region | None:
         """Declare what the guard reads and where it holds; None: that cannot be told."""
         return None

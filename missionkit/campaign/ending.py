@@ -17,7 +17,8 @@ def outcome(result: Rehearsal) -> Outcome:
     """Return how a flight ended."""
     if result.succeeded:
         return "success"
-    never_left = result.flown.end is End.NEVER_LEFT and not result.grade.crashed
+    on_ground = result.flown.end in {End.NEVER_LEFT, End.NOT_ARMED}
+    never_left = on_ground and not result.grade.crashed
     return "ended_safely" if result.grade.landed or never_left else "crash"
 
 
@@ -38,7 +39,7 @@ def reason(
     if grade.crashed:
         return "hit an obstacle or the ground"
     if result.flown.end is not End.LANDED:
-        return str(result.flown.end)
+        return result.flown.says
     if result.flown.aborted:
         return aborted(asked=asked)
     if mission.success is not None and grade.visit is None:

@@ -76,6 +76,12 @@ def run(
     force: Annotated[
         bool, typer.Option("--force", help="resume although the mission was changed")
     ] = False,
+    anyway: Annotated[
+        bool,
+        typer.Option(
+            "--anyway", help="take off although a failsafe or the pre-flight report says no"
+        ),
+    ] = False,
     headless: Annotated[bool, typer.Option("--headless", help="no live view")] = False,
     as_json: Json = False,
 ) -> None:
@@ -109,6 +115,7 @@ def run(
         resume=resume,
         gap=gap,
         force=force,
+        anyway=anyway,
     )
     raise typer.Exit(command.run(order))
 

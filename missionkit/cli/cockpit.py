@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
+from types import FrameType
 from typing import NamedTuple
 
 from missionkit.chart.model.mission import Mission
@@ -20,6 +21,8 @@ from missionkit.recorder.sink import RECORD, Sink, Sinks, contained
 from missionkit.sim.truth import Truth
 
 GIVE_BACK = "r"  # the key
+STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a service's end, a lost shell
+TOGETHER = 0.5  # s
 
 
 class Cockpit(NamedTuple):
@@ -60,7 +63,8 @@ def cockpit(
     planned = Planned(order.events, operator)
     observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
-    with view or nullcontext(), closing(sinks), recorder, keys, _landing_on_interrupt(operator):
+    signals = _landing_on_interrupt(operator)
+    with view or nullcontext(), closing(sinks), recorder, keys, signals, _giving_back(give_back):
         yield Cockpit(operator, safe)
 
 
@@ -96,14 +100,37 @@ def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> s
 
 @contextmanager
 def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
-    """Let the first Ctrl-C land the vehicle and the second one stop the program."""
+    """Let the first of STOPPING land the vehicle, and a second one stop the program.
 
-    def land(*_: object) -> None:
-        operator.land()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    Service managers and shells send several at once: what comes within TOGETHER counts as one.
+    A signal that was ignored before, as `nohup` does, stays ignored.
+    """
+    first: list[float] = []
 
-    before = signal.signal(signal.SIGINT, land)
+    def stop(number: int, frame: FrameType | None) -> None:
+        if not first:
+            first.append(stopwatch())
+            operator.land()
+        elif stopwatch() - first[0] > TOGETHER:
+            signal.default_int_handler(number, frame)
+
+    heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
+    before = [(it, signal.signal(it, stop)) for it in heeded]
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before:
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _giving_back(deed: Callable[[], None] | None) -> Iterator[None]:
+    """Let SIGUSR1 give control back, as the key does where there is a terminal."""
+    if deed is None:
+        yield
+        return
+    before = signal.signal(signal.SIGUSR1, lambda *_: deed())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGUSR1, before)

@@ -18,6 +18,7 @@ from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.guardian.policy import USUAL, Patience
+from missionkit.vehicle.inspection import become_fit
 from missionkit.vehicle.sharing import NOTHING, Share
 
 NOTED = "what is noted of a tick"
@@ -90,18 +91,35 @@ def fly_vehicle(
     keeper: Keeper = keep_nothing,
     reports: Reports | None = None,
     resume: Callable[[], Resumption] | None = None,
+    look_first: bool = False,
 ) -> Flown:
     """Fly a mission with a vehicle on MAVLink, tied to the wall clock.
 
     Nothing that observers or the keeper raise ends the flight; `reports` takes it.
 
+    Args:
+        plan: the mission, ready to fly.
+        vehicle: what carries it out.
+        observers: called after every tick.
+        operator: asks for a landing.
+        speed: seconds of the vehicle in one of the wall.
+        time_limit: mission time (s) after which the flight is aborted.
+        keeper: called after every tick with all that is needed to go on from it.
+        reports: takes what fails beside the flight.
+        resume: goes on with a flight under way.
+        look_first: begin only once the pre-flight report has nothing against flying.
+
     Raises:
+        NotFitError: the pre-flight report speaks against flying.
         VehicleError: the vehicle could not be reached, or is to be left alone.
     """
-    reports = reports or Reports()
+    reports, operator = reports or Reports(), operator or Operator()
     tell = contained("what the vehicle is told", vehicle.tell, reports)
-    return asyncio.run(
-        fly(
+
+    async def flight() -> Flown:
+        if look_first:
+            await _fit(vehicle, operator, speed)
+        return await fly(
             plan,
             vehicle,
             (*(contained(NOTED, it, reports) for it in observers), tell),
@@ -113,7 +131,18 @@ def fly_vehicle(
             reports=reports.take,
             resume=resume,
         )
-    )
+
+    return asyncio.run(flight())
+
+
+async def _fit(vehicle: MavsdkVehicle, operator: Operator, speed: float) -> None:
+    """Reach the vehicle, which stays connected, and wait until it is fit to fly."""
+    await vehicle.connect()
+    try:
+        await become_fit(vehicle, lambda: operator.wants_down, speed)
+    except BaseException:
+        await vehicle.close()
+        raise
 
 
 class FromFirstTick:

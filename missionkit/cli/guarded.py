@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 import traceback
 from collections.abc import Callable
@@ -25,7 +26,13 @@ def guarded(order: Order, folder: Path, fly: Callable[[], Summary]) -> ExitCode:
     except Exception:  # noqa: BLE001 - the flight record stays, the person gets a sentence
         _tell_crash(folder / "crash.txt", traceback.format_exc())
         return ExitCode.CRASH
-    report(order, summary, folder)
+    try:
+        report(order, summary, folder)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
+        raise
+    except OSError:  # the terminal has gone: the summary is in the folder
+        sys.stdout = io.StringIO()
     return exit_code(summary)
 
 

@@ -7,6 +7,7 @@ import select
 import termios
 import tty
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self, TextIO
 
@@ -68,20 +69,28 @@ class Keys:
         trace: TracebackType | None,
     ) -> None:
         if self._before is not None:
-            termios.tcsetattr(self._stream, termios.TCSADRAIN, self._before)
+            with suppress(termios.error):  # the terminal has gone
+                termios.tcsetattr(self._stream, termios.TCSADRAIN, self._before)
 
     def __call__(self, _record: Record, _observation: Observation) -> None:
         """Look at the keys, once a tick."""
         if self._before is None:
             return
         while select.select([self._stream], [], [], 0.0)[0]:
-            key = os.read(self._stream.fileno(), 1).decode(errors="replace")
-            if not key:
+            key = self._key()
+            if not key:  # the terminal has gone
+                self._before = None
                 return
             if key in self._events:
                 self._operator.send(self._events[key])
             elif key in self._deeds:
                 self._deeds[key]()
+
+    def _key(self) -> str:
+        try:
+            return os.read(self._stream.fileno(), 1).decode(errors="replace")
+        except OSError:
+            return ""
 
 
 class Planned:

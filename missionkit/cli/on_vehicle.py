@@ -38,12 +38,13 @@ def run_on_vehicle(
     Raises:
         FileError: the world, or the film that is the camera, cannot be used.
         UsageError: an option does not fit, the mission was changed, or the address is none.
+        NotFitError: the pre-flight report speaks against flying.
         VehicleError: the vehicle could not be reached.
     """
     if order.faults:
         raise UsageError("--fault is for the built-in simulator, not for --vehicle")
     world = world_of(mission, order.mission.parent)
-    plan = prepare(mission, catalogue)
+    plan = prepare(mission, catalogue)._replace(arm_anyway=order.anyway)
     vehicle = vehicle_of(
         str(order.vehicle),
         mission,
@@ -81,13 +82,14 @@ def _flown(order: Order, ready: Ready) -> Summary:
         flown = fly_vehicle(
             plan,
             vehicle,
-            (with_camera(seat.observers, vehicle),),
+            (with_remarks(seat.observers, vehicle),),
             operator=seat.operator,
             speed=speed,
             time_limit=mission.settings.time_limit,
             keeper=now_and_then(plan.chart, is_plain, save),
             reports=sinks.reports,
             resume=None if past is None else lambda: woken(past, vehicle, speed),
+            look_first=past is None and not order.anyway,
         )
     asked = seat.operator.wants_down
     summary = summarise(
@@ -102,12 +104,15 @@ def _flown(order: Order, ready: Ready) -> Summary:
     return summary
 
 
-def with_camera(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Observer:
-    """Show and record what is wrong with the camera beside what is wrong with the flight."""
+def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Observer:
+    """Show and record what is wrong with camera and link beside what is wrong with the flight."""
 
     def told(record: Record, seen: Observation) -> None:
+        more = tuple(f"vehicle: {remark}" for remark in vehicle.take_remarks())
         if wrong := vehicle.camera_problem:
-            record = record._replace(problems=(*record.problems, f"camera: {wrong}"))
+            more += (f"camera: {wrong}",)
+        if more:
+            record = record._replace(problems=record.problems + more)
         for observer in observers:
             observer(record, seen)
 
@@ -128,7 +133,7 @@ def _reason(mission: Mission, flown: Flown, track: Track, *, asked: bool) -> str
 def _missed(mission: Mission, flown: Flown, track: Track, *, asked: bool) -> str:
     """Say what success lacks; how near the goal was, only a simulator's truth can tell."""
     if flown.end is not End.LANDED:
-        return str(flown.end)
+        return flown.says
     if flown.aborted:
         return aborted(asked=asked)
     wanted = None if mission.success is None else mission.success.visit

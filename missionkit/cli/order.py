@@ -28,3 +28,4 @@ class Order(NamedTuple):
     resume: Path | None = None  # the folder of the run that is gone on with
     gap: float = GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission
+    anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

@@ -44,7 +44,8 @@ def run_in_simulator(
 def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
     world = world_of(mission, order.mission.parent)
     faults = [fault_of(text, mission, world) for text in order.faults]
-    return stage(mission, catalogue, world, order.seed, faults)
+    ready = stage(mission, catalogue, world, order.seed, faults)
+    return ready._replace(plan=ready.plan._replace(arm_anyway=order.anyway))
 
 
 def fault_of(text: str, mission: Mission, world: World) -> Fault:

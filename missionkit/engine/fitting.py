@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from missionkit.chart.model.variables import Value, Values
-from missionkit.chart.semantics.compiled import HISTORY, ROOT, Chart, Shape
+from missionkit.chart.semantics.compiled import HISTORY, ROOT, Chart, Shape, Slot
 from missionkit.chart.semantics.memory import ChartMemory, begin
 from missionkit.chart.semantics.stance import stance
 from missionkit.engine.keeping import Anew
 
 
 def fitted(
-    chart: Chart, saved: ChartMemory, now: float, *, changed: bool
+    chart: Chart, saved: ChartMemory, now: float, gap: float, *, changed: bool
 ) -> tuple[ChartMemory, bool, tuple[str, ...]]:
     """Return the memory to go on with, whether the chart stands where it stood, and the news.
 
@@ -24,13 +24,14 @@ def fitted(
         chart: that is flown now.
         saved: the memory as it was saved.
         now: s.
+        gap: s in which nobody commanded, up to now.
         changed: the mission is not the one that was flown; guards then begin anew.
     """
     fresh = begin(chart, now)
     if not changed:
         numbers = {failsafe.number for failsafe in chart.failsafes}
         held = {number: since for number, since in saved.held.items() if number in numbers}
-        return saved._replace(held=held, windows=_windows(fresh, saved)), True, ()
+        return saved._replace(held=held, windows=_windows(chart, fresh, saved, gap)), True, ()
     if not stands(chart, saved):
         lost = f"the chart has no place like {', '.join(saved.active)}: it begins anew"
         return fresh._replace(variables=_values(chart, saved)), False, (lost,)
@@ -67,9 +68,19 @@ def _legal(chart: Chart, name: str, active: tuple[str, ...]) -> bool:
     return state.shape not in HISTORY
 
 
-def _windows(fresh: ChartMemory, saved: ChartMemory) -> tuple[Any, ...]:
-    pairs = zip(fresh.windows, saved.windows, strict=True)
-    return tuple(new if old is Anew.BEGIN else old for new, old in pairs)
+def _windows(chart: Chart, fresh: ChartMemory, saved: ChartMemory, gap: float) -> tuple[Any, ...]:
+    slots = zip(chart.slots, fresh.windows, saved.windows, strict=True)
+    return tuple(
+        new if old is Anew.BEGIN else _resumed(slot, new, old, gap) for slot, new, old in slots
+    )
+
+
+def _resumed(slot: Slot, new: Any, old: Any, gap: float) -> Any:
+    """Return what a guard remembers after the gap; one that cannot say begins again."""
+    try:
+        return slot.resumed(old, gap)
+    except Exception:  # noqa: BLE001 - a plug-in's fault does not end the resumption
+        return new
 
 
 def _values(chart: Chart, saved: ChartMemory) -> Values:

@@ -44,6 +44,7 @@ class Plan(NamedTuple):
     period: float = 0.05  # s
     map: Occupancy | None = None
     brake: PotentialField | None = None  # before obstacles, whoever plans the way past them
+    arm_anyway: bool = False  # although a failsafe holds on the ground already
 
 
 def prepare(mission: Mission, catalogue: Catalogue) -> Plan:

@@ -22,6 +22,7 @@ from missionkit.messages import Cycle, Observation, Record, is_event
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
+REFUSED = 30.0  # s in which nothing but what speaks against arming was heard
 PATIENCE = 300.0  # s an abort may take, or the wait for arming
 SILENCE = 120.0  # s without a heartbeat while landing: nothing more can be learnt or done
 
@@ -44,6 +45,7 @@ class End(StrEnum):
     LANDED = "landed"
     GROUNDED = "on the ground although the chart was still flying"
     NEVER_LEFT = "the vehicle never took off"
+    NOT_ARMED = "nothing was armed"
     OUT_OF_TIME = "still in the air when time ran out"
     SILENT = "told to land, but the vehicle no longer answers"
 
@@ -56,6 +58,13 @@ class Flown(NamedTuple):
     duration: float  # s, mission time
     ticks: int
     memory: Memory
+    why: str = ""  # it stayed on the ground
+
+    @property
+    def says(self) -> str:
+        """How it ended, in words."""
+        more = "; --anyway flies nevertheless" if self.end is End.NOT_ARMED else ""
+        return f"{self.end}: {self.why}{more}" if self.why else str(self.end)
 
 
 class Operator:
@@ -93,6 +102,8 @@ class _Watch:
         self.flown = since.flown
         self.grounded_since = since.grounded_since
         self.time_limit = time_limit
+        self.refused_since: float | None = None
+        self.why = ""
 
     def over(self, plan: Plan, done: Ticked) -> End | None:
         now, status = done.memory.now, done.record.estimate.status
@@ -104,13 +115,25 @@ class _Watch:
             return End.SILENT
         if status is not None:
             self.flown = self.flown or status.in_air
+        self.why = done.grounded or done.record.step_note
         if not self.flown and now >= PATIENCE and (status is None or not status.armed):
             return End.NEVER_LEFT
+        if self._refused(done):
+            return End.NOT_ARMED
         down = self.flown and status is not None and not status.armed and not status.in_air
         self.grounded_since = (self.grounded_since or now) if down else None
         if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:
             return End.GROUNDED
         return End.OUT_OF_TIME if now >= self.time_limit + PATIENCE else None
+
+    def _refused(self, done: Ticked) -> bool:
+        """Say whether arming has been refused for long; one sound moment begins afresh."""
+        if not done.grounded or self.flown:
+            self.refused_since = None
+            return False
+        now = done.memory.now
+        self.refused_since = now if self.refused_since is None else self.refused_since
+        return now - self.refused_since >= REFUSED
 
     def course(self, memory: Memory, life: Lifecycle) -> Course:
         return Course(memory, self.flown, self.grounded_since, life.state == "aborting")
@@ -187,7 +210,8 @@ async def fly(
                 keeper(watch.course(memory, life), record)
     aborted = life.state == "aborting"
     life.finish()
-    return Flown(end, aborted, memory.now, count, memory)
+    why = watch.why if end in {End.NOT_ARMED, End.NEVER_LEFT} else ""
+    return Flown(end, aborted, memory.now, count, memory, why)
 
 
 async def _opening(

@@ -25,6 +25,8 @@ from missionkit.messages import VehicleStatus
 
 OURS = frozenset(("hold", "offboard", "take_off", "land"))  # modes that are no pilot's
 
+ITS_OWN = frozenset(("return", "smart_return", "brake"))  # modes that failsafes choose too
+
 
 class Then(Enum):
     """What is done about it."""
@@ -55,6 +57,16 @@ class Case(NamedTuple):
 
 
 CASES: tuple[Case, ...] = (
+    Case(
+        "the autopilot flies by itself because of a failsafe of its own, mode {mode}",
+        Then.LEAVE,
+        lambda _, s: s.in_air and s.failsafe and s.mode not in OURS,
+    ),
+    Case(
+        "a pilot flies, or the autopilot by itself, mode {mode}",
+        Then.LEAVE,
+        lambda _, s: s.in_air and s.mode in ITS_OWN,
+    ),
     Case("a pilot flies, mode {mode}", Then.LEAVE, lambda _, s: s.in_air and s.mode not in OURS),
     Case("in the air, landing", Then.GO_ON, lambda it, s: s.in_air and it.landing),
     Case("the autopilot lands", Then.LAND, lambda _, s: s.in_air and s.mode == "land"),
@@ -107,7 +119,8 @@ def reconciled(plan: Plan, saved: Course, heard: Memory, *, changed: bool = Fals
         VehicleError: the vehicle is to be left alone; nothing was commanded.
     """
     before = saved.memory
-    chart, placed, notes = fitted(plan.chart, heard.chart, heard.now, changed=changed)
+    gap = heard.now - before.now
+    chart, placed, notes = fitted(plan.chart, heard.chart, heard.now, gap, changed=changed)
     fresh = heard.senses.status
     if fresh is not None and fresh.at <= before.now:
         fresh = None
@@ -115,7 +128,7 @@ def reconciled(plan: Plan, saved: Course, heard: Memory, *, changed: bool = Fals
     says, then = _judged(facts)
     if then is Then.LAND and not plan.chart.land:
         then = Then.LEAVE
-    told = f"resumed after {heard.now - before.now:.2f} s: {says}; {then.value}"
+    told = f"resumed after {gap:.2f} s: {says}; {then.value}"
     if then is Then.LEAVE:
         raise VehicleError(told)
     memory = _handed_back(plan, before, heard._replace(chart=chart), fresh, anew=changed)

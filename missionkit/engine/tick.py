@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from missionkit.chart.semantics.arming import against_arming
 from missionkit.chart.semantics.contain import Containment
 from missionkit.chart.semantics.stance import stance
 from missionkit.chart.semantics.step import decide
@@ -19,8 +20,9 @@ from missionkit.engine.flight import Plan
 from missionkit.engine.handover import handed_over
 from missionkit.engine.memory import Memory
 from missionkit.engine.sense import sense
-from missionkit.messages import Command, Observation, Record
+from missionkit.messages import Action, Command, Estimate, Observation, Record
 
+TAKING_OFF = frozenset((Action.ARM, Action.TAKE_OFF))
 Stopwatch = Callable[[], float]
 
 
@@ -31,6 +33,7 @@ class Ticked(NamedTuple):
     command: Command
     record: Record
     took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
+    grounded: str = ""  # why nothing is armed, though the mission asks for it
 
 
 def _no_stopwatch() -> float:
@@ -56,6 +59,12 @@ def tick(
         hands = handed_over(plan.chart, hands, before, after, decision.moves)
         seen = seen.standing(chart.state, chart.entered_at, done=hands.done, goal=hands.goal)
     hands, command, step = act(plan, hands, seen, decision.orders, contain)
+    grounded = ""
+    if command.action in TAKING_OFF and not plan.arm_anyway and _on_ground(seen):
+        grounded = against_arming(plan.chart, chart, seen, contain)
+    if grounded:
+        command = Command(payload=command.payload)
+        step = step._replace(note=f"not taking off: {grounded}")
     t3 = stopwatch()
     record = Record(
         now=seen.now,
@@ -72,7 +81,11 @@ def tick(
         estimate=seen,
     )
     following = Memory(observation.now, senses, chart, hands)
-    return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2))
+    return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)
+
+
+def _on_ground(seen: Estimate) -> bool:
+    return seen.status is None or not seen.status.in_air
 
 
 def _news(now: tuple[str, ...], before: tuple[str, ...]) -> tuple[str, ...]:

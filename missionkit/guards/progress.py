@@ -62,7 +62,8 @@ class GoalUnreachable(WindowGuard):
     ||e_p|| > e_max for t > t_threshold  (P1, section 7.2, failsafe 3)
 
     The clock of the paper starts anew whenever the distance shrinks by `progress`, so that a
-    long leg is not taken for an unreachable goal.
+    long leg is not taken for an unreachable goal. While nobody commanded, before `--resume`, it
+    stands still.
     """
 
     kind: ClassVar[str] = "goal_unreachable"
@@ -97,6 +98,11 @@ class GoalUnreachable(WindowGuard):
         if distance <= self.further_than:
             return Verdict.above(distance, self.further_than, "distance to the goal, m")
         return Verdict.above(seen.now - best.at, self.longer_than, "no nearer, s")
+
+    @override
+    def resumed(self, memory: Any, gap: float) -> Approach | None:
+        best: Approach | None = memory
+        return None if best is None else best._replace(at=best.at + gap)
 
     @override
     def region(self) -> Region:

@@ -105,6 +105,7 @@ class VehicleStatus(NamedTuple):
     in_air: bool
     ready: bool  # passes its own arming checks
     mode: str  # autopilot's mode, lower case: hold, offboard, land, ...
+    failsafe: bool = False  # it says that a failsafe of its own is active
 
 
 class Cycle(NamedTuple):

@@ -26,6 +26,7 @@ from missionkit.vehicle.dialect import Dialect, dialect_of
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.guarding import Guardian
 from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.message_check import MessageCheck
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.parts import Parts
 from missionkit.vehicle.pose import Pose, reported_pose
@@ -84,7 +85,9 @@ class MavsdkVehicle:
         self._guard = guard
         self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
+        self._check = MessageCheck(self.cache, self.note, self.remark, pace)
         self._events: list[str] = []
+        self._remarks: list[str] = []
         self._noting = threading.Lock()
         self._now = 0.0
         self._correction = Correction()
@@ -129,7 +132,7 @@ class MavsdkVehicle:
     @property
     def in_control(self) -> bool:
         """Whether missionkit commands; no: a pilot, or the autopilot by itself."""
-        return self._joined.helm.ours
+        return self._joined.authority.ours
 
     @property
     def camera_problem(self) -> str:
@@ -137,11 +140,13 @@ class MavsdkVehicle:
         return self._camera.problem
 
     async def connect(self) -> None:
-        """Reach the vehicle.
+        """Reach the vehicle; one that has been reached stays so.
 
         Raises:
             VehicleError: the link is in use or nobody answered; what to check is said.
         """
+        if self._parts is not None:
+            return
         await asyncio.to_thread(self._lock.take)
         try:
             await asyncio.to_thread(self._be_guarded)
@@ -211,11 +216,10 @@ class MavsdkVehicle:
 
     def resume_control(self) -> None:
         """Command again after a pilot's takeover. Only a person may ask for this."""
-        helm = self._joined.helm
-        if not helm.ours:
-            if self._guardian is not None:
-                self._guardian.given()
-            helm.resume()
+        authority = self._joined.authority
+        if not authority.ours and self._guardian is not None:
+            self._guardian.given()
+        if authority.resume():
             self.note(CONTROL_RESUMED)
 
     async def call(self, function: Callable[..., T], *args: Any) -> T:
@@ -239,10 +243,10 @@ class MavsdkVehicle:
 
     @property
     def _words_within(self) -> float:
-        return WORDS_WITHIN / min(1.0, self._pace)
+        return max(WORDS_WITHIN, self._patience) / min(1.0, self._pace)
 
     async def _join(self, link: Link) -> None:
-        link.listen(NAMES.values(), Scaled(self.cache.put))
+        link.listen(NAMES.values(), Scaled(self._check))
         begun = wall()
         await self.hear("HEARTBEAT", self._words_within)
         await asyncio.sleep(max(0.0, CENSUS / self._pace - (wall() - begun)))
@@ -251,7 +255,8 @@ class MavsdkVehicle:
         if dialect is None:
             raise VehicleError(f"{self.address.url}: the autopilot is silent")
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
-        self._parts = Parts(link, dialect, self.cache, self._clock, self.note, self._pace, idle)
+        said = self.note, self.remark, self._check
+        self._parts = Parts(link, dialect, self.cache, self._clock, *said, self._pace, idle)
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
@@ -290,7 +295,7 @@ class MavsdkVehicle:
 
     def _overruled(self) -> None:
         if self._parts is not None:
-            self._parts.helm.overruled()
+            self._parts.authority.overruled()
 
     def _let_go(self) -> None:
         guardian, self._guardian = self._guardian, None
@@ -310,6 +315,17 @@ class MavsdkVehicle:
         """Keep an event for the next observation."""
         with self._noting:
             self._events.append(event)
+
+    def remark(self, sentence: str) -> None:
+        """Keep a sentence for the record."""
+        with self._noting:
+            self._remarks.append(sentence)
+
+    def take_remarks(self) -> tuple[str, ...]:
+        """Return what is to be recorded since the last call, a sentence each."""
+        with self._noting:
+            remarks, self._remarks = tuple(self._remarks), []
+        return remarks
 
     def pose(self) -> Pose | None:
         """Return where the vehicle says it is."""

@@ -21,6 +21,7 @@ ARM, SET_MODE, NAV_TAKEOFF, NAV_LAND, NAV_RETURN = 400, 176, 22, 21, 20  # MAV_C
 AGAIN = 1.0  # s (of the vehicle) until the same wish is carried out again
 CONFIRM = 2.2  # s (of the vehicle): heartbeats come once a second, and one may be lost
 OFFBOARD = "offboard"
+Order = Callable[[str, float | None], bool]
 Wish = tuple[str, float | None]  # an action's name or OFFBOARD, and a height (m)
 
 
@@ -51,7 +52,8 @@ class Commander:
         cache: the newest messages.
         dialect: of the autopilot.
         state: what telemetry says.
-        order: called before a mode is asked for; says whether we may.
+        order: called before a mode is asked for, with the height of a take-off (m); says whether
+            we may.
         pace: seconds of the vehicle in one of the wall.
     """
 
@@ -61,7 +63,7 @@ class Commander:
         cache: Cache,
         dialect: Dialect,
         state: State,
-        order: Callable[[str], bool],
+        order: Order,
         pace: float = 1.0,
     ) -> None:
         self._wire = wire
@@ -143,7 +145,7 @@ class Commander:
         name = self._dialect.takeoff_param
         if name is not None and not self._wire.set_parameter(name, height):
             return Result(Outcome.UNKNOWN, f"{name} could not be set")
-        if not self._order("take_off" if self._dialect.early else self._dialect.hold_word):
+        if not self._order("take_off" if self._dialect.early else self._dialect.hold_word, height):
             return Result(Outcome.ABANDONED, "somebody else commands")
         params: tuple[float | None, ...] = (
             (None,) * 7 if name is not None else (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, height)
@@ -166,12 +168,12 @@ class Commander:
     def _land(self) -> Result:
         if self._dialect.land is not None:
             return self._mode(self._dialect.land, "land")
-        if not self._order("land"):
+        if not self._order("land", None):
             return Result(Outcome.ABANDONED, "somebody else commands")
         return self._ask(Ask(NAV_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
 
     def _return(self) -> Result:
-        if not self._order("return"):
+        if not self._order("return", None):
             return Result(Outcome.ABANDONED, "somebody else commands")
         return self._ask(Ask(NAV_RETURN, (0.0,) * 7, self._in_mode("return"), CONFIRM))
 
@@ -179,7 +181,7 @@ class Commander:
         return self._ask(Ask(ARM, (0.0, 0.0), lambda: self._state.armed is False, CONFIRM))
 
     def _mode(self, params: tuple[float, float, float], word: str) -> Result:
-        if not self._order(word):
+        if not self._order(word, None):
             return Result(Outcome.ABANDONED, "somebody else commands")
         return self._ask(Ask(SET_MODE, params, self._in_mode(word), CONFIRM))
 

@@ -53,7 +53,7 @@ PX4_FAILSAFES = (
         3,
         5,
         Level.WARNING,
-        "when setpoints stop it waits for a pilot at the remote control",
+        "when setpoints stop it waits for a pilot at the remote control; without one it returns",
         "set 5 (hold), 4 (land) or 3 (return)",
         (6, 7),
         safe=5,

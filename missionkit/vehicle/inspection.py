@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
+from missionkit.errors import NotFitError
 from missionkit.geometry import rotate
 from missionkit.vehicle import batteries, readings
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.cache import Cache, Fields, Message
+from missionkit.vehicle.failsafes import Level
 from missionkit.vehicle.home import home_message
 from missionkit.vehicle.preflight import Findings, Report, judged
 from missionkit.vehicle.state import SENSORS
@@ -20,6 +22,8 @@ from missionkit.vehicle.timing import unix
 
 NEEDED = ("SYS_STATUS", "HOME_POSITION", "LOCAL_POSITION_NED", "GPS_RAW_INT", "BATTERY_STATUS")
 LOOK = 0.1  # s between two looks at what has come
+PASSING = frozenset(("state", "health", "home", "estimator", "gnss"))  # checks that may yet pass
+FIT = 60.0  # s (of the vehicle) in which it may become fit to fly
 SPAN = 1.0  # s over which the vehicle's clock is compared with ours
 
 
@@ -34,9 +38,45 @@ async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1
     await told(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
     values = await vehicle.call(parameters, vehicle)
-    await asyncio.sleep(SPAN)
+    await asyncio.sleep(SPAN / max(1.0, pace))
     findings = _found(vehicle, first, values, pace)
     return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
+
+
+async def become_fit(
+    vehicle: MavsdkVehicle,
+    give_up: Callable[[], bool],
+    pace: float = 1.0,
+    patience: float = FIT,
+) -> None:
+    """Wait until the pre-flight report of a connected vehicle has nothing against flying.
+
+    One that flies already, or is armed, is left to the mission. Autopilots say for half a minute
+    after their start that they are not ready.
+
+    Args:
+        vehicle: to be looked at; nothing is commanded but streams.
+        give_up: says whether not to wait any longer.
+        pace: seconds of the vehicle in one of the wall.
+        patience: s (of the vehicle) to wait.
+
+    Raises:
+        NotFitError: something still speaks against it; everything that does is named.
+    """
+    end = vehicle.cache.wall() + patience / pace
+    while True:
+        report = await inspect(vehicle, pace=pace)
+        if report.fit or vehicle.state.armed:
+            return
+        bad = [check for check in report.checks if check.level is Level.BAD]
+        lasting = any(check.what not in PASSING for check in bad)
+        if lasting or give_up() or vehicle.cache.wall() >= end:
+            break
+    lines = "\n".join(f"  - {it.what}: {it.says}" for it in bad)
+    raise NotFitError(
+        f"{report.vehicle}: not fit to fly, nothing was armed:\n{lines}\n"
+        "--anyway flies nevertheless"
+    )
 
 
 async def told(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
@@ -122,7 +162,7 @@ def _date_gap(vehicle: MavsdkVehicle) -> float | None:
 
 
 def _rate(first: Message | None, last: Message | None) -> float | None:
-    if first is None or last is None or last.arrived - first.arrived < 0.5 * SPAN:
+    if first is None or last is None or last.arrived - first.arrived < 0.1 * SPAN:
         return None
     begun, ended = boot_time(first), boot_time(last)
     if begun is None or ended is None:

@@ -212,6 +212,7 @@ class Observer:
             in_air=bool(state.in_air),
             ready=state.ready,
             mode=state.mode,
+            failsafe=state.failsafe,
         )
         if status == self._status_told:
             return None

@@ -10,8 +10,9 @@ from missionkit.messages import Action, AnySetpoint, Command, PositionSetpoint
 from missionkit.vehicle.cache import Cache
 from missionkit.vehicle.commands import OFFBOARD, Commander
 from missionkit.vehicle.connection import Link
+from missionkit.vehicle.control_authority import ControlAuthority
 from missionkit.vehicle.dialect import OPTIONAL, Dialect
-from missionkit.vehicle.helm import Helm
+from missionkit.vehicle.message_check import MessageCheck
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.payload import Payload
 from missionkit.vehicle.phase import Phase
@@ -19,7 +20,7 @@ from missionkit.vehicle.readings import triple
 from missionkit.vehicle.setpoints import STALE, STILL, Streamer
 from missionkit.vehicle.state import State
 from missionkit.vehicle.steering import leashed, message
-from missionkit.vehicle.streams import SILENT, Streams
+from missionkit.vehicle.streams import HEARTBEAT, SILENT, Streams
 from missionkit.vehicle.timing import MissionClock, wall
 
 BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
@@ -36,7 +37,9 @@ class Parts:
         dialect: of the autopilot.
         cache: where its messages are.
         clock: mission time.
-        note: takes an event for the mission.
+        tell: takes an event for the mission.
+        note: takes a sentence for the record.
+        check: decides which messages are believed.
         pace: seconds of the vehicle in one of the wall.
         idle: called when setpoints stop on purpose.
     """
@@ -47,7 +50,9 @@ class Parts:
         dialect: Dialect,
         cache: Cache,
         clock: MissionClock,
+        tell: Callable[[str], None],
         note: Callable[[str], None],
+        check: MessageCheck,
         pace: float,
         idle: Callable[[], None] = lambda: None,
     ) -> None:
@@ -56,22 +61,28 @@ class Parts:
         self.state = State(cache, dialect)
         self.phase = Phase(cache, dialect)
         self.observer = Observer(cache, self.phase, clock)
-        self.helm = Helm(dialect, self._let_go, note, self._unheard)
+        self.authority = ControlAuthority(
+            dialect, self._let_go, tell, self._unheard, self.state.whereabouts, note
+        )
         self._idle = idle
         self.streamer = Streamer(self._emit, self._listens, wall, pace, paused=self._pauses)
-        self.commander = Commander(link, cache, dialect, self.state, self.helm.order, pace)
-        self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, self._rebooted, pace)
+        self.commander = Commander(link, cache, dialect, self.state, self.authority.order, pace)
+        self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, pace)
         self.payload = Payload(link, cache, pace)
+        self._check = check
         self._cache = cache
         self._pace = pace
 
     def start(self) -> None:
         """Begin."""
         self._cache.listen(self.streams.hear)
-        self._cache.listen(self.helm.hear)
+        self._cache.listen(self.authority.hear)
         beat = self._cache.latest("HEARTBEAT")
         if beat is not None:
-            self.helm.hear(beat)
+            self.authority.hear(beat)
+        self._check.report_to(
+            self.authority, self._rebooted, lambda: self.streams.request(HEARTBEAT)
+        )
         self.streams.tend()
         self.streamer.start()
         self.commander.start()
@@ -81,19 +92,19 @@ class Parts:
         self.streamer.stop()
         self.commander.stop()
         self.payload.release()
-        if not self.helm.ours or not self.state.in_air:
+        if not self.authority.ours or not self.state.in_air:
             self._idle()
         elif self.state.mode == self.dialect.offboard_word:
             with suppress(RuntimeError):  # no link, no hold: its failsafe will
                 self._emit(STILL)
                 self.commander.carry_out((Action.HOLD, None))
-        elif self.helm.aim == self.state.mode:
+        elif self.authority.aim == self.state.mode:
             self._idle()
 
     def obey(self, command: Command, at: float) -> None:
         """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
-        self.payload.want(command.payload if self.helm.ours else None)
-        if not self.helm.ours:
+        self.payload.want(command.payload if self.authority.ours else None)
+        if not self.authority.ours:
             return
         if command.action is not None:
             self._act(command.action, command.height, at)
@@ -144,19 +155,20 @@ class Parts:
         self._idle()
 
     def _rebooted(self) -> None:
-        self.helm.rebooted(flying=bool(self.state.armed))
+        self.streams.forgotten()
+        self.authority.rebooted(flying=bool(self.state.armed))
         self.observer.forget()
 
     def _unheard(self) -> bool:
         """Whether setpoints had stopped, or the link was gone, before the present heartbeat."""
         silent = (wall() - self.streamer.last) * self._pace > STALE
-        steering = self.helm.aim == "offboard"
+        steering = self.authority.aim == "offboard"
         return (silent and steering) or self.streams.gap > GAP
 
     def _listens(self) -> bool:
         """Whether a setpoint may go out now: ours to command, heard of lately, in a fit mode."""
         state, dialect = self.state, self.dialect
-        if not self.helm.ours or not state.armed:
+        if not self.authority.ours or not state.armed:
             return False
         if (wall() - state.heard) * self._pace > SILENT:
             return False

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.control_authority import Whereabouts
 from missionkit.vehicle.dialect import Dialect, word
 from missionkit.vehicle.home import local_home
 
 _ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
 _GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
 _ON_GROUND, _IN_AIR, _TAKING_OFF, _LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
+_ALARMED = frozenset((5, 6))  # MAV_STATE: critical, emergency
 _POWERED = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
 _BEHIND = 2.0  # s that EXTENDED_SYS_STATE may be older than the heartbeat: it has stopped
+
+LATELY = 2.0  # s, wall; what was said before does not show where it is
 
 SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
 
@@ -57,6 +63,12 @@ class State:
         return bool(self.armed) and int(beat["system_status"]) in _POWERED
 
     @property
+    def failsafe(self) -> bool:
+        """Whether it says that a failsafe of its own is active."""
+        beat = self._cache.latest("HEARTBEAT")
+        return beat is not None and int(beat["system_status"]) in _ALARMED
+
+    @property
     def heard(self) -> float:
         """When the last heartbeat came (s, wall)."""
         beat = self._cache.latest("HEARTBEAT")
@@ -99,6 +111,21 @@ class State:
         if local is None or local["z"] is None:
             return None
         return (0.0 if home is None else float(home[2])) - float(local["z"])
+
+    def whereabouts(self) -> Whereabouts:
+        """Return where it is by what it has said lately."""
+        landed = self._cache.latest("EXTENDED_SYS_STATE", LATELY)
+        said = 0 if landed is None else int(landed["landed_state"])
+        local = self._cache.latest("LOCAL_POSITION_NED", LATELY)
+        home = self._cache.latest("HOME_POSITION")
+        away = None
+        if local is not None and home is not None and None not in (local["x"], home["x"]):
+            away = math.hypot(local["x"] - home["x"], local["y"] - home["y"])
+        return Whereabouts(
+            on_ground=None if said == 0 else said == _ON_GROUND,
+            height=None if local is None else self.height,
+            from_home=away,
+        )
 
     def _healthy(self, bit: int) -> bool | None:
         said = self._cache.latest("SYS_STATUS")

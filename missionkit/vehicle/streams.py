@@ -6,7 +6,7 @@ An autopilot forgets the rates when it reboots, and says nothing about it if tha
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 
 from missionkit.vehicle.cache import Cache, Message
@@ -14,10 +14,9 @@ from missionkit.vehicle.wire import Wire
 
 SET_INTERVAL = 511  # MAV_CMD_SET_MESSAGE_INTERVAL
 REQUEST = 512  # MAV_CMD_REQUEST_MESSAGE
-HOME = 242  # HOME_POSITION
+HEARTBEAT, HOME = 0, 242  # message ids
 REBOOTED = "autopilot_rebooted"
 SILENT = 3.0  # s without a heartbeat: the link is lost
-BACKWARDS = 1.0  # s that the time since boot may run backwards on a link that reorders
 RETRY = 1.0  # s until a stream that does not come is asked for again
 SPAN = 2.0  # s over which rates are measured
 
@@ -98,7 +97,6 @@ class Streams:
         cache: where the messages are.
         intervals: message id -> Hz wanted.
         optional: ids that not every vehicle has; they are asked for once.
-        rebooted: called when the autopilot has started anew.
         pace: seconds of the vehicle in one of the wall.
     """
 
@@ -108,16 +106,13 @@ class Streams:
         cache: Cache,
         intervals: Mapping[int, float],
         optional: frozenset[int],
-        rebooted: Callable[[], None],
         pace: float = 1.0,
     ) -> None:
         self._wire = wire
         self._cache = cache
         self._intervals = intervals
         self._optional = optional
-        self._rebooted = rebooted
         self._pace = pace
-        self._boot: float | None = None
         self._heard: float | None = None
         self.gap = 0.0  # s (of the vehicle) between the last two heartbeats
         self._all_due = threading.Event()
@@ -135,15 +130,14 @@ class Streams:
             self.gap = 0.0 if heard is None else (message.arrived - heard) * self._pace
             if self.gap > SILENT:
                 self._all_due.set()
-        boot = boot_time(message) if message.name in CLOCKED else None
-        if boot is None:
-            return
-        before, self._boot = self._boot, boot
-        if before is not None and boot < before - BACKWARDS:
-            self._all_due.set()
-            self._rebooted()
-        elif before is not None:
-            self._boot = max(boot, before)
+
+    def forgotten(self) -> None:
+        """Note that the autopilot has restarted: it knows of no rates."""
+        self._all_due.set()
+
+    def request(self, ident: int) -> None:
+        """Ask for one message now, by its id."""
+        self._ask(REQUEST, ident, 0.0)
 
     def tend(self) -> int:
         """Ask for what is missing; return how many requests that took. Call it now and then."""
@@ -154,7 +148,7 @@ class Streams:
         wanted = [ident for ident in self._intervals if everything or self._missing(ident, now)]
         for ident in wanted:
             if ident == HOME and ident in self._asked:  # not a stream everywhere
-                self._ask(REQUEST, ident, 0.0)
+                self.request(ident)
             self._asked[ident] = now
             self._ask(SET_INTERVAL, ident, 1e6 / self._intervals[ident])
         return len(wanted)

@@ -10,7 +10,7 @@ from samples import calm
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load, parse
 from missionkit.cli import fly, vehicle_camera
-from missionkit.cli.on_vehicle import with_camera
+from missionkit.cli.on_vehicle import with_remarks
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Command, Mode, Observation, Record
@@ -164,8 +164,11 @@ def test_what_is_wrong_with_the_camera_is_a_problem_of_the_flight():
     class Vehicle:
         camera_problem = ""
 
+        def take_remarks(self):
+            return ()
+
     told, vehicle = [], Vehicle()
-    tell = with_camera((lambda record, _: told.append(record.problems),), vehicle)
+    tell = with_remarks((lambda record, _: told.append(record.problems),), vehicle)
     record = Record(1.0, "idle", ("idle",), Mode.NONE, (), (), Command(), "", ("late",), calm())
     for vehicle.camera_problem in ("", "it cannot be opened", ""):
         tell(record, Observation(1.0))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rehearsed import plain, short, short_stage
+from samples import calm
 
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.semantics.memory import begin as begin_chart
@@ -17,7 +18,8 @@ from missionkit.engine.keeping import Anew
 from missionkit.engine.memory import Course, Memory, Paused
 from missionkit.engine.reconcile import CASES, Facts, Then, Woken, reconciled
 from missionkit.errors import VehicleError
-from missionkit.messages import VehicleStatus
+from missionkit.guards.progress import GoalUnreachable
+from missionkit.messages import Goal, VehicleStatus
 from missionkit.rehearsal import Kept, Stage, rehearse
 
 HOP = """\
@@ -127,7 +129,36 @@ def test_a_take_off_goes_on_only_with_a_sound_estimate(plan):
     assert "though the chart stood on the ground in idle" in done.notes[0]
 
 
-@pytest.mark.parametrize("mode", ["position", "manual", "return", "stabilized", ""])
+@pytest.mark.parametrize(
+    ("mode", "failsafe", "says"),
+    [
+        ("return", True, "the autopilot flies by itself because of a failsafe of its own"),
+        ("position", True, "the autopilot flies by itself because of a failsafe of its own"),
+        ("return", False, "a pilot flies, or the autopilot by itself"),
+        ("position", False, "a pilot flies"),
+    ],
+)
+def test_a_failsafe_of_the_autopilots_is_not_called_a_pilot(plan, climbing, mode, failsafe, says):
+    status = heard(in_air=True, mode=mode)._replace(failsafe=failsafe)
+    with pytest.raises(VehicleError) as left:
+        woken(plan, standing(climbing, "up"), status)
+    assert str(left.value) == f"resumed after 1.00 s: {says}, mode {mode}; nothing is commanded"
+
+
+def test_a_gap_is_no_lack_of_progress():
+    guard = GoalUnreachable(longer_than=20.0)
+    goal = Goal(np.array([50.0, 0.0, -5.0]), 0.0, 0.0)
+    memory = guard.advance(None, calm(now=10.0, goal=goal))
+    memory = guard.advance(memory, calm(now=25.0, goal=goal))
+    later = calm(now=85.0, goal=goal)
+    assert guard.check(memory, later).holds
+    resumed = guard.resumed(memory, 55.0)
+    assert not guard.check(resumed, later).holds
+    assert guard.check(resumed, calm(now=86.0, goal=goal)).holds
+    assert guard.resumed(None, 55.0) is None
+
+
+@pytest.mark.parametrize("mode", ["position", "manual", "stabilized", ""])
 @pytest.mark.parametrize("state", ["idle", "up", "land"])
 def test_a_pilot_is_left_alone(plan, climbing, mode, state):
     with pytest.raises(VehicleError, match=f"a pilot flies, mode {mode}; nothing is commanded"):

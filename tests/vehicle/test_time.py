@@ -95,11 +95,11 @@ class Asked:
 
 
 def streams(rates=None, optional=frozenset()):
-    wall, wire, reboots = Wall(), Asked(), []
+    wall, wire = Wall(), Asked()
     cache = Cache(wall)
-    made = Streams(wire, cache, rates or {32: 20.0}, optional, lambda: reboots.append(wall.now))
+    made = Streams(wire, cache, rates or {32: 20.0}, optional)
     cache.listen(made.hear)
-    return made, cache, wall, wire, reboots
+    return made, cache, wall, wire
 
 
 def run(made, cache, wall, seconds, rate=20.0, boot=0.0):
@@ -112,7 +112,7 @@ def run(made, cache, wall, seconds, rate=20.0, boot=0.0):
 
 
 def test_streams_are_asked_for_once_and_then_only_if_they_do_not_come():
-    made, cache, wall, wire, _ = streams()
+    made, cache, wall, wire = streams()
     run(made, cache, wall, 10.0)
     assert wire.ids == [32]
     for _ in range(60):
@@ -122,29 +122,21 @@ def test_streams_are_asked_for_once_and_then_only_if_they_do_not_come():
 
 
 def test_a_stream_that_comes_too_slowly_is_asked_for_again():
-    made, cache, wall, wire, _ = streams()
+    made, cache, wall, wire = streams()
     run(made, cache, wall, 10.0, rate=4.0)
     assert wire.ids.count(32) >= 4
 
 
-def test_rates_are_sent_again_after_a_reboot_that_nobody_noticed():
-    made, cache, wall, wire, reboots = streams()
+def test_rates_are_sent_again_after_a_reboot():
+    made, cache, wall, wire = streams()
     run(made, cache, wall, 5.0, boot=100.0)
+    made.forgotten()
     run(made, cache, wall, 2.0, boot=0.3)
-    assert len(reboots) == 1
     assert wire.ids == [32, 32]
 
 
-def test_a_late_message_is_no_reboot():
-    made, cache, _, _, reboots = streams()
-    for boot in (5000, 5900, 5100, 6000):
-        cache.put("LOCAL_POSITION_NED", {"time_boot_ms": boot})
-    assert reboots == []
-    assert made.tend() == 1
-
-
 def test_rates_are_sent_again_when_the_link_comes_back():
-    made, cache, wall, wire, _ = streams({115: 50.0}, frozenset((115,)))
+    made, cache, wall, wire = streams({115: 50.0}, frozenset((115,)))
     cache.put("HEARTBEAT", {})
     made.tend()
     wall.now += 4.0

@@ -77,7 +77,7 @@ def desk(dialect=PX4, ours=True, **faults):
     autopilot = Autopilot(cache, dialect, **faults)
     orders = []
 
-    def order(mode):
+    def order(mode, height):
         orders.append(mode)
         return ours
 

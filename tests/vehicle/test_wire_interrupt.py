@@ -1,14 +1,18 @@
-"""Ctrl-C while a mission flies a vehicle: the first one lands, the second one stops the program."""
+"""Ctrl-C, SIGTERM or SIGHUP in flight: the first one lands, a second one stops the program."""
 
 import os
 import signal
 import subprocess
+import threading
 from contextlib import contextmanager
 
+import pytest
 from vehicle.flying import command, sitl, until
 from vehicle.on_a_mission import AHEAD, stay
 
-PATIENCE = 40.0  # s, wall
+from missionkit.cli.cockpit import TOGETHER
+
+PATIENCE = 90.0  # s, wall
 
 
 @contextmanager
@@ -26,10 +30,12 @@ def program(autopilot, tmp_path):
             process.kill()
 
 
-def test_the_first_one_lands(tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_the_first_one_lands(number, tmp_path):
     with sitl() as autopilot, program(autopilot, tmp_path) as process:
         since = autopilot.now
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
+        process.send_signal(signal.SIGHUP)  # as service managers do at once: counts as one
         text, _ = process.communicate(timeout=PATIENCE)
         assert process.returncode == 1, text
         (mode,) = autopilot.notes("mode", since)
@@ -41,14 +47,16 @@ def test_the_first_one_lands(tmp_path):
     assert not truth["crashed"]
 
 
-def test_the_second_one_stops_the_program_and_leaves_the_vehicle_holding(tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_second_one_stops_the_program_and_leaves_the_vehicle_holding(number, tmp_path):
     with sitl() as autopilot, program(autopilot, tmp_path) as process:
         autopilot.ask(fault="command_denied=21")
         since = autopilot.now
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         until(lambda: "21" in {it["which"][:2] for it in autopilot.notes("command", since)})
         assert process.poll() is None
-        process.send_signal(signal.SIGINT)
+        threading.Event().wait(2.0 * TOGETHER)
+        process.send_signal(number)
         text, _ = process.communicate(timeout=PATIENCE)
         assert process.returncode == 3, text
         assert "stopped before it had landed" in text

@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 from vehicle.flying import sitl
+from vehicle.message_filter import MessageFilter
+from vehicle.on_a_mission import stay
 
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.cli.app import app
 from missionkit.cli.fly import fly_vehicle, preflight, vehicle_of
 from missionkit.engine.flight import prepare
 from missionkit.engine.loop import End
@@ -69,3 +73,21 @@ def test_a_drawn_camera_needs_a_world():
     mission = parse(TRIP.replace("use: none", "use: corners"), "trip", builtin())
     with pytest.raises(UsageError, match="needs a world"):
         vehicle_of("udpin://127.0.0.1:14540", mission)
+
+
+def test_a_run_does_not_begin_while_the_preflight_report_says_no(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    (tmp_path / "stay.yaml").write_text(stay(after=0.5))
+    words = ["run", str(tmp_path / "stay.yaml"), "--headless", "--out", str(tmp_path / "runs")]
+    with sitl() as autopilot:
+        autopilot.ask(parameter="COM_LOW_BAT_ACT", value=0)
+        MessageFilter(autopilot).change("BATTERY_STATUS", battery_remaining=12)
+        words += ["--vehicle", autopilot.url, "--speed", str(autopilot.speed)]
+        refused = CliRunner().invoke(app, words)
+        assert refused.exit_code == 1, refused.output
+        assert "not fit to fly, nothing was armed:\n  - battery: 12%" in refused.stderr
+        assert "--anyway flies nevertheless" in refused.stderr
+        assert "400" not in {it["which"][:3] for it in autopilot.notes("command")}
+        flown = CliRunner().invoke(app, [*words, "--anyway"])
+        assert flown.exit_code == 0, flown.output
+        assert autopilot.truth["on_ground"]

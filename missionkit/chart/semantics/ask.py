@@ -90,7 +90,8 @@ class Asker:
     def _plugin(self, name: str, plugin: Plugin) -> Ask:
         foreign = is_foreign(plugin)
         if isinstance(plugin, WindowGuard):
-            slot = self._slot(name, plugin.begin, _advancing(name, plugin, foreign=foreign))
+            advance = _advancing(name, plugin, foreign=foreign)
+            slot = self._slot(Slot(name, plugin.begin, advance, plugin.resumed))
             return _answered(name, _window(name, plugin, slot, foreign=foreign))
         if not foreign:
             return _trusting(name, cast(Guard, plugin))
@@ -98,7 +99,7 @@ class Asker:
 
     def _latch(self, name: str, latch: ex.Hysteresis) -> Ask:
         inner = self.ask(latch.part)
-        slot = self._slot(name, lambda: False, _latching(inner, latch))
+        slot = self._slot(Slot(name, lambda: False, _latching(inner, latch)))
 
         def ask(question: Question) -> Verdict:
             verdict, on = inner(question), question.windows[slot]
@@ -111,13 +112,8 @@ class Asker:
 
         return _answered(name, ask)
 
-    def _slot(
-        self,
-        name: str,
-        begin: Callable[[], Anything],
-        advance: Callable[[Anything, Question], Anything],
-    ) -> int:
-        self.slots.append(Slot(name, begin, advance))
+    def _slot(self, slot: Slot) -> int:
+        self.slots.append(slot)
         return len(self.slots) - 1
 
 

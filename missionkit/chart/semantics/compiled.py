@@ -45,12 +45,17 @@ class Question:
 Ask = Callable[[Question], Verdict]
 
 
+def _as_it_was(memory: Any, _: float) -> Any:
+    return memory
+
+
 class Slot(NamedTuple):
     """A guard that remembers: its place in the windows is its index in the chart's slots."""
 
     name: str
     begin: Callable[[], Any]
     advance: Callable[[Any, Question], Any]
+    resumed: Callable[[Any, float], Any] = _as_it_was  # memory and gap (s)
 
 
 class Output(NamedTuple):

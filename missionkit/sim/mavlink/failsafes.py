@@ -93,6 +93,8 @@ def _offboard_lost(state: State) -> None:
         state.fly(OFFBOARD_LOSS[action])
     elif action in {6, 7}:
         state.body.kill()
+    elif not _has_rc(state):  # nobody can fly a manual mode
+        state.fly(Flight.RETURN)
     else:
         state.enter(state.dialect.named(OFFBOARD_PILOT.get(action, "POSCTL")))
     state.failsafe = "offboard signal lost"
@@ -127,6 +129,12 @@ def _rc_silence(state: State) -> float:
     """Return for how long (s) nothing has come from the remote control."""
     lost = state.troubles.active("rc_lost", state.now)
     return 0.0 if lost is None else lost[1]
+
+
+def _has_rc(state: State) -> bool:
+    """Return whether PX4 may leave the vehicle to a pilot; COM_RC_IN_MODE 4: never."""
+    value = state.parameters
+    return value["COM_RC_IN_MODE"] != 4 and _rc_silence(state) <= value["COM_RC_LOSS_T"]
 
 
 def _rc_lost(state: State) -> None:

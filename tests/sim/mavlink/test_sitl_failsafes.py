@@ -250,3 +250,22 @@ def test_a_crash_is_told_and_disarms(station: Make) -> None:
     px4.run(5.0, px4.velocity(2.0, 0.0, 0.0))
     assert not px4.state.armed
     assert "Crash" in px4.said[-1]
+
+
+@pytest.mark.parametrize("action", [0, 1, 2])
+@pytest.mark.parametrize("without", ["rc_lost", "COM_RC_IN_MODE"])
+def test_px4_without_a_remote_control_returns_instead_of_waiting_for_a_pilot(
+    station: Make, action: int, without: str
+) -> None:
+    px4 = station("px4")
+    px4.state.parameters.set("COM_OBL_RC_ACT", action)
+    if without == "rc_lost":
+        px4.state.parameters.set("COM_RCL_EXCEPT", 4)  # offboard goes on
+        px4.state.parameters.set("COM_OF_LOSS_T", 2.0)
+    else:
+        px4.state.parameters.set("COM_RC_IN_MODE", 4)
+    flying(px4)
+    if without == "rc_lost":
+        trouble(px4, "rc_lost")
+    px4.until(lambda: px4.state.mode.name != "OFFBOARD", 3.0)
+    assert px4.state.mode.name == "RTL"

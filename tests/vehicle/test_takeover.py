@@ -3,8 +3,8 @@
 import pytest
 
 from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.control_authority import ControlAuthority
 from missionkit.vehicle.dialect import PX4
-from missionkit.vehicle.helm import Helm
 from missionkit.vehicle.state import State
 
 ACTIVE, CRITICAL = 4, 5  # MAV_STATE
@@ -33,9 +33,11 @@ def test_a_mode_of_a_critical_autopilot_is_its_own_unless_only_a_pilot_flies_it(
     mode, status, unheard, told
 ):
     events, cache = [], Cache(lambda: 0.0)
-    helm = Helm(PX4, lambda: events.append("let go"), events.append, lambda: unheard)
-    cache.listen(helm.hear)
-    helm.order("offboard")
+    authority = ControlAuthority(
+        PX4, lambda: events.append("let go"), events.append, lambda: unheard
+    )
+    cache.listen(authority.hear)
+    authority.order("offboard")
     cache.put("HEARTBEAT", beat(OFFBOARD))
     cache.put("HEARTBEAT", beat(mode, status))
     assert events == ["let go", told]

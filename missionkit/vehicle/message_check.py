@@ -1,0 +1,133 @@
+"""What arrives is looked at before it is believed: heartbeats, and stamps of the autopilot's clock.
+
+    link -> MessageCheck -> cache -> everything else
+
+A message that is not believed goes no further, and the record says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+from missionkit.vehicle.boot_epoch import BootEpoch, Stamp
+from missionkit.vehicle.cache import Cache, Fields, Message
+from missionkit.vehicle.heartbeat_check import HeartbeatCheck, Said
+from missionkit.vehicle.streams import CLOCKED, boot_time
+from missionkit.vehicle.vehicle_type import type_name
+
+MODE_COMMANDS = frozenset((20, 21, 22, 176, 400))  # MAV_CMD: what a heartbeat shows the effect of
+TWO_VEHICLES = "two_vehicles"  # the event
+
+
+class Judge(Protocol):
+    """Who is told what heartbeats mean."""
+
+    def expects(self, now: Said) -> bool:
+        """Say whether what a heartbeat says is no surprise."""
+
+    def doubt(self) -> None:
+        """Note that a heartbeat said something surprising."""
+
+    def replaced(self, by: str) -> None:
+        """Note that another kind of vehicle answers now."""
+
+
+class MessageCheck:
+    """Passes on to the cache what is believed.
+
+    Args:
+        cache: takes it.
+        tell: takes an event for the mission.
+        note: takes a sentence for the record.
+        pace: seconds of the vehicle in one of the wall.
+    """
+
+    def __init__(
+        self,
+        cache: Cache,
+        tell: Callable[[str], None],
+        note: Callable[[str], None],
+        pace: float = 1.0,
+    ) -> None:
+        self._cache = cache
+        self._tell = tell
+        self._note = note
+        self._heartbeats = HeartbeatCheck()
+        self._epoch = BootEpoch(pace)
+        self._judge: Judge | None = None
+        self._rebooted: Callable[[], None] = lambda: None
+        self._ask_again: Callable[[], None] = lambda: None
+        self._contested = False
+
+    @property
+    def contested(self) -> bool:
+        """Whether two vehicles answer with one system id."""
+        return self._heartbeats.contested or self._epoch.contested
+
+    def report_to(
+        self, judge: Judge, rebooted: Callable[[], None], ask_again: Callable[[], None]
+    ) -> None:
+        """Say from now on who judges heartbeats.
+
+        Args:
+            judge: knows what is expected.
+            rebooted: called when the autopilot has restarted.
+            ask_again: asks for another heartbeat at once.
+        """
+        self._judge, self._rebooted, self._ask_again = judge, rebooted, ask_again
+
+    def __call__(self, name: str, fields: Fields) -> None:
+        """Take a message in."""
+        if name == "HEARTBEAT":
+            self._heartbeat(fields)
+        elif name not in CLOCKED or self._sound(Message(name, fields, self._cache.wall())):
+            self._cache.put(name, fields)
+        if name == "COMMAND_ACK" and int(fields["command"]) in MODE_COMMANDS:
+            self._ask_now()  # what it did shows at once, and a pilot's next change as one
+        if self.contested and not self._contested:
+            self._contested = True
+            self._tell(TWO_VEHICLES)
+            self._note("two vehicles answer with one system id: give each an id of its own")
+
+    def _heartbeat(self, fields: Fields) -> None:
+        judge = self._judge
+        found = self._heartbeats.hear(fields, _anything if judge is None else judge.expects)
+        if found.fields is not None:
+            self._cache.put("HEARTBEAT", found.fields)
+        if found.odd:
+            kind = type_name(int(fields["type"]))
+            self._note(f"a heartbeat of a {kind} was ignored: the vehicle is of another kind")
+        if found.retracted is not None:
+            how = "armed" if found.retracted.armed else "disarmed"
+            self._note(
+                f"a heartbeat of custom mode {found.retracted.mode:#x}, {how}, was ignored: "
+                "the next one did not confirm it"
+            )
+        if judge is None:
+            return
+        if found.doubted is not None:
+            judge.doubt()
+            self._ask_now()
+        if found.stranger:
+            judge.replaced(type_name(int(fields["type"])))
+
+    def _ask_now(self) -> None:
+        with suppress(RuntimeError):  # no link: the next heartbeat comes by itself
+            self._ask_again()
+
+    def _sound(self, message: Message) -> bool:
+        boot = boot_time(message)
+        if boot is None:
+            return True
+        worth = self._epoch.judge(boot, message.arrived)
+        if worth is Stamp.ODD:
+            self._note(f"a {message.name} with a stamp off the autopilot's clock was ignored")
+        if worth is Stamp.REBOOTED:
+            self._rebooted()
+        return worth is not Stamp.ODD
+
+
+def _anything(_: Said) -> bool:
+    return True

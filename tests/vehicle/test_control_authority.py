@@ -1,0 +1,271 @@
+"""Every state of control authority with every trigger, and whole flights heartbeat by heartbeat."""
+
+import pytest
+
+from missionkit.vehicle.cache import Message
+from missionkit.vehicle.control_authority import (
+    GIVEN_UP,
+    NOWHERE,
+    OURS,
+    TRANSITIONS,
+    ControlAuthority,
+    Whereabouts,
+    ends,
+)
+from missionkit.vehicle.dialect import ARDUPILOT, PX4
+from missionkit.vehicle.heartbeat_check import Said
+
+ACTIVE, CRITICAL = 4, 5  # MAV_STATE
+PX4_MODES = {word: number for number, word in PX4.modes.items()}
+AIR, GROUND = Whereabouts(on_ground=False), Whereabouts(on_ground=True, height=0.0, from_home=0.0)
+
+ROWS = """
+from              ground      commanding  doubting    pilot       failsafe    rebooted    stranger
+ask               .           .           .           .           .           .           .
+hear_ours         commanding  .           commanding  .           .           .           .
+hear_disarmed     .           ground      ground      .           .           .           .
+hear_doubtful     doubting    doubting    .           .           .           .           .
+hear_pilot        pilot       pilot       pilot       .           pilot       pilot       .
+hear_failsafe     failsafe    failsafe    failsafe    .           .           .           .
+hear_stranger     stranger    stranger    stranger    .           stranger    stranger    .
+reboot_in_flight  rebooted    rebooted    rebooted    .           rebooted    .           .
+reboot_on_ground  .           ground      ground      .           .           .           .
+give_back         .           .           .           commanding  commanding  commanding  commanding
+"""  # a trigger, and where it leads to from each state; .: it stays there
+(_, *STATES), *REST = (line.split() for line in ROWS.strip().splitlines())
+TABLE = {
+    trigger: {
+        here: here if there == "." else there for here, there in zip(STATES, row, strict=True)
+    }
+    for trigger, *row in REST
+}
+
+
+class Desk:
+    """An authority with everything it tells, and the truth it asks for."""
+
+    def __init__(self, dialect=PX4):
+        self.told, self.notes, self.where, self.unheard = [], [], NOWHERE, False
+        self.dialect = dialect
+        self.authority = ControlAuthority(
+            dialect,
+            lambda: self.told.append("let go"),
+            self.told.append,
+            lambda: self.unheard,
+            lambda: self.where,
+            self.notes.append,
+        )
+
+    def hear(self, *modes, armed=True, status=ACTIVE):
+        numbers = {word: number for number, word in self.dialect.modes.items()}
+        for mode in modes:
+            base = 0x80 if armed else 1
+            fields = {"custom_mode": numbers[mode], "base_mode": base, "system_status": status}
+            self.authority.hear(Message("HEARTBEAT", fields, 0.0))
+        return self
+
+    def fly(self):
+        """Arm, take off to 5 m and follow setpoints."""
+        self.hear("position", armed=False)
+        self.authority.order("hold")
+        self.hear("hold", armed=False).hear("hold")
+        self.authority.order("take_off", 5.0)
+        self.where = Whereabouts(on_ground=False, height=4.6, from_home=0.0)
+        self.hear("take_off", "hold")
+        self.authority.order("offboard")
+        return self.hear("hold", "offboard", "offboard")
+
+
+@pytest.mark.parametrize("trigger", TABLE)
+@pytest.mark.parametrize("state", STATES)
+def test_every_trigger_in_every_state(trigger, state):
+    authority = Desk().authority
+    authority.state = state
+    getattr(authority, trigger)()
+    assert authority.state == TABLE[trigger][state]
+
+
+def test_the_table_is_complete():
+    assert TABLE.keys() == {row[0] for row in TRANSITIONS}
+    assert tuple(STATES) == (*OURS, *GIVEN_UP)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_mode_is_asked_for_only_while_nothing_is_doubted(state):
+    authority = Desk().authority
+    authority.state = state
+    assert authority.order("land") is (state in {"ground", "commanding"})
+    assert authority.aim == ("land" if state in {"ground", "commanding"} else "")
+    assert authority.ours is (state in OURS)
+
+
+def test_a_whole_flight_takes_nothing_over():
+    desk = Desk().fly()
+    desk.authority.order("land")
+    desk.hear("offboard", "land", "land")
+    desk.where = GROUND
+    desk.hear("hold").hear("hold", armed=False)
+    assert desk.authority.state == "ground"
+    assert desk.told == []
+
+
+@pytest.mark.parametrize("mode", ["position", "manual", "hold", "return", "altitude", "land"])
+def test_leaving_offboard_without_being_asked_is_a_takeover(mode):
+    desk = Desk().fly().hear(mode)
+    assert desk.authority.state == "pilot"
+    assert desk.told == ["let go", "pilot_takeover"]
+    (why,) = desk.notes
+    assert f"mode {mode}, which missionkit did not choose (it asked for offboard)" in why
+
+
+@pytest.mark.parametrize(
+    ("order", "mode", "where", "ours"),
+    [
+        ("take_off", "hold", Whereabouts(on_ground=False, height=4.1), True),
+        ("take_off", "hold", Whereabouts(on_ground=False, height=1.3), False),
+        ("take_off", "hold", Whereabouts(on_ground=True, height=4.1), False),
+        ("take_off", "hold", NOWHERE, False),
+        ("land", "hold", GROUND, True),
+        ("land", "hold", Whereabouts(on_ground=False, height=0.2), False),
+        ("land", "hold", NOWHERE, False),
+        ("return", "land", Whereabouts(on_ground=False, height=9.0, from_home=1.0), True),
+        ("return", "land", Whereabouts(on_ground=False, height=9.0, from_home=9.0), False),
+        ("return", "hold", GROUND, True),
+        ("return", "hold", NOWHERE, False),
+        ("land", "position", GROUND, False),
+    ],
+)
+def test_an_order_ends_by_itself_only_where_it_can(order, mode, where, ours):
+    assert ends(order, 5.0, mode, where) is ours
+    desk = Desk().fly()
+    desk.authority.order(order, 5.0 if order == "take_off" else None)
+    desk.where = AIR
+    desk.hear(order)
+    desk.where = where
+    assert desk.hear(mode).authority.ours is ours
+
+
+@pytest.mark.parametrize("height", [0.5, 2.0, 10.0])
+def test_a_low_take_off_may_end_a_little_early_too(height):
+    near = Whereabouts(on_ground=False, height=height - min(1.0, 0.4 * height))
+    assert ends("take_off", height, "hold", near)
+    assert not ends("take_off", height, "hold", near._replace(height=near.height - 0.01))
+
+
+def test_a_take_off_broken_off_between_two_heartbeats_is_seen_by_the_height():
+    desk = Desk()
+    desk.authority.order("hold")
+    desk.hear("hold")
+    desk.authority.order("take_off", 5.0)
+    desk.where = Whereabouts(on_ground=True, height=0.0)
+    assert desk.hear("hold").authority.ours
+    desk.where = Whereabouts(on_ground=False, height=1.3)
+    assert desk.hear("hold").authority.state == "pilot"
+
+
+def test_an_order_that_is_refused_or_lost_takes_nothing_over():
+    desk = Desk().fly()
+    desk.authority.order("hold")
+    desk.hear("hold")
+    desk.authority.order("offboard")
+    assert desk.hear("hold", "hold").authority.ours
+
+
+def test_the_climb_may_end_while_offboard_is_being_asked_for():
+    desk = Desk()
+    desk.authority.order("take_off", 5.0)
+    desk.where = Whereabouts(on_ground=False, height=5.0)
+    desk.hear("take_off")
+    desk.authority.order("offboard")
+    assert desk.hear("hold", "offboard").authority.ours
+    assert not desk.hear("hold").authority.ours
+
+
+def test_the_pilot_keeps_it_until_asked_even_back_in_offboard_or_on_the_ground():
+    desk = Desk().fly().hear("position", "offboard")
+    assert not desk.authority.ours
+    assert not desk.hear("hold", armed=False).authority.ours
+    assert desk.authority.resume()
+    assert desk.authority.ours
+    assert not desk.authority.resume()
+    desk = Desk().fly().hear("position")
+    desk.authority.resume()
+    assert desk.hear("position").authority.ours
+
+
+def test_on_the_ground_any_mode_is_fine():
+    desk = Desk()
+    assert desk.hear("manual", "position", "mission", armed=False).authority.state == "ground"
+
+
+@pytest.mark.parametrize(("mode", "ours"), [("hold", True), ("offboard", True), ("manual", False)])
+def test_a_vehicle_found_flying_is_a_pilots_unless_it_holds(mode, ours):
+    assert Desk().hear(mode).authority.ours is ours
+
+
+@pytest.mark.parametrize("flying", [True, False])
+def test_a_reboot_in_flight_resumes_nothing(flying):
+    desk = Desk().fly()
+    desk.authority.rebooted(flying=flying)
+    assert desk.authority.state == ("rebooted" if flying else "ground")
+    assert desk.told[-1] == "autopilot_rebooted"
+    assert desk.hear("hold").authority.ours is not flying
+
+
+def test_a_pilot_beats_the_autopilots_failsafe_and_its_own_next_mode_does_not():
+    desk = Desk().fly().hear("hold", status=CRITICAL)
+    assert desk.authority.state == "failsafe"
+    assert desk.hear("return", "land").authority.state == "failsafe"
+    assert desk.hear("position").authority.state == "pilot"
+    assert desk.told == ["let go", "failsafe_takeover", "let go", "pilot_takeover"]
+
+
+def test_another_kind_of_vehicle_is_not_commanded():
+    desk = Desk().fly()
+    desk.authority.replaced("fixed wing")
+    assert desk.authority.state == "stranger"
+    assert desk.told == ["let go", "vehicle_changed"]
+    assert "it is a fixed wing" in desk.notes[0]
+
+
+@pytest.mark.parametrize("unheard", [True, False])
+def test_whether_it_had_heard_us_counts_from_the_first_doubt_on(unheard):
+    desk = Desk().fly()
+    desk.unheard = unheard
+    desk.authority.doubt()
+    desk.unheard = False
+    assert desk.authority.state == "doubting"
+    assert desk.hear("position").authority.state == ("failsafe" if unheard else "pilot")
+
+
+@pytest.mark.parametrize(
+    ("mode", "armed", "where", "expected"),
+    [
+        ("offboard", True, AIR, True),
+        ("hold", True, AIR, False),
+        ("offboard", False, AIR, False),
+        ("offboard", False, NOWHERE, False),
+        ("offboard", False, GROUND, True),
+    ],
+)
+def test_what_comes_as_no_surprise(mode, armed, where, expected):
+    desk = Desk().fly()
+    desk.where = where
+    assert desk.authority.expects(Said(PX4_MODES[mode], armed)) is expected
+
+
+def test_arming_surprises_unless_a_mode_was_asked_for():
+    desk = Desk().hear("hold", armed=False)
+    assert not desk.authority.expects(Said(PX4_MODES["hold"], armed=True))
+    desk.authority.order("hold")
+    assert desk.authority.expects(Said(PX4_MODES["hold"], armed=True))
+
+
+def test_in_ardupilots_guided_a_take_off_ends_without_a_change_of_mode():
+    desk = Desk(ARDUPILOT)
+    desk.authority.order("guided")
+    desk.hear("guided")
+    desk.authority.order("guided", 5.0)
+    desk.where = Whereabouts(on_ground=False, height=1.0)
+    assert desk.hear("guided").authority.ours
+    assert not desk.hear("loiter").authority.ours

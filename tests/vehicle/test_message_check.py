@@ -1,0 +1,169 @@
+"""One odd packet is not believed; several that agree are."""
+
+import numpy as np
+import pytest
+
+from missionkit.vehicle.boot_epoch import SEVERAL, BootEpoch, Stamp
+from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.heartbeat_check import HeartbeatCheck
+from missionkit.vehicle.message_check import MessageCheck
+
+QUADROTOR, FIXED_WING, PX4, ARDUPILOT = 2, 1, 12, 3
+OFFBOARD, HOLD, LAND = 6 << 16, 3 << 24 | 4 << 16, 6 << 24 | 4 << 16
+
+
+def beat(mode=OFFBOARD, armed=True, kind=QUADROTOR, autopilot=PX4):
+    return {
+        "custom_mode": mode,
+        "base_mode": 0x80 if armed else 1,
+        "system_status": 4,
+        "type": kind,
+        "autopilot": autopilot,
+    }
+
+
+class Autopilot:
+    """A check, what passes it, and what it says."""
+
+    def __init__(self, expected=lambda _: False, pace=1.0):
+        self.now, self.expected = 1000.0, expected
+        self.cache = Cache(lambda: self.now)
+        self.told, self.notes, self.judged = [], [], []
+        self.check = MessageCheck(self.cache, self.told.append, self.notes.append, pace)
+        self.check.report_to(
+            self, lambda: self.judged.append("rebooted"), lambda: self.judged.append("asked")
+        )
+
+    def expects(self, now):
+        return self.expected(now)
+
+    def doubt(self):
+        self.judged.append("doubt")
+
+    def replaced(self, by):
+        self.judged.append(by)
+
+    def hear(self, *beats):
+        for each in beats:
+            self.now += 1.0
+            self.check("HEARTBEAT", each)
+        return self
+
+    def stamp(self, boot, wait=0.02, name="LOCAL_POSITION_NED"):
+        self.now += wait
+        self.check(name, {"time_boot_ms": round(1e3 * boot)})
+
+    def fly(self, seconds, boot=50.0):
+        for n in range(round(50 * seconds)):
+            self.stamp(boot + 0.02 * n)
+        return boot + seconds
+
+    @property
+    def mode(self):
+        return self.cache.latest("HEARTBEAT")["custom_mode"]
+
+
+def test_a_surprising_mode_is_believed_when_the_next_heartbeat_confirms_it():
+    autopilot = Autopilot().hear(beat(), beat(HOLD))
+    assert autopilot.mode == OFFBOARD
+    assert autopilot.judged == ["doubt", "asked"]
+    assert autopilot.cache.latest("HEARTBEAT").arrived == autopilot.now
+    assert autopilot.hear(beat(HOLD)).mode == HOLD
+    assert autopilot.notes == []
+
+
+@pytest.mark.parametrize("odd", [beat(HOLD), beat(armed=False), beat(LAND, armed=False)])
+def test_one_that_the_next_does_not_confirm_is_ignored_and_told(odd):
+    autopilot = Autopilot().hear(beat(), odd, beat())
+    assert autopilot.mode == OFFBOARD
+    (why,) = autopilot.notes
+    assert "was ignored: the next one did not confirm it" in why
+    assert autopilot.hear(odd, beat(HOLD | 1), beat(HOLD | 1)).mode == HOLD | 1
+
+
+def test_an_expected_mode_is_believed_at_once():
+    autopilot = Autopilot(lambda now: now.mode == LAND).hear(beat(), beat(LAND))
+    assert (autopilot.mode, autopilot.judged) == (LAND, [])
+
+
+@pytest.mark.parametrize("stranger", [beat(kind=FIXED_WING), beat(HOLD, autopilot=ARDUPILOT)])
+def test_another_kind_of_vehicle_is_ignored_unless_it_is_all_that_is_heard(stranger):
+    autopilot = Autopilot().hear(beat(), stranger, stranger, beat())
+    assert (autopilot.mode, autopilot.judged) == (OFFBOARD, [])
+    assert len(autopilot.notes) == 1
+    autopilot.hear(stranger, stranger, stranger)
+    assert autopilot.mode == OFFBOARD
+    assert len(autopilot.judged) == 1
+
+
+def test_two_kinds_in_turn_are_two_vehicles_with_one_id():
+    autopilot = Autopilot().hear(*[beat(), beat(kind=FIXED_WING)] * 4)
+    assert autopilot.told == ["two_vehicles"]
+    assert any("give each an id of its own" in it for it in autopilot.notes)
+    assert HeartbeatCheck().contested is False
+
+
+@pytest.mark.parametrize("odd", [4000.0, 0.5, -1.5])
+def test_a_stamp_off_the_clock_is_ignored_and_told(odd):
+    autopilot = Autopilot()
+    boot = autopilot.fly(1.0)
+    for _ in range(3):
+        autopilot.stamp(boot + odd)
+        assert autopilot.cache.latest("LOCAL_POSITION_NED")["time_boot_ms"] < 1e3 * boot
+        boot = autopilot.fly(0.2, boot)
+    assert autopilot.judged == []
+    assert "stamp off the autopilot's clock was ignored" in autopilot.notes[0]
+
+
+def test_a_clock_that_begins_again_is_a_reboot_once_several_messages_agree():
+    autopilot = Autopilot()
+    autopilot.fly(1.0)
+    for n in range(SEVERAL):
+        assert autopilot.judged == []
+        autopilot.stamp(0.3 + 0.02 * n)
+    assert autopilot.judged == ["rebooted"]
+    autopilot.fly(1.0, 0.5)
+    assert autopilot.judged == ["rebooted"]
+
+
+def test_a_clock_that_jumps_ahead_is_followed_and_is_no_reboot():
+    epoch = BootEpoch()
+    worth = [epoch.judge(0.02 * n, 100.0 + 0.02 * n) for n in range(50)]
+    worth += [epoch.judge(60.0 + 0.02 * n, 101.0 + 0.02 * n) for n in range(50)]
+    assert worth.count(Stamp.ODD) == SEVERAL - 1
+    assert worth.count(Stamp.CHANGED) == 1
+    assert worth.count(Stamp.REBOOTED) == 0
+
+
+@pytest.mark.parametrize("apart", [3.0, 40.0])
+def test_two_clocks_at_once_are_two_vehicles_with_one_id(apart):
+    autopilot = Autopilot()
+    for n in range(100):
+        autopilot.stamp(50.0 + 0.02 * n, 0.01)
+        autopilot.stamp(50.0 + apart + 0.02 * n, 0.01)
+    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.judged == []
+
+
+@pytest.mark.parametrize("rate", [0.985, 1.0, 1.01])
+def test_jitter_stalls_and_drift_of_a_link_are_no_odd_stamps(rate):
+    rng, epoch = np.random.default_rng(3), BootEpoch(pace=4.0)
+    boots = np.arange(0.0, 200.0, 0.05)
+    late = rng.exponential(0.02, boots.size) + np.where(boots % 20.0 < 3.0, 3.0 - boots % 20.0, 0)
+    worth = {epoch.judge(rate * b, 77.0 + (b + d) / 4.0) for b, d in zip(boots, late, strict=True)}
+    assert worth == {Stamp.SOUND}
+
+
+def test_a_late_message_is_no_reboot():
+    epoch, arrivals = BootEpoch(), (10.0, 10.9, 10.95, 11.0)
+    for boot, arrived in zip((5.0, 5.9, 5.1, 6.0), arrivals, strict=True):
+        assert epoch.judge(boot, arrived) is Stamp.SOUND
+
+
+def test_messages_without_a_stamp_or_of_other_clocks_pass():
+    autopilot = Autopilot()
+    autopilot.fly(1.0)
+    autopilot.check("LOCAL_POSITION_NED", {"time_boot_ms": 0})
+    autopilot.check("GPS_RAW_INT", {"time_usec": 7_000_000_000})
+    assert autopilot.cache.latest("GPS_RAW_INT") is not None
+    assert autopilot.cache.latest("LOCAL_POSITION_NED")["time_boot_ms"] == 0

@@ -1,0 +1,140 @@
+"""Whose order it is: a pilot's HOLD is no end of ours, and one odd packet takes nothing over."""
+
+import pytest
+from vehicle.flying import LAND, NORTH, over_the_wire
+from vehicle.message_filter import MessageFilter
+
+from missionkit.messages import Action, Command
+
+HIGH = Command(action=Action.TAKE_OFF, height=8.0)
+BACK = Command(action=Action.RETURN)
+HOLD = "pilot_mode=LOITER"
+LEFT_ALONE = 3.0  # s
+
+
+async def left_to_the_pilot(flight, autopilot, wish):
+    """Wait until the takeover is noticed; see that nothing more is asked for."""
+    await flight.until(lambda: "pilot_takeover" in flight.events, wish)
+    assert not flight.vehicle.in_control
+    await flight.run(0.5)  # what was on its way
+    since = autopilot.now
+    for command in (wish, LAND, NORTH):
+        await flight.run(LEFT_ALONE, command)
+    commands = {it["which"][:3] for it in autopilot.notes("command", since)}
+    assert commands <= {"511", "512"}  # streams and messages
+    assert autopilot.notes("mode", since) + autopilot.notes("setpoint", since) == []
+    assert autopilot.truth["mode"] == "LOITER"
+    (why,) = [it for it in flight.vehicle.take_remarks() if "control given up" in it]
+    assert "a pilot commands" in why
+
+
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_a_pilots_hold_while_it_lands_is_no_end_of_the_landing(dialect, tmp_path):
+    async def land(flight, autopilot):
+        await flight.take_off()
+        await flight.until(lambda: autopilot.truth["mode"] == "LAND", LAND)
+        autopilot.ask(fault=HOLD)
+        await left_to_the_pilot(flight, autopilot, LAND)
+        assert not autopilot.truth["on_ground"]
+
+    over_the_wire(tmp_path, land, dialect)
+
+
+@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
+def test_a_pilots_hold_while_it_takes_off_is_no_end_of_the_climb(dialect, tmp_path):
+    async def climb(flight, autopilot):
+        await flight.arm()
+        await flight.until(lambda: autopilot.truth["position"][2] < -1.0, HIGH)
+        autopilot.ask(fault=HOLD)
+        await left_to_the_pilot(flight, autopilot, HIGH)
+        assert -autopilot.truth["position"][2] < 4.0
+
+    over_the_wire(tmp_path, climb, dialect)
+
+
+def test_a_pilots_hold_while_it_returns_is_no_end_of_the_return(tmp_path):
+    async def turn_back(flight, autopilot):
+        await flight.cruise(autopilot)
+        await flight.until(lambda: autopilot.truth["position"][0] > 8.0, NORTH)
+        await flight.until(lambda: autopilot.truth["mode"] == "RTL", BACK)
+        autopilot.ask(fault=HOLD)
+        await left_to_the_pilot(flight, autopilot, BACK)
+
+    over_the_wire(tmp_path, turn_back)
+
+
+def spoofed(message, changes):
+    """Return a message of the autopilot with other contents."""
+    fields = {name: getattr(message, name) for name in message.fieldnames}
+    return type(message)(**(fields | changes))
+
+
+ODD = [
+    {"custom_mode": 3 << 16},
+    {"base_mode": 29},  # disarmed
+    {"type": 1},
+]
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_one_odd_heartbeat_takes_nothing_over_and_is_told(odd, tmp_path):
+    async def fly(flight, autopilot):
+        link = MessageFilter(autopilot)
+        await flight.cruise(autopilot)
+        await flight.until(lambda: "HEARTBEAT" in link.passed, NORTH)
+        since = autopilot.now
+        link.inject(spoofed(link.passed["HEARTBEAT"], odd))
+        await flight.run(3.0, NORTH)
+        assert flight.vehicle.in_control
+        assert autopilot.notes("mode", since) == []
+        assert autopilot.truth["velocity"][0] > 1.5
+        assert any("ignored" in it for it in flight.vehicle.take_remarks())
+        assert all(seen.status is None or seen.status.in_air for seen in flight.seen[-50:])
+
+    over_the_wire(tmp_path, fly)
+
+
+@pytest.mark.parametrize("ahead", [3.6e6, -20000])
+def test_a_stamp_from_the_future_or_the_past_ends_nothing(ahead, tmp_path):
+    async def fly(flight, autopilot):
+        link = MessageFilter(autopilot)
+        await flight.cruise(autopilot)
+        now = link.passed["LOCAL_POSITION_NED"]
+        link.inject(spoofed(now, {"time_boot_ms": max(1, int(now.time_boot_ms + ahead))}))
+        await flight.run(3.0, NORTH)
+        assert flight.vehicle.in_control
+        assert "autopilot_rebooted" not in flight.events
+        assert len([s for seen in flight.seen[-40:] for s in seen.imu]) > 100
+        assert any("stamp" in it for it in flight.vehicle.take_remarks())
+
+    over_the_wire(tmp_path, fly)
+
+
+def test_two_vehicles_with_one_id_are_told(tmp_path):
+    async def look(flight, autopilot):
+        link = MessageFilter(autopilot)
+        await flight.ready()
+
+        def twice(message):
+            link.inject(spoofed(message, {"time_boot_ms": message.time_boot_ms + 30_000, "x": 5.0}))
+            return [message]
+
+        link.on("LOCAL_POSITION_NED", twice)
+        await flight.until(lambda: "two_vehicles" in flight.events)
+        assert any("one system id" in it for it in flight.vehicle.take_remarks())
+
+    over_the_wire(tmp_path, look)
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_a_pilot_wins_within_two_heartbeats_even_if_the_second_is_not_sent_early(answers, tmp_path):
+    async def fly(flight, autopilot):
+        await flight.cruise(autopilot)
+        if not answers:
+            autopilot.ask(fault="command_denied=512")
+        begun = flight.now
+        autopilot.ask(fault="pilot_mode=POSCTL")
+        await flight.until(lambda: not flight.vehicle.in_control, NORTH)
+        assert flight.now - begun < 2.6
+
+    over_the_wire(tmp_path, fly)
