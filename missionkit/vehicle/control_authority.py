@@ -93,16 +93,8 @@ class ControlAuthority:
     """
 
     state: str
-    ask: Any
-    hear_ours: Any
-    hear_disarmed: Any
-    hear_doubtful: Any
-    hear_pilot: Any
-    hear_failsafe: Any
-    hear_stranger: Any
-    reboot_in_flight: Any
-    reboot_on_ground: Any
-    give_back: Any
+    trigger: Any  # of transitions, by name
+    may_trigger: Any
 
     def __init__(
         self,
@@ -130,7 +122,6 @@ class ControlAuthority:
             states=[*OURS, *GIVEN_UP],
             transitions=TRANSITIONS,
             initial="ground",
-            ignore_invalid_triggers=True,
             auto_transitions=False,
         )
 
@@ -144,10 +135,14 @@ class ControlAuthority:
         """The mode we asked for last."""
         return self._aim
 
+    def fire(self, trigger: str) -> bool:
+        """Take a transition of TRANSITIONS; say whether there is one from here."""
+        return bool(self.may_trigger(trigger) and self.trigger(trigger))
+
     def order(self, mode: str, height: float | None = None) -> bool:
         """Note that we ask for a mode, a take-off to a height (m); say whether we may."""
         with self._lock:
-            if not self.ask():
+            if not self.fire("ask"):
                 return False
             self._aim = mode
             self._height = self._height if height is None else height
@@ -167,7 +162,7 @@ class ControlAuthority:
         unheard = self._unheard()
         with self._lock:
             self._was_unheard = unheard or (self.state == "doubting" and self._was_unheard)
-            self.hear_doubtful()
+            self.fire("hear_doubtful")
 
     def hear(self, message: Message) -> None:
         """Take a heartbeat in that is believed."""
@@ -190,9 +185,9 @@ class ControlAuthority:
         """Note that the autopilot has restarted; if it was flying, nothing is resumed."""
         with self._lock:
             if flying:
-                self.reboot_in_flight()
+                self.fire("reboot_in_flight")
             else:
-                self.reboot_on_ground()
+                self.fire("reboot_on_ground")
                 self._aim, self._armed = "", False
         if flying:
             self._give_way(REBOOTED, "the autopilot has restarted in flight")
@@ -202,14 +197,14 @@ class ControlAuthority:
     def replaced(self, by: str) -> None:
         """Note that another kind of vehicle answers now."""
         with self._lock:
-            taken = self.hear_stranger()
+            taken = self.fire("hear_stranger")
         if taken:
             self._give_way(VEHICLE_CHANGED, f"the vehicle now says that it is a {by}")
 
     def overruled(self) -> None:
         """Note that the guardian has stopped the vehicle: nothing is resumed by itself."""
         with self._lock:
-            taken = self.ours and self.hear_failsafe()
+            taken = self.ours and self.fire("hear_failsafe")
         if taken:
             self._give_way(FAILSAFE_TAKEOVER, "missionkit fell silent, and its guardian holds")
 
@@ -217,23 +212,23 @@ class ControlAuthority:
         """Command again, from whatever mode it is in; say whether control had been given up."""
         with self._lock:
             self._aim = self._mode if self._armed else ""
-            return bool(self.give_back())
+            return self.fire("give_back")
 
     def _heard(self, now: Said, mode: str, status: int, *, unheard: bool) -> tuple[str, str]:
         """Make the transition of a heartbeat; return the event of a takeover, and why."""
         if not now.armed:
-            self.hear_disarmed()
+            self.fire("hear_disarmed")
             return "", ""
         if self._of_our_making(mode):
-            self.hear_ours()
+            self.fire("hear_ours")
             return "", ""
         alarmed = status == CRITICAL and mode in REFUGES
         if self.ours and (alarmed or unheard or self._was_unheard):
-            self.hear_failsafe()
+            self.fire("hear_failsafe")
             cause = "its state is critical" if alarmed else "it had not heard missionkit"
             return FAILSAFE_TAKEOVER, f"the autopilot's own failsafe, {cause}"
         if self.ours or (mode != self._mode and mode not in REFUGES):
-            taken = self.hear_pilot()
+            taken = self.fire("hear_pilot")
             return (PILOT_TAKEOVER, "a pilot commands") if taken else ("", "")
         return "", ""
 

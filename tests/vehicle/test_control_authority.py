@@ -81,7 +81,8 @@ class Desk:
 def test_every_trigger_in_every_state(trigger, state):
     authority = Desk().authority
     authority.state = state
-    getattr(authority, trigger)()
+    moved = authority.fire(trigger)
+    assert moved or TABLE[trigger][state] == state
     assert authority.state == TABLE[trigger][state]
 
 
@@ -269,3 +270,13 @@ def test_in_ardupilots_guided_a_take_off_ends_without_a_change_of_mode():
     desk.where = Whereabouts(on_ground=False, height=1.0)
     assert desk.hear("guided").authority.ours
     assert not desk.hear("loiter").authority.ours
+
+
+def test_a_guardian_that_holds_ends_commanding_until_a_person_resumes():
+    desk = Desk().fly()
+    desk.authority.overruled()
+    desk.authority.overruled()
+    assert desk.authority.state == "failsafe"
+    assert desk.told == ["let go", "failsafe_takeover"]
+    assert "its guardian holds" in desk.notes[0]
+    assert desk.authority.resume()
