@@ -13,12 +13,14 @@ from missionkit.engine.flight import Plan
 from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.waking import Resumption
 from missionkit.errors import UsageError, nearest
+from missionkit.estimation.flow_kalman import FlowKalman
 from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.inspection import become_fit
+from missionkit.vehicle.reliance import FIX, FLOW, SCAN
 from missionkit.vehicle.sharing import NOTHING, Share
 
 NOTED = "what is noted of a tick"
@@ -57,7 +59,22 @@ def vehicle_of(
         UsageError: the address is none, or the source does not exist.
     """
     camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
-    return MavsdkVehicle(parse(address), camera, speed, share=share, system=system, guard=guard)
+    return MavsdkVehicle(
+        parse(address),
+        camera,
+        speed,
+        share=share,
+        system=system,
+        guard=guard,
+        relies_on=relied_on(mission),
+    )
+
+
+def relied_on(mission: Mission) -> frozenset[str]:
+    """Return what a mission relies on: a fix or optical flow, and scans of obstacles."""
+    navigation = mission.navigation.plugin
+    by_flow = isinstance(navigation, FlowKalman) or getattr(navigation, "flow", False)
+    return frozenset({FLOW if by_flow else FIX} | ({SCAN} if mission.avoid is not None else set()))
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:

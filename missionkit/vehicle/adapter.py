@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from missionkit.errors import VehicleError
@@ -30,6 +31,7 @@ from missionkit.vehicle.message_check import MessageCheck
 from missionkit.vehicle.observation import Observer
 from missionkit.vehicle.parts import Parts
 from missionkit.vehicle.pose import Pose, reported_pose
+from missionkit.vehicle.reliance import Reliance
 from missionkit.vehicle.scaled import Scaled
 from missionkit.vehicle.setpoints import Streamer
 from missionkit.vehicle.sharing import NOTHING, Share, Sharing
@@ -59,6 +61,7 @@ class MavsdkVehicle:
         share: what of the estimate the autopilot is told; nothing by default.
         system: MAVLink system id of the vehicle, where several share the link.
         guard: how long the guardian bears silence; None: no guardian, for who only looks.
+        relies_on: inputs whose absence is a problem (`reliance`).
     """
 
     def __init__(
@@ -71,6 +74,7 @@ class MavsdkVehicle:
         share: Share = NOTHING,
         system: int | None = None,
         guard: Patience | None = USUAL,
+        relies_on: Iterable[str] = (),
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -91,6 +95,7 @@ class MavsdkVehicle:
         self._noting = threading.Lock()
         self._now = 0.0
         self._correction = Correction()
+        self._reliance = Reliance(relies_on)
         self._workers = ThreadPoolExecutor(2, thread_name_prefix="vehicle")
         self._parts: Parts | None = None
 
@@ -175,7 +180,8 @@ class MavsdkVehicle:
         frame = self._camera.latest(min(until, parts.observer.moved_until))
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
-        return seen
+        missing = self._reliance.problems(seen)
+        return replace(seen, problems=seen.problems + missing) if missing else seen
 
     async def send(self, command: Command) -> None:
         """Carry out `command`. Nothing is sent while somebody else commands."""

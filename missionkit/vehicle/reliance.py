@@ -1,0 +1,42 @@
+"""Notices that what a mission relies on does not arrive, or no longer does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from missionkit.messages import Observation
+
+FIX, SCAN, FLOW = "fix", "scan", "flow"
+LATE = 3.0  # s
+SAYS: Mapping[str, str] = {
+    FIX: "no satellite fix that could be used: the mission navigates by it",
+    SCAN: "no OBSTACLE_DISTANCE that could be used: the mission's avoidance sees nothing",
+    FLOW: "no optical flow that could be used: the mission navigates by it",
+}
+
+
+class Reliance:
+    """Watches what arrives.
+
+    Args:
+        inputs: what the mission relies on, of SAYS.
+    """
+
+    def __init__(self, inputs: Iterable[str]) -> None:
+        self._inputs = tuple(inputs)
+        self._since: dict[str, float] = {}  # s, when it came last, or the watch began
+        self._missed: set[str] = set()
+
+    def problems(self, seen: Observation) -> tuple[str, ...]:
+        """Return what has been missing for LATE s, each time it goes missing."""
+        came = {FIX: seen.gnss, SCAN: seen.scan, FLOW: seen.flow}
+        new = []
+        for name in self._inputs:
+            if came[name] is not None:
+                self._since[name] = seen.now
+                self._missed.discard(name)
+            since = self._since.setdefault(name, seen.now)
+            if seen.now - since > LATE and name not in self._missed:
+                self._missed.add(name)
+                new.append(f"for {LATE:g} s {SAYS[name]}")
+        return tuple(new)
