@@ -140,6 +140,11 @@ class MavsdkVehicle:
         return self._joined.authority.ours
 
     @property
+    def contested(self) -> bool:
+        """Whether two vehicles answer with one system id."""
+        return self._check.contested
+
+    @property
     def camera_problem(self) -> str:
         """What is wrong with the camera now, "" if nothing is."""
         return self._camera.problem

@@ -66,6 +66,8 @@ class BootEpoch:
             return Stamp.SOUND
         if self._clock.fits(boot, arrived, self._ahead):
             self._clock, self._rival = self._clock.heard_again(boot, arrived), None
+            if self._odd and arrived - self._odd[-1] > SPAN * max(1.0, self._pace):
+                self._odd.clear()  # the other one has gone
             return Stamp.SOUND
         rival = self._rival
         if rival is None or not rival.fits(boot, arrived, self._ahead):

@@ -16,6 +16,7 @@ from missionkit.vehicle.cache import Fields
 ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
 STRANGERS = 3  # heartbeats in a row of another kind of vehicle
 ALTERNATING = 3  # changes of kind and back: two vehicles
+STEADY = 10  # heartbeats in a row of one kind: the other one has gone
 
 
 class Said(NamedTuple):
@@ -51,6 +52,7 @@ class HeartbeatCheck:
         self._doubted: Said | None = None
         self._strangers = 0
         self._alternated = 0
+        self._steady = 0  # heartbeats in a row of the vehicle's own kind
 
     @property
     def contested(self) -> bool:
@@ -65,8 +67,11 @@ class HeartbeatCheck:
         if _kind(fields) != _kind(before):
             self._strangers += 1
             return Believed(None, stranger=self._strangers == STRANGERS, odd=self._strangers == 1)
-        if self._strangers > 0:
+        self._steady = 0 if self._strangers else self._steady + 1
+        if self._strangers:
             self._alternated += 1
+        elif self._steady >= STEADY:
+            self._alternated = 0
         self._strangers = 0
         now, doubted = said(fields), self._doubted
         if now == said(before) or expected(now):

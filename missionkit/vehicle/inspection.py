@@ -124,6 +124,7 @@ def _found(
         clock_rate=_rate(first, vehicle.cache.latest("LOCAL_POSITION_NED")),
         pace=pace,
         declination=_declination(vehicle),
+        contested=vehicle.contested,
         second_fix=_fields(vehicle, "GPS2_RAW"),
         packs=batteries.all_of((fields, 0.0) for fields in _drained(vehicle, "BATTERY_STATUS")),
         rings=_drained(vehicle, "OBSTACLE_DISTANCE"),

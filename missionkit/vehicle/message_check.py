@@ -86,8 +86,8 @@ class MessageCheck:
             self._cache.put(name, fields)
         if name == "COMMAND_ACK" and int(fields["command"]) in MODE_COMMANDS:
             self._ask_now()  # what it did shows at once, and a pilot's next change as one
-        if self.contested and not self._contested:
-            self._contested = True
+        before, self._contested = self._contested, self.contested
+        if self._contested and not before:
             self._tell(TWO_VEHICLES)
             self._note("two vehicles answer with one system id: give each an id of its own")
 

@@ -37,6 +37,7 @@ class Findings(NamedTuple):
     clock_rate: float | None  # seconds of the vehicle in one of the wall
     pace: float = 1.0
     declination: float | None = None  # deg, of the field from the autopilot's north, eastwards
+    contested: bool = False  # two vehicles answer with one system id
     second_fix: Fields | None = None  # GPS2_RAW
     packs: Packs = NONE
     rings: Sequence[Fields] = ()  # OBSTACLE_DISTANCE, the last ones
@@ -92,6 +93,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> Report:
     """Return the report on what was found."""
     by_flow = found.flow is not None
     checks = (
+        *_system(found),
         _state(found),
         _health(found),
         _home(found),
@@ -105,6 +107,13 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> Report:
         *_clock(found),
     )
     return Report(vehicle, checks)
+
+
+def _system(found: Findings) -> list[Check]:
+    if not found.contested:
+        return []
+    says = "two vehicles answer with one system id: give each an id of its own"
+    return [Check("system", Level.BAD, says)]
 
 
 def _state(found: Findings) -> Check:

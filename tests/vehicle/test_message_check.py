@@ -5,7 +5,6 @@ import pytest
 
 from missionkit.vehicle.boot_epoch import SEVERAL, BootEpoch, Stamp
 from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.heartbeat_check import HeartbeatCheck
 from missionkit.vehicle.message_check import MessageCheck
 
 QUADROTOR, FIXED_WING, PX4, ARDUPILOT = 2, 1, 12, 3
@@ -100,7 +99,8 @@ def test_two_kinds_in_turn_are_two_vehicles_with_one_id():
     autopilot = Autopilot().hear(*[beat(), beat(kind=FIXED_WING)] * 4)
     assert autopilot.told == ["two_vehicles"]
     assert any("give each an id of its own" in it for it in autopilot.notes)
-    assert HeartbeatCheck().contested is False
+    assert autopilot.check.contested
+    assert not autopilot.hear(*[beat()] * 11).check.contested
 
 
 @pytest.mark.parametrize("odd", [4000.0, 0.5, -1.5])
@@ -143,6 +143,8 @@ def test_two_clocks_at_once_are_two_vehicles_with_one_id(apart):
         autopilot.stamp(50.0 + apart + 0.02 * n, 0.01)
     assert autopilot.told == ["two_vehicles"]
     assert autopilot.judged == []
+    autopilot.fly(6.0, 52.0)
+    assert not autopilot.check.contested
 
 
 @pytest.mark.parametrize("rate", [0.985, 1.0, 1.01])

@@ -43,6 +43,7 @@ def test_a_vehicle_without_faults_is_ready():
 LOST = {**GOOD.fix, "fix_type": 1}
 PIXELS = {"flow_x": 12, "flow_rate_x": 0.0, "flow_rate_y": 0.0}
 FAULTS = [
+    ({"contested": True}, "system", Level.BAD, "two vehicles answer with one system id"),
     ({"armed": None}, "state", Level.BAD, "no heartbeat"),
     ({"in_air": True}, "state", Level.WARNING, "already in the air"),
     ({"sensors": {"GNSS": False}}, "health", Level.BAD, "unhealthy: GNSS"),
