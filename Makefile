@@ -32,6 +32,7 @@ bench: .venv/ready
 studies: .venv/ready
 	$(BIN)/python -m studies.precision_task
 	$(BIN)/python -m studies.resume
+	$(BIN)/python -m studies.record_kills
 	$(BIN)/python -m studies.fuzz
 	$(BIN)/python -m studies.hover
 	$(BIN)/python -m studies.known_map
