@@ -146,7 +146,10 @@ def _declination(vehicle: MavsdkVehicle) -> float | None:
 
 
 def _drained(vehicle: MavsdkVehicle, name: str) -> list[Fields]:
-    return [message.fields for message in vehicle.cache.drain(name)]
+    """Return what has come since it was asked last, at least the newest there is."""
+    new = [message.fields for message in vehicle.cache.drain(name)]
+    last = vehicle.cache.latest(name)
+    return new or ([] if last is None else [last.fields])
 
 
 def _fields(vehicle: MavsdkVehicle, name: str) -> Fields | None:

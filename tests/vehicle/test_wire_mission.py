@@ -10,7 +10,8 @@ from vehicle.on_a_mission import stay
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
 from missionkit.cli.app import app
-from missionkit.cli.fly import fly_vehicle, preflight, vehicle_of
+from missionkit.cli.fly import fly_vehicle, vehicle_of
+from missionkit.cli.preflight import Wanted, preflight
 from missionkit.engine.flight import prepare
 from missionkit.engine.loop import End
 from missionkit.errors import ExitCode, UsageError
@@ -60,10 +61,10 @@ def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, monkeypatch, tmp_
 def test_the_preflight_command_prints_and_says_by_its_exit_code(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     with sitl(speed=1.0) as autopilot:
-        assert preflight(autopilot.url) is ExitCode.SUCCESS
+        assert preflight(Wanted(autopilot.url)) is ExitCode.SUCCESS
         text = capsys.readouterr().out
         autopilot.ask(parameter="COM_OBL_RC_ACT", value=7)
-        assert preflight(autopilot.url, as_json=True) is ExitCode.ENDED_SAFELY
+        assert preflight(Wanted(autopilot.url, as_json=True)) is ExitCode.ENDED_SAFELY
     assert "PX4 at udpin://" in text
     assert "COM_OF_LOSS_T" in text
     assert '"level": "bad"' in capsys.readouterr().out
