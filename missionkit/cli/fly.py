@@ -52,20 +52,22 @@ def vehicle_of(
         folder: of the mission, which a file that it names is looked for in.
         share: what of the estimate the autopilot is told.
         system: its MAVLink system id, where several share the link.
-        guard: how long its guardian bears silence; None: no guardian.
+        guard: how long its guardian bears silence (s, of the wall: what makes this computer slow
+            lasts as long however fast a simulated vehicle's time goes); None: no guardian.
 
     Raises:
         FileError: the mission names a file for a camera, and there is none.
         UsageError: the address is none, or the source does not exist.
     """
     camera = camera_of(mission, folder, world, seed=seed, speed=speed, source=source)
+    patience = None if guard is None else Patience(speed * guard.brake, speed * guard.hold)
     return MavsdkVehicle(
         parse(address),
         camera,
         speed,
         share=share,
         system=system,
-        guard=guard,
+        guard=patience,
         relies_on=relied_on(mission),
     )
 

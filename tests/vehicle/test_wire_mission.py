@@ -15,6 +15,7 @@ from missionkit.cli.preflight import Wanted, preflight
 from missionkit.engine.flight import prepare
 from missionkit.engine.loop import End
 from missionkit.errors import ExitCode, UsageError
+from missionkit.vehicle.guardian.policy import Patience
 
 TRIP = """
 missionkit: 1
@@ -68,6 +69,13 @@ def test_the_preflight_command_prints_and_says_by_its_exit_code(capsys, monkeypa
     assert "PX4 at udpin://" in text
     assert "COM_OF_LOSS_T" in text
     assert '"level": "bad"' in capsys.readouterr().out
+
+
+def test_a_guardian_bears_the_same_time_of_the_wall_at_any_speed():
+    mission = parse(TRIP, "trip", builtin())
+    vehicle = vehicle_of("udpin://127.0.0.1:14540", mission, speed=6.0)
+    assert vehicle._guard == Patience(brake=3.0, hold=6.0)
+    assert vehicle_of("udpin://127.0.0.1:14540", mission)._guard == Patience(brake=0.5, hold=1.0)
 
 
 def test_a_drawn_camera_needs_a_world():

@@ -150,7 +150,7 @@ def test_a_mission_that_was_overruled_flies_on_when_a_person_gives_control_back(
         await flight.until(lambda: "failsafe_takeover" in flight.events, NORTH)
         assert not flight.vehicle.in_control
         since = autopilot.now
-        await flight.run(2.0, NORTH)
+        await flight.until(lambda: autopilot.now > since + 2.0, NORTH)
         times, speeds = autopilot.speeds(since)
         assert max(speeds[times > since + 1.0]) < 0.5
         flight.vehicle.resume_control()
