@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -98,8 +98,9 @@ class Folder(NamedTuple):
                 step()
             except Exception as error:  # noqa: BLE001 - the flight has ended as it has ended
                 reports.add(f"{self.path / what}", error, then="")
-        for sentence in reports.all:
-            print(printable(sentence), file=sys.stderr)  # noqa: T201
+        with suppress(OSError):  # the terminal has gone too
+            for sentence in reports.all:
+                print(printable(sentence), file=sys.stderr)  # noqa: T201
 
 
 def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
