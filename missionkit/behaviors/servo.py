@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 from typing_extensions import override
 
-from missionkit.geometry import norm
+from missionkit.geometry import norm, rotate, vec
 from missionkit.messages import Estimate, Goal, Guidance, Step, Target
 from missionkit.perception.goal import goal_of
 from missionkit.plugin import Behavior
@@ -21,7 +21,8 @@ class Servo(Behavior):
     T_goal = T_marker · T_offset  (P1, section 2.3)
 
     The vehicle looks at the marker on the way, so that it stays in view, and turns to the goal's
-    own heading within `align` of it. Without a sighting for `patience` it stops and waits.
+    own heading within `align` of it. Without a sighting for `patience` it stops and waits; nearer
+    to the marker's plane than the goal it backs off to that first.
     """
 
     kind: ClassVar[str] = "servo"
@@ -38,14 +39,27 @@ class Servo(Behavior):
         if target is None or goal is None:
             return Step(note=f"{self.target} was never seen")
         if target.seen_at is None or seen.now - target.seen_at > self.patience:
-            return Step(note=f"waiting for {self.target}", goal=goal)
+            if not _inside(seen, target, goal):
+                return Step(note=f"waiting for {self.target}", goal=goal)
+            note = f"backing off: {self.target} is out of sight"
+            return Step(self._towards(seen, target, goal), goal=goal, note=note)
+        return Step(self._towards(seen, target, goal), goal=goal)
+
+    def _towards(self, seen: Estimate, target: Target, goal: Goal) -> Guidance:
         yaw = heading(seen, target, goal, self.align)
-        aim = Guidance(goal.position, self.speed, yaw=yaw, avoid=False, work=target.position)
-        return Step(aim, goal=goal)
+        return Guidance(goal.position, self.speed, yaw=yaw, avoid=False, work=target.position)
 
     @override
     def targets(self) -> tuple[str, ...]:
         return (self.target,)
+
+
+def _inside(seen: Estimate, target: Target, goal: Goal) -> bool:
+    """Say whether the vehicle is nearer to the marker's plane than its goal is."""
+    if target.attitude is None:
+        return False
+    out = rotate(target.attitude, vec(0.0, 0.0, 1.0))
+    return bool((goal.position - seen.position) @ out > 0.0)
 
 
 def heading(seen: Estimate, target: Target, goal: Goal, align: float) -> float | None:

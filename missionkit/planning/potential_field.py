@@ -32,7 +32,7 @@ OWN = 1.2  # m, around a work: what stands there is what it hangs on
 ROOM = 0.2  # m, that a vehicle at its goal may still move towards what it works on
 LEAST_GAP = 0.1  # m, kept of what is worked on, whatever the goal asks for
 FIRM = 3.0  # times the excess over the admissible speed that the last check takes off
-RETREAT = 3.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
+RETREAT = 6.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
 BLIND = 0.5  # m/s, enough to hold a place against the wind
 
 

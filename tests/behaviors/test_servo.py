@@ -50,6 +50,19 @@ def test_it_stops_and_waits_when_the_marker_is_out_of_sight(age, flies):
 
 
 @pytest.mark.parametrize(
+    ("north", "note"),
+    [(18.0, "waiting for trunk"), (18.7, "backing off: trunk is out of sight")],
+    ids=["before the goal", "beyond it"],
+)
+def test_out_of_sight_it_backs_off_from_the_marker_to_its_goal(north, note):
+    lost = {"trunk": TRUNK._replace(seen_at=9.0)}
+    (step,) = play(SERVO, [at(10.0, north, 5.3, -3.0, targets=lost)])
+    assert step.note == note
+    if step.guidance is not None:
+        np.testing.assert_allclose(step.guidance.position, (18.5, 5.0, -3.0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
     "targets",
     [{}, {"trunk": Target("trunk", vec(20, 5, -3), 1.0, None, None, None)}],
     ids=["unknown", "how it is turned is unknown"],
