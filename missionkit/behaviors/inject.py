@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from missionkit.geometry import Vec3, norm, rotate, vec
 from missionkit.messages import Estimate, Guidance, Step, Target
-from missionkit.perception.goal import goal_of
+from missionkit.perception.goal import bound_of, goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 
@@ -40,7 +40,8 @@ class Inject(Behavior):
 
     The goal slides along the marker's normal at `speed`, so that the error against it stays as
     small as when hovering (P1, section 7.3 keeps the tolerance during the task). It stands still
-    while the vehicle is behind, and without a sighting for `patience`.
+    while the vehicle is behind, and without a sighting for `patience`. The plane through the goal,
+    parallel to the marker, is never crossed.
     """
 
     kind: ClassVar[str] = "inject"
@@ -79,6 +80,7 @@ class Inject(Behavior):
             goal=goal._replace(target=self.target),
             note=progress.phase,
             memory=progress,
+            bound=bound_of(target, out - here.depth),
         )
 
     @override

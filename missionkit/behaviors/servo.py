@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from missionkit.geometry import norm, rotate, vec
 from missionkit.messages import Estimate, Goal, Guidance, Step, Target
-from missionkit.perception.goal import goal_of
+from missionkit.perception.goal import bound_of, goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 
@@ -22,7 +22,9 @@ class Servo(Behavior):
 
     The vehicle looks at the marker on the way, so that it stays in view, and turns to the goal's
     own heading within `align` of it. Without a sighting for `patience` it stops and waits; nearer
-    to the marker's plane than the goal it backs off to that first.
+    to the marker's plane than the goal it backs off to that first. The plane through the goal,
+    parallel to the marker, is never crossed: it is approached as fast as the vehicle can brake
+    before it.
     """
 
     kind: ClassVar[str] = "servo"
@@ -38,12 +40,13 @@ class Servo(Behavior):
         goal = None if target is None else goal_of(target, self.standoff, seen.now)
         if target is None or goal is None:
             return Step(note=f"{self.target} was never seen")
+        bound = bound_of(target, self.standoff[0])
         if target.seen_at is None or seen.now - target.seen_at > self.patience:
             if not _inside(seen, target, goal):
-                return Step(note=f"waiting for {self.target}", goal=goal)
+                return Step(note=f"waiting for {self.target}", goal=goal, bound=bound)
             note = f"backing off: {self.target} is out of sight"
-            return Step(self._towards(seen, target, goal), goal=goal, note=note)
-        return Step(self._towards(seen, target, goal), goal=goal)
+            return Step(self._towards(seen, target, goal), goal=goal, note=note, bound=bound)
+        return Step(self._towards(seen, target, goal), goal=goal, bound=bound)
 
     def _towards(self, seen: Estimate, target: Target, goal: Goal) -> Guidance:
         yaw = heading(seen, target, goal, self.align)

@@ -9,8 +9,10 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 from typing_extensions import override
 
+from missionkit.control.half_space import inside
 from missionkit.geometry import Vec3, norm
-from missionkit.messages import Estimate, Goal, Guidance, Step
+from missionkit.messages import Estimate, Goal, Guidance, HalfSpace, Step, Target
+from missionkit.perception.goal import bound_of
 from missionkit.planning.spiral import Spiral as Curve
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, RadiansPerSecond
@@ -30,7 +32,8 @@ class Spiral(Behavior):
 
     The centre lies `back` further from the target than where the search began, since a camera
     sees more from afar. `form` is `steady` (constant ground speed, turns a camera `footprint`
-    apart) or `paper` (r = v_r t with `growth`, θ = ω t with `rate`). Both keep to `speed`.
+    apart) or `paper` (r = v_r t with `growth`, θ = ω t with `rate`). Both keep to `speed`. The
+    plane `standoff` off the target's marker is never crossed.
     """
 
     kind: ClassVar[str] = "spiral"
@@ -42,6 +45,7 @@ class Spiral(Behavior):
     back: Metres = Field(default=1.5, ge=0)
     growth: MetresPerSecond = Field(default=0.15, gt=0)
     rate: RadiansPerSecond = Field(default=0.6, gt=0)
+    standoff: Metres = Field(default=1.2, ge=0)
 
     @model_validator(mode="after")
     def _flyable(self) -> Self:
@@ -71,19 +75,32 @@ class Spiral(Behavior):
     def step(self, seen: Estimate, memory: Any) -> Step:
         centre: Centre = memory
         here = self._curve.at(seen.now - centre.at)
-        position = centre.position + here.position
+        position, velocity = centre.position + here.position, here.velocity
         target = seen.targets.get(self.target)
-        yaw = None
+        yaw, bound = None, None
         if target is not None:
             offset = target.position - seen.position
             yaw = math.atan2(offset[1], offset[0])
+            bound = bound_of(target, self.standoff) or _before(target, self.standoff, centre)
+            nearest = position if bound is None else inside(position, bound)
+            velocity = velocity if nearest is position else 0.0 * velocity
+            position = nearest
         return Step(
-            Guidance(position, 2.0 * self.speed, here.velocity, yaw),
+            Guidance(position, 2.0 * self.speed, velocity, yaw),
             goal=Goal(centre.position, None, centre.at),
             note=f"searching for {self.target}",
             memory=centre,
+            bound=bound,
         )
 
     @override
     def targets(self) -> tuple[str, ...]:
         return (self.target,)
+
+
+def _before(target: Target, out: float, centre: Centre) -> HalfSpace | None:
+    """Return the bound of a target whose marker may be turned anyhow: towards the search."""
+    away = centre.position - target.position
+    away[2] = 0.0
+    gap = norm(away)
+    return HalfSpace(target.position + out / gap * away, away / gap) if gap > out else None

@@ -8,17 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from missionkit.control import pid
+from missionkit.control import half_space, pid
 from missionkit.control.limits import ZERO, Limits, Triple, finite
 from missionkit.control.pid import Gains, PidMemory, Tracking
 from missionkit.control.smoothing import alpha_at, smoothed
 from missionkit.control.yaw import YawLaw, YawMemory
 from missionkit.geometry import Vec3
-from missionkit.messages import Estimate, Guidance, Mode, Setpoint
+from missionkit.messages import Estimate, Guidance, HalfSpace, Mode, Setpoint
 from missionkit.units import Fraction
 
 LONGEST_STEP = 0.2  # s; after a longer gap the acceleration limit must not allow a leap
 PUSHED = 0.3  # m/s of avoidance above which the integrator waits
+CUT = 0.05  # m/s, the same of what a bound takes off
 
 
 class ControlMemory(NamedTuple):
@@ -112,8 +113,12 @@ class Control(BaseModel):
         dt: float,
         *,
         push: Vec3 | None = None,
+        bound: HalfSpace | None = None,
     ) -> tuple[Setpoint, ControlMemory]:
-        """Turn what `aim` wanted into a setpoint: the second half of `step`."""
+        """Turn what `aim` wanted into a setpoint: the second half of `step`.
+
+        The `bound` has the last word, which no comfort limit slows.
+        """
         if wanted is None:
             return Setpoint(np.zeros(3), 0.0), self.begin()
         shove = _shove(guidance, push)
@@ -123,6 +128,9 @@ class Control(BaseModel):
         last = memory.velocity
         smooth = smoothed(last, self.limits.bounded(total), alpha_at(self.alpha, dt))
         velocity = self.limits.slewed(last, smooth, dt)
+        if bound is not None:
+            free, velocity = velocity, half_space.kept(velocity, seen, bound, self.limits)
+            pushed = pushed or math.dist(free, velocity) > CUT
         rate, look = self._turn(memory.yaw, guidance, seen)
         setpoint = finite(Setpoint(np.array(velocity), rate))
         if setpoint is None:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from missionkit.messages import Setpoint
-from missionkit.units import MetresPerSecond, MetresPerSecond2
+from missionkit.units import MetresPerSecond, MetresPerSecond2, Seconds
 
 Triple: TypeAlias = tuple[float, float, float]
 """North, east, down."""
@@ -24,7 +24,8 @@ class Limits(BaseModel):
     """What the vehicle is ever asked to do, whatever a behaviour wants.
 
     `braking` is the deceleration the approach to a goal is planned with; it stays well under
-    `acceleration` so that the lag of the velocity loop does not become overshoot.
+    `acceleration` so that the lag of the velocity loop does not become overshoot. `lag` is how late
+    the vehicle answers, where it must not overshoot at all.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -36,6 +37,7 @@ class Limits(BaseModel):
     vertical_acceleration: MetresPerSecond2 = Field(default=2.0, gt=0)
     braking: MetresPerSecond2 = Field(default=1.5, gt=0)
     vertical_braking: MetresPerSecond2 = Field(default=1.0, gt=0)
+    lag: Seconds = Field(default=0.6, ge=0)
 
     def bounded(self, velocity: Triple) -> Triple:
         """Return `velocity` (m/s, NED) within horizontal, climb and descent speed.

@@ -131,7 +131,9 @@ def _commanded(
     guidance = step.guidance if hands.held is None else guidance_to(hands.held)
     wanted, control = plan.control.aim(hands.control, mode, guidance, seen, plan.period)
     push, avoidance = _push(plan, hands, guidance, wanted, seen, contain)
-    setpoint, control = plan.control.fly(control, wanted, guidance, seen, plan.period, push=push)
+    setpoint, control = plan.control.fly(
+        control, wanted, guidance, seen, plan.period, push=push, bound=step.bound
+    )
     setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)
     command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
     return command, control, avoidance

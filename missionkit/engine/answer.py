@@ -7,7 +7,8 @@ from numbers import Real
 
 import numpy as np
 
-from missionkit.messages import Action, Goal, Guidance, Step, is_event
+from missionkit.geometry import norm
+from missionkit.messages import Action, Goal, Guidance, HalfSpace, Step, is_event
 
 
 def fault_of(answer: object) -> str:
@@ -24,6 +25,7 @@ def fault_of(answer: object) -> str:
         "note": isinstance(answer.note, str),
         "events": _events(answer.events),
         "stop": isinstance(answer.stop, bool),
+        "bound": _bounds(answer.bound),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""
@@ -54,6 +56,12 @@ def _leads(goal: object) -> bool:
     if not isinstance(goal, Goal):
         return goal is None
     return _vector(goal.position) and _number(goal.yaw)
+
+
+def _bounds(bound: object) -> bool:
+    if not isinstance(bound, HalfSpace):
+        return bound is None
+    return _vector(bound.point) and _vector(bound.normal) and abs(norm(bound.normal) - 1.0) < 1e-6
 
 
 def _events(events: object) -> bool:

@@ -74,6 +74,13 @@ class Guidance(NamedTuple):
     work: Vec3 | None = None  # (3,), m, NED, of what is worked on: it may be approached
 
 
+class HalfSpace(NamedTuple):
+    """The side of a plane where the vehicle must stay."""
+
+    point: Vec3  # (3,), m, NED, on the plane
+    normal: Vec3  # (3,), unit, from the plane to that side
+
+
 class Step(NamedTuple):
     """What a behaviour answers at one tick."""
 
@@ -87,3 +94,4 @@ class Step(NamedTuple):
     memory: Any = None  # given back to the behaviour at the next tick
     events: tuple[str, ...] = ()  # for the chart, heard at the next tick
     stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance
+    bound: HalfSpace | None = None  # never to be left, also while it holds still

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec
-from missionkit.messages import Goal, Target
+from missionkit.messages import Goal, HalfSpace, Target
 
+SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than asked for
 LEVEL = 0.1  # below this horizontal part of its normal, a marker lies flat and no yaw faces it
 
 
@@ -39,6 +40,18 @@ def goal_of(target: Target, standoff: tuple[float, float, float], now: float) ->
     forward = goal_rotation(to_matrix(target.attitude))[:, 0]
     yaw = math.atan2(forward[1], forward[0]) if math.hypot(*forward[:2]) > LEVEL else None
     return Goal(position, yaw, now, target.name)
+
+
+def bound_of(target: Target, out: float) -> HalfSpace | None:
+    """Return the side of a target's plane, `out` (m) off its marker, where a vehicle may be.
+
+    The plane lies `SLACK` nearer, so that hovering on it is free of it. None if how the marker is
+    turned is not known.
+    """
+    if target.attitude is None:
+        return None
+    normal = rotate(target.attitude, vec(0.0, 0.0, 1.0))
+    return HalfSpace(target.position + (out - SLACK) * normal, normal)
 
 
 def facing(yaw: float) -> Quat:

@@ -75,3 +75,11 @@ def test_without_a_pose_there_is_no_goal(targets):
 def test_a_surveyed_target_is_not_servoed_on_before_it_was_seen():
     (step,) = play(SERVO, [calm(targets={"trunk": TRUNK._replace(seen_at=None)})])
     assert (step.guidance, step.note) == (None, "waiting for trunk")
+
+
+def test_the_plane_before_the_goal_is_never_to_be_crossed_also_while_it_waits():
+    for now in (10.0, 12.0):
+        (step,) = play(SERVO, [at(now, 15.0, 5.0, -3.0, targets={"trunk": TRUNK})])
+        np.testing.assert_allclose(step.bound.normal, (-1.0, 0.0, 0.0), atol=1e-12)
+        assert step.bound.point[0] == pytest.approx(18.5 + 0.15)
+    assert step.guidance is None

@@ -82,3 +82,21 @@ def test_the_estimate_is_left_as_it_was():
 def test_a_pattern_that_cannot_be_flown_is_refused(wrong):
     with pytest.raises(ValidationError):
         Spiral(target="trunk", **wrong)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_pattern_keeps_before_the_plane_off_the_marker(form):
+    spiral = FORMS[form].model_copy(update={"standoff": 5.0, "back": 0.0})
+    for target in (TRUNK, TRUNK._replace(attitude=None)):
+        steps = searched(spiral, 30.0, trunk=target)
+        places = np.array([step.guidance.position for step in steps])
+        assert places[:, 0].max() <= 15.15 + 1e-9
+        assert places[:, 0].min() < 12.0
+        assert all(step.bound is not None for step in steps)
+        assert np.abs(np.diff(places[:, 0])).max() <= 0.8 * TICK + 1e-6
+
+
+def test_a_target_that_is_too_near_to_tell_a_side_binds_nothing():
+    near = marker(14.5, 5.0, -4.0)._replace(attitude=None)
+    (step, *_) = searched(FORMS["steady"].model_copy(update={"back": 0.0}), 0.1, trunk=near)
+    assert step.bound is None
