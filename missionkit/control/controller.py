@@ -48,7 +48,7 @@ class Control(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     gps: Gains = Gains()
-    visual: Gains = Gains(kp=(1.5, 1.5), ki=(0.5, 0.5), kd=(0.25, 0.25))
+    visual: Gains = Gains(kp=(3.0, 2.0), ki=(1.0, 1.0), kd=(0.8, 0.25))
     trajectory: Gains = Gains(kp=(1.0, 1.0), kd=(0.2, 0.1))
     alpha_ff: Fraction = 1.0
     alpha: Fraction = 0.8  # at 20 Hz
@@ -68,6 +68,7 @@ class Control(BaseModel):
         dt: float,
         *,
         push: Vec3 | None = None,
+        bound: HalfSpace | None = None,
     ) -> tuple[Setpoint, ControlMemory]:
         """Return the setpoint and the next memory.
 
@@ -78,9 +79,10 @@ class Control(BaseModel):
             seen: the estimate at this tick.
             dt: time since the last step (s).
             push: (3,), m/s, NED, avoidance, used where the guidance allows it.
+            bound: where the vehicle must stay, if anywhere.
         """
         wanted, memory = self.aim(memory, mode, guidance, seen, dt)
-        return self.fly(memory, wanted, guidance, seen, dt, push=push)
+        return self.fly(memory, wanted, guidance, seen, dt, push=push, bound=bound)
 
     def aim(
         self,

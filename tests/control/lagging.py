@@ -9,7 +9,7 @@ import numpy as np
 
 from missionkit.control.controller import Control
 from missionkit.geometry import Vec3, from_euler, wrap
-from missionkit.messages import Estimate, Guidance, Health, Mode
+from missionkit.messages import Estimate, Guidance, HalfSpace, Health, Mode
 
 DT = 0.05  # s
 HEALTH = Health(True, False, 0.0, 0.0, 0.1, 0)
@@ -43,6 +43,7 @@ def fly(
     mode: Callable[[float], Mode] = lambda t: Mode.GPS,
     disturbance: Callable[[float], Vec3] = lambda t: np.zeros(3),
     push: Callable[[float], Vec3 | None] = lambda t: None,
+    bound: HalfSpace | None = None,
 ) -> Track:
     """Two lags of 0.25 s and 0.1 s behind 0.1 s of latency; acceleration at most 3 m/s²."""
     p, v, a, yaw = np.zeros(3), np.zeros(3), np.zeros(3), 0.0
@@ -50,7 +51,9 @@ def fly(
     for k in range(round(until / DT)):
         t = k * DT
         now = seen(p, v, yaw, t)
-        setpoint, memory = control.step(memory, mode(t), guide(t), now, DT, push=push(t))
+        setpoint, memory = control.step(
+            memory, mode(t), guide(t), now, DT, push=push(t), bound=bound
+        )
         rows.append((t, *p, *v, *setpoint.velocity, yaw))
         pipe.append(setpoint.velocity)
         command = pipe.pop(0) + disturbance(t)

@@ -8,7 +8,8 @@ from lagging import fly
 
 from missionkit.control.controller import Control
 from missionkit.geometry import norm, vec
-from missionkit.messages import Guidance, Mode
+from missionkit.messages import Guidance, HalfSpace, Mode
+from missionkit.perception.goal import SLACK
 
 MODES = (Mode.GPS, Mode.VISUAL, Mode.TRAJECTORY)
 
@@ -26,9 +27,13 @@ def overshoot(track, goal):
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("goal", [vec(40, 0, 0), vec(4, 3, 0), vec(1, 0, 0), vec(20, 20, -6)])
 def test_arrives_without_overshoot(mode, goal):
-    track = fly(Control(), lambda t: Guidance(goal, 5.0), 25.0, mode=lambda t: mode)
+    way = goal / norm(goal)
+    before = HalfSpace(goal + SLACK * way, -way) if mode is Mode.VISUAL else None  # as servo says
+    top = 1.0 if mode is Mode.VISUAL else 5.0
+    wait = norm(goal) / top + 8.0
+    track = fly(Control(), lambda t: Guidance(goal, top), wait + 9.0, lambda t: mode, bound=before)
     assert overshoot(track, goal) < 0.1
-    assert settled_after(track, goal) < norm(goal) / 5.0 + 8.0
+    assert settled_after(track, goal) < wait
     assert np.linalg.norm(track.velocity, axis=1).max() < 5.05
 
 
