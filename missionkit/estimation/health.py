@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from missionkit.estimation import layout
+from missionkit.estimation.consistency import Scatter, averaged, misfit
 from missionkit.estimation.history import Outcome
 from missionkit.estimation.layout import FIX, FIX_VELOCITY, SIGHT
 from missionkit.geometry import Mat, Vec3
@@ -33,6 +34,7 @@ class Tally(NamedTuple):
     strays: Mat  # (n, 4), s and m, NED: time and place of the fixes refused in a row
     late: int  # measurements that arrived too late, in all
     resets: int = 0  # of the position, in all
+    scatter: Scatter = Scatter()  # of sightings
 
 
 def begin() -> Tally:
@@ -55,7 +57,7 @@ def counted(tally: Tally, out: Outcome, bad: list[Vec3], now: float) -> Tally:
     if not (len(out.decided) or out.late or bad):
         return tally
     accepted, since = list(tally.accepted_at), list(tally.refused_since)
-    refused, strays = list(tally.refused), tally.strays
+    refused, strays, scatter = list(tally.refused), tally.strays, tally.scatter
     for r in out.decided:
         kind, at = int(r[layout.KIND]), float(r[layout.AT])
         if r[layout.OUTCOME] == layout.ACCEPTED:
@@ -65,12 +67,15 @@ def counted(tally: Tally, out: Outcome, bad: list[Vec3], now: float) -> Tally:
             refused[kind] += 1
         if kind == FIX:
             strays = _strayed(strays, r)
+        elif kind == SIGHT:
+            scatter = averaged(scatter, float(r[layout.NIS]))
     for r in bad:
         kind = int(r[layout.KIND])
         since[kind] = min(since[kind], now)
         refused[kind] += 1
     late = tally.late + out.late
-    return Tally(tuple(accepted), tuple(since), tuple(refused), strays, late, tally.resets)
+    counts = tuple(accepted), tuple(since), tuple(refused)
+    return Tally(*counts, strays, late, tally.resets, scatter)
 
 
 def _strayed(strays: Mat, fix: Vec3) -> Mat:
@@ -146,6 +151,7 @@ def health(tally: Tally, sd: float, height_sd: float, *, lost: bool, placed: boo
         placed=placed,
         height_sd=height_sd,
         resets=tally.resets,
+        misfit=misfit(tally.scatter),
     )
 
 

@@ -26,7 +26,8 @@ class Converged(Guard):
 
     ||p - p_goal|| ≤ ε_pos and |ψ - ψ_goal| ≤ ε_yaw  (P1, section 8.1: 0.1 m, 5 deg)
 
-    A goal on a target must have been measured within `max_age`, else the answer is unknown.
+    A goal on a target must have been measured within `max_age`, by sightings that fit the filter's
+    noise, else the answer is unknown.
     The verdict's value is the position error, or the yaw error if that is what fails.
     """
 
@@ -43,6 +44,8 @@ class Converged(Guard):
             return Verdict.unknown("the behaviour has no goal yet")
         if goal.target is not None and not _fresh(seen, goal.target, self.max_age):
             return Verdict.unknown(f"{goal.target} was not seen in the last {self.max_age:g} s")
+        if goal.target is not None and seen.health.misfit:
+            return Verdict.unknown(seen.health.misfit)
         error = norm(seen.position - goal.position)
         if goal.yaw is not None:
             yaw_error = math.degrees(abs(wrap(goal.yaw - seen.yaw)))

@@ -38,6 +38,7 @@ class Health(NamedTuple):
     placed: bool = True  # the position has a source: a fix or sighting taken lately, or flow
     height_sd: float | None = None  # m, 1 sigma, None: not known
     resets: int = 0  # how often the position has jumped to what had been refused before
+    misfit: str = ""  # how the sightings do not fit the filter's noise, if they do not
 
 
 class Goal(NamedTuple):

@@ -1,0 +1,78 @@
+"""The NIS test of sightings, against scipy's chi-square."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from samples import calm
+from scipy.stats import chi2
+
+from missionkit.estimation.consistency import (
+    FREEDOM,
+    LARGEST,
+    MOST,
+    WINDOW,
+    Scatter,
+    averaged,
+    misfit,
+)
+from missionkit.geometry import vec
+from missionkit.guards import Converged
+from missionkit.messages import Goal, Target
+from missionkit.perception.goal import facing
+
+
+def after(epsilons, scatter=None):
+    scatter = Scatter() if scatter is None else scatter
+    for epsilon in epsilons:
+        scatter = averaged(scatter, float(epsilon))
+    return scatter
+
+
+def test_the_bound_is_that_of_chance() -> None:
+    assert pytest.approx(chi2.ppf(0.9999, FREEDOM * WINDOW) / (FREEDOM * WINDOW), abs=0.02) == MOST
+
+
+def test_noise_as_believed_never_raises_an_alarm_and_twice_as_much_always_does() -> None:
+    rng = np.random.default_rng(7)
+    alarms = 0
+    for _ in range(200):
+        epsilons = chi2.rvs(FREEDOM, size=2 * WINDOW, random_state=rng)
+        alarms += bool(misfit(after(epsilons)))
+        assert misfit(after(4.0 * epsilons))
+    assert alarms == 0
+
+
+def test_a_few_say_nothing_and_what_was_noisy_is_forgotten() -> None:
+    noisy = after([30.0] * WINDOW)
+    assert misfit(after([30.0] * (WINDOW - 1))) == ""
+    assert "3.2 times" in misfit(noisy)
+    assert misfit(after([3.0] * 4 * WINDOW, noisy)) == ""
+
+
+def test_one_false_marker_is_no_noise() -> None:
+    assert misfit(after([3.0] * WINDOW + [1e9])) == ""
+
+
+@given(st.lists(st.floats(min_value=0.0) | st.just(math.nan), max_size=120))
+def test_the_mean_is_finite_whatever_comes(epsilons) -> None:
+    scatter = after(epsilons)
+    assert math.isfinite(scatter.mean)
+    assert 0.0 <= scatter.mean <= LARGEST
+    assert scatter.taken <= WINDOW
+
+
+def test_convergence_is_not_believed_while_the_noise_does_not_fit() -> None:
+    trunk = Target("trunk", vec(10.0, 0.0, -3.0), 0.05, facing(math.pi), 0.02, 10.0)
+    goal = Goal(vec(8.8, 0.0, -3.0), None, 10.0, "trunk")
+    place, still = vec(8.8, 0.0, -3.0), vec(0.0, 0.0, 0.0)
+    seen = calm(now=10.0, position=place, velocity=still, targets={"trunk": trunk}, goal=goal)
+    assert Converged().check(seen).holds is True
+    doubtful = seen._replace(health=seen.health._replace(misfit=misfit(after([30.0] * WINDOW))))
+    verdict = Converged().check(doubtful)
+    assert verdict.holds is None
+    assert "filter's noise" in verdict.why
