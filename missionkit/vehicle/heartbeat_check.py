@@ -14,6 +14,7 @@ from typing import NamedTuple
 from missionkit.vehicle.cache import Fields
 
 ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
+APART = 0.15  # s between two that agree: old ones overtaken on the way come closer together
 STRANGERS = 3  # heartbeats in a row of another kind of vehicle
 ALTERNATING = 3  # changes of kind and back: two vehicles
 STEADY = 10  # heartbeats in a row of one kind: the other one has gone
@@ -50,6 +51,7 @@ class HeartbeatCheck:
     def __init__(self) -> None:
         self._fields: Fields | None = None  # believed last
         self._doubted: Said | None = None
+        self._since = 0.0  # s, when that was first said
         self._strangers = 0
         self._alternated = 0
         self._steady = 0  # heartbeats in a row of the vehicle's own kind
@@ -59,8 +61,14 @@ class HeartbeatCheck:
         """Whether vehicles of two kinds answer in turn."""
         return self._alternated >= ALTERNATING
 
-    def hear(self, fields: Fields, expected: Expected) -> Believed:
-        """Take a heartbeat in; `expected` says whether what it says needs no second one."""
+    def hear(self, fields: Fields, expected: Expected, at: float) -> Believed:
+        """Take a heartbeat in.
+
+        Args:
+            fields: what it says.
+            expected: says whether that needs no second one.
+            at: s, of the vehicle, when it came.
+        """
         before = self._fields
         if before is None:
             return self._believe(fields)
@@ -77,8 +85,10 @@ class HeartbeatCheck:
         if now == said(before) or expected(now):
             retracted = doubted if doubted is not None and now != doubted else None
             return self._believe(fields, retracted)
-        if now == doubted:
+        if now == doubted and at - self._since >= APART:
             return self._believe(fields)
+        if now != doubted:
+            self._since = at
         self._doubted = now
         return Believed(before, doubted=now)
 

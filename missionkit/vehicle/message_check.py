@@ -56,6 +56,7 @@ class MessageCheck:
         self._note = note
         self._heartbeats = HeartbeatCheck()
         self._epoch = BootEpoch(pace)
+        self._pace = pace
         self._judge: Judge | None = None
         self._rebooted: Callable[[], None] = lambda: None
         self._ask_again: Callable[[], None] = lambda: None
@@ -93,7 +94,8 @@ class MessageCheck:
 
     def _heartbeat(self, fields: Fields) -> None:
         judge = self._judge
-        found = self._heartbeats.hear(fields, _anything if judge is None else judge.expects)
+        expected = _anything if judge is None else judge.expects
+        found = self._heartbeats.hear(fields, expected, self._cache.wall() * self._pace)
         if found.fields is not None:
             self._cache.put("HEARTBEAT", found.fields)
         if found.odd:

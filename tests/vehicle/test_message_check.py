@@ -80,6 +80,16 @@ def test_one_that_the_next_does_not_confirm_is_ignored_and_told(odd):
     assert autopilot.hear(odd, beat(HOLD | 1), beat(HOLD | 1)).mode == HOLD | 1
 
 
+def test_old_heartbeats_that_were_overtaken_on_the_way_confirm_nothing():
+    autopilot = Autopilot().hear(beat(), beat(HOLD))
+    autopilot.now += 0.05
+    autopilot.check("HEARTBEAT", beat(HOLD))
+    assert autopilot.mode == OFFBOARD
+    assert autopilot.judged == ["doubt", "asked"] * 2
+    assert autopilot.hear(beat(), beat(HOLD)).mode == OFFBOARD
+    assert autopilot.hear(beat(HOLD)).mode == HOLD
+
+
 def test_an_expected_mode_is_believed_at_once():
     autopilot = Autopilot(lambda now: now.mode == LAND).hear(beat(), beat(LAND))
     assert (autopilot.mode, autopilot.judged) == (LAND, [])
