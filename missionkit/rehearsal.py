@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.checks.fence import outside
 from missionkit.chart.load import load_model
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.sections import Success
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import now_and_then
@@ -24,14 +27,16 @@ from missionkit.engine.loop import (
     no_reports,
 )
 from missionkit.engine.memory import Course
+from missionkit.engine.passage import Passage, passed
+from missionkit.engine.success import Condition, Truth, conditions, flaws
 from missionkit.engine.waking import Resumption
 from missionkit.errors import UsageError
-from missionkit.geometry import Mat
+from missionkit.geometry import Mat, norm
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
 from missionkit.recorder.codec import is_plain
 from missionkit.sim.faults import Fault
-from missionkit.sim.grade import Grade, grade
+from missionkit.sim.grade import Grade, Visit, grade, in_flight, judge_visit, landed_at
 from missionkit.sim.snapshot import Snapshot, restore, taken
 from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.warm_up import warm_up
@@ -52,11 +57,14 @@ class Rehearsal(NamedTuple):
 
     flown: Flown
     grade: Grade
+    conditions: tuple[Condition, ...] = ()  # of the mission's success
+    flaws: tuple[str, ...] = ()  # what makes it no success whatever the mission asks for
 
     @property
     def succeeded(self) -> bool:
-        """Landed by itself, unhurt, and the mission's success was reached."""
-        return self.flown.end is End.LANDED and not self.flown.aborted and self.grade.succeeded
+        """Landed by itself, unhurt, as it believed, and all that the mission asks for was met."""
+        landed = self.flown.end is End.LANDED and not self.flown.aborted and self.grade.landed
+        return landed and not self.flaws and all(it.met for it in self.conditions)
 
 
 class Kept(NamedTuple):
@@ -64,7 +72,8 @@ class Kept(NamedTuple):
 
     course: Course
     vehicle: Snapshot  # without its track
-    spans: Mapping[str, tuple[float, float]]  # state -> first entered, last left, s
+    passage: Passage
+    estimate_error: float  # m, largest so far
     lost: tuple[str, ...]  # what could not be saved, a sentence each
 
 
@@ -135,7 +144,7 @@ def rehearse(
         reports: what failed beside the flight since the last call; joins the problems.
         again: goes on from there.
     """
-    visits = _Visits(ready.vehicle)
+    visits = _Witness(ready)
     resume = None if again is None else _restored(ready, visits, again)
     keeper = keep_nothing if save is None else _keeping(ready, visits, save)
     flown: list[Flown] = []
@@ -156,53 +165,94 @@ def rehearse(
         )
 
     asyncio.run(flight())
-    return Rehearsal(flown[0], _graded(ready, visits))
+    return _graded(ready, flown[0], visits)
 
 
-def _restored(ready: Stage, visits: _Visits, again: Again) -> Resumption:
+def _restored(ready: Stage, visits: _Witness, again: Again) -> Resumption:
     """Put the vehicle where it was, and let it fly on alone; what it says then nobody hears."""
     ready.vehicle.track.restore(again.track)
     restore(ready.vehicle, again.kept.vehicle)
-    visits.spans.update(again.kept.spans)
+    visits.passage = again.kept.passage
+    visits.estimate_error = again.kept.estimate_error
     if again.gap > 0.0:
         ready.vehicle.advance(again.now)
     return Resumption(again.kept.course, again.now, again.changed, again.kept.lost)
 
 
-def _keeping(ready: Stage, visits: _Visits, save: Callable[[Kept], None]) -> Keeper:
+def _keeping(ready: Stage, visits: _Witness, save: Callable[[Kept], None]) -> Keeper:
     """Return what saves it together with the simulated vehicle."""
 
     def keep(course: Course, lost: tuple[str, ...]) -> None:
-        save(Kept(course, taken(ready.vehicle), dict(visits.spans), lost))
+        save(Kept(course, taken(ready.vehicle), visits.passage, visits.estimate_error, lost))
 
     return now_and_then(ready.plan.chart, is_plain, keep)
 
 
-class _Visits:
-    """Tells the simulator which state the chart is in, and keeps when each was first entered."""
+class _Witness:
+    """Tells the simulator which state the chart is in, and keeps what the flight went through."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
-        self.spans: dict[str, tuple[float, float]] = {}
-        self._vehicle = vehicle
+    def __init__(self, ready: Stage) -> None:
+        self.passage = Passage()
+        self.estimate_error = 0.0  # m
+        self._chart = ready.plan.chart
+        self._vehicle = ready.vehicle
         self._state = ""
 
     def __call__(self, record: Record, _: Observation) -> None:
         if record.state != self._state:
             self._state = record.state
             self._vehicle.entered(record.state, record.now)
-        first, _last = self.spans.get(record.state, (record.now, record.now))
-        self.spans[record.state] = (first, record.now)
+        self.passage = passed(self.passage, record, self._chart)
+        truth = self._vehicle.truth
+        if record.estimate.health.aligned and not truth.on_ground:
+            error = norm(record.estimate.position - truth.position)
+            self.estimate_error = max(self.estimate_error, error)
 
 
-def _graded(ready: Stage, visits: _Visits) -> Grade:
-    success, rows = ready.mission.success, ready.vehicle.track.rows
-    if success is None:
-        return grade(rows)
-    span = visits.spans.get(success.visit)
-    if success.target is None:
-        whole = grade(rows)
-        return whole._replace(succeeded=whole.succeeded and span is not None)
-    return grade(rows, success, _true_marker(ready, success.target), span)
+def _graded(ready: Stage, flown: Flown, seen: _Witness) -> Rehearsal:
+    rows, wanted, passage = ready.vehicle.track.rows, ready.mission.success, seen.passage
+    visits = {
+        one.visit: _visit(ready, one, one.target, passage.spans.get(one.visit))
+        for one in wanted
+        if one.visit is not None and one.target is not None
+    }
+    place = passage.landing
+    graded = grade(rows)._replace(
+        visit=next((visit for visit in visits.values() if visit is not None), None),
+        estimate_error=seen.estimate_error,
+        outside_fence=outside(ready.mission, in_flight(rows)),
+        landing_error=None if place is None else math.dist(place, landed_at(rows)),
+    )
+    errors = {
+        state: None
+        if visit is None
+        else (
+            visit.position_error,
+            None if visit.yaw_error is None else math.degrees(visit.yaw_error),
+        )
+        for state, visit in visits.items()
+    }
+    truth = Truth(
+        errors,
+        graded.clearance,
+        graded.touched_at,
+        seen.estimate_error,
+        graded.outside_fence or 0.0,
+        graded.landing_error,
+    )
+    found = conditions(wanted, passage, truth)
+    wrong = flaws(wanted, passage, truth)
+    met = graded.landed and all(it.met for it in found)
+    return Rehearsal(flown, graded._replace(succeeded=met), found, wrong)
+
+
+def _visit(
+    ready: Stage, one: Success, target: str, span: tuple[float, float] | None
+) -> Visit | None:
+    marker = _true_marker(ready, target)
+    if marker is None or span is None:
+        return None
+    return judge_visit(ready.vehicle.track.rows, marker, one.standoff, span)
 
 
 def _true_marker(ready: Stage, target: str) -> Marker | None:

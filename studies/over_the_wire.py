@@ -115,7 +115,7 @@ def flown(dialect: str, seed: int, camera: Camera, speed: float) -> Flown:
         end = fly_vehicle(ready.plan, vehicle, (spans,), speed=speed, time_limit=limit).end
         rows = np.array(autopilot.ask(track=True, since=0.0, every=1)["rows"], dtype=np.float64)
     marker, span = ready.world.marker(23, "DICT_6X6_250"), spans.spans.get("task")
-    return Flown(dialect, seed, str(end), grade(rows, mission.success, marker, span))
+    return Flown(dialect, seed, str(end), grade(rows, mission.success[0], marker, span))
 
 
 def row(dialect: str, flights: Sequence[Flown]) -> tuple[str, ...]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Sequence
 from typing import Literal
 
-from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.sections import Success
 from missionkit.engine.loop import End
+from missionkit.engine.success import Condition
 from missionkit.rehearsal import Rehearsal
 
 Outcome = Literal["success", "ended_safely", "crash"]
@@ -22,15 +21,11 @@ def outcome(result: Rehearsal) -> Outcome:
     return "ended_safely" if result.grade.landed or never_left else "crash"
 
 
-def reason(
-    mission: Mission, result: Rehearsal, visited: Container[str], *, asked: bool = False
-) -> str:
+def reason(result: Rehearsal, *, asked: bool = False) -> str:
     """Return why it ended so.
 
     Args:
-        mission: that was flown.
-        result: of its flight.
-        visited: the states it was in.
+        result: of a flight.
         asked: the operator asked for a landing.
     """
     grade = result.grade
@@ -42,15 +37,19 @@ def reason(
         return result.flown.says
     if result.flown.aborted:
         return aborted(asked=asked)
-    if mission.success is not None and grade.visit is None:
-        return _unreached(mission.success, visited)
-    return "landed, but the goal was missed by more than allowed"
+    if result.flaws:
+        return f"no success: {result.flaws[0]}"
+    return missing(result.conditions)
 
 
-def _unreached(success: Success, visited: Container[str]) -> str:
-    if success.visit not in visited:
-        return unreached(success.visit)
-    return f"landed, but the world has no marker of {success.target} to measure the goal by"
+def missing(found: Sequence[Condition]) -> str:
+    """Return which conditions of success were not met; empty if all were."""
+    unmet = [it for it in found if it.met is False]
+    for it in unmet:
+        if it.never:
+            return unreached(it.never)
+    told = "; ".join(f"{it.says}: {it.figure}" for it in unmet)
+    return f"landed, but not as asked for: {told}" if told else ""
 
 
 def aborted(*, asked: bool) -> str:

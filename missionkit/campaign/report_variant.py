@@ -20,6 +20,7 @@ def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str
         key: tells its picture from others on the page.
     """
     yield from _endings(variant)
+    yield from _conditions(variant)
     yield from _numbers(variant)
     if variant.chain.states:
         yield from chart_section(variant, chart, key)
@@ -38,6 +39,20 @@ def _endings(variant: Variant) -> Iterator[str]:
         yield table(
             ("reason", "+runs"), [(escape(why), str(count)) for why, count in variant.reasons]
         )
+
+
+def _conditions(variant: Variant) -> Iterator[str]:
+    """Yield how often each condition of success was met, of the flights that say so."""
+    said = [row.conditions for row in variant.rows if row.conditions]
+    if not said:
+        return
+    yield "<h3>Conditions of success</h3>"
+    names = dict.fromkeys(name for conditions in said for name in conditions)
+    counts = [(name, sum(it.get(name) is True for it in said)) for name in names]
+    yield table(
+        ("condition", "+met", "+share of flights"),
+        [(escape(name), str(met), percent(met / len(said))) for name, met in counts],
+    )
 
 
 def _numbers(variant: Variant) -> Iterator[str]:

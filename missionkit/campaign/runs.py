@@ -81,7 +81,8 @@ def _row(order: Order, case: Case) -> Row:
         seed=case.seed,
         settings=dict(case.settings),
         outcome=outcome(result),
-        reason=reason(mission, result, diary.times),
+        reason=reason(result),
+        conditions={it.says: it.met for it in result.conditions},
         parameters=dict(mission.params),
         metrics={"duration": result.flown.duration, **metrics(result.grade)},
         times=diary.times,
@@ -121,4 +122,6 @@ def metrics(grade: Grade) -> dict[str, float | None]:
         "yaw_error": visit.get("yaw_error"),
         "worst_error": visit.get("worst_error"),
         "worst_sideways": visit.get("worst_sideways"),
+        "estimate_error": grade.estimate_error,
+        "landing_error": grade.landing_error,
     }

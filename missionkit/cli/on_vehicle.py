@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from missionkit.campaign.ending import aborted, unreached
+from missionkit.campaign.ending import aborted, missing
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.sections import Success
+from missionkit.chart.semantics.compiled import Chart
 from missionkit.cli.cockpit import cockpit
 from missionkit.cli.fly import fly_vehicle, share_of, vehicle_of
 from missionkit.cli.guarded import guarded
@@ -18,13 +20,14 @@ from missionkit.cli.run_files import Folder, folder_of
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import now_and_then
 from missionkit.engine.loop import End, Flown, Observer
+from missionkit.engine.passage import Passage, after, passed
+from missionkit.engine.success import conditions, flaws
 from missionkit.errors import ExitCode, UsageError
 from missionkit.messages import Observation, Record
 from missionkit.recorder.codec import is_plain
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import background
 from missionkit.recorder.summary import Outcome, Summary, summarise
-from missionkit.recorder.track import Track
 from missionkit.rehearsal import world_of
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
@@ -78,11 +81,12 @@ def _flown(order: Order, ready: Ready) -> Summary:
     sinks = background()
     recorder = folder.recorder(plan, scenery, past, sinks.record)
     save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)
+    log = _Log(plan.chart, past)
     with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
         flown = fly_vehicle(
             plan,
             vehicle,
-            (with_remarks(seat.observers, vehicle),),
+            (log, with_remarks(seat.observers, vehicle)),
             operator=seat.operator,
             speed=speed,
             time_limit=mission.settings.time_limit,
@@ -95,13 +99,28 @@ def _flown(order: Order, ready: Ready) -> Summary:
     summary = summarise(
         recorder.track,
         mission=mission.name,
-        outcome=_outcome(mission, flown, recorder.track),
-        reason=_reason(mission, flown, recorder.track, asked=asked),
+        outcome=_outcome(flown, log.passage, mission.success),
+        reason=_reason(flown, log.passage, mission.success, asked=asked),
+        conditions=[it[:3] for it in conditions(mission.success, log.passage, None)],
         parameters=mission.params,
         record_hash=recorder.close(),
     )
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
+
+
+class _Log:
+    """Keeps what the flight went through, from before it was gone on with too."""
+
+    def __init__(self, chart: Chart, past: Before | None) -> None:
+        visits = () if past is None else past.track.visits
+        self.passage = Passage({it.state: (it.start, it.end) for it in reversed(visits)})
+        for at, fired in () if past is None else past.track.transitions:
+            self.passage = after(self.passage, fired, at, chart)
+        self._chart = chart
+
+    def __call__(self, record: Record, _: Observation) -> None:
+        self.passage = passed(self.passage, record, self._chart)
 
 
 def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Observer:
@@ -119,24 +138,24 @@ def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Obser
     return told
 
 
-def _outcome(mission: Mission, flown: Flown, track: Track) -> Outcome:
+def _outcome(flown: Flown, passage: Passage, wanted: tuple[Success, ...]) -> Outcome:
     if flown.end in {End.SILENT, End.OUT_OF_TIME}:
         return "crash"
-    return "ended_safely" if _missed(mission, flown, track, asked=False) else "success"
+    return "ended_safely" if _missed(flown, passage, wanted, asked=False) else "success"
 
 
-def _reason(mission: Mission, flown: Flown, track: Track, *, asked: bool) -> str:
-    missed = _missed(mission, flown, track, asked=asked)
+def _reason(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:
+    missed = _missed(flown, passage, wanted, asked=asked)
     return missed or "flown as planned, by the vehicle's own account"
 
 
-def _missed(mission: Mission, flown: Flown, track: Track, *, asked: bool) -> str:
+def _missed(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:
     """Say what success lacks; how near the goal was, only a simulator's truth can tell."""
     if flown.end is not End.LANDED:
         return flown.says
     if flown.aborted:
         return aborted(asked=asked)
-    wanted = None if mission.success is None else mission.success.visit
-    if wanted is not None and wanted not in {visit.state for visit in track.visits}:
-        return unreached(wanted)
-    return ""
+    wrong = flaws(wanted, passage, None)
+    if wrong:
+        return f"no success: {wrong[0]}"
+    return missing(conditions(wanted, passage, None))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from missionkit.campaign.ending import outcome, reason
@@ -18,16 +19,16 @@ def summed_up(
     order: Order, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
 ) -> Summary:
     """Return the summary of a flight that has ended."""
-    visited = {visit.state for visit in recorder.track.visits}
     return summarise(
         recorder.track,
         mission=mission.name,
         outcome=outcome(result),
-        reason=reason(mission, result, visited, asked=asked),
+        reason=reason(result, asked=asked),
         seed=order.seed,
         faults=order.faults,
         parameters=mission.params,  # with --set
         grade=result.grade.as_dict(),
+        conditions=[it[:3] for it in result.conditions],
         record_hash=recorder.close(),
     )
 
@@ -54,7 +55,18 @@ def report(order: Order, summary: Summary, folder: Path) -> None:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return
     print(printable(f"{summary.outcome}: {numbers(summary)}"))  # noqa: T201
+    for line in lines(summary):
+        print(printable(line))  # noqa: T201
     print(printable(str(folder)))  # noqa: T201
+
+
+def lines(summary: Summary) -> Iterator[str]:
+    """Yield each condition of success with its figure, and over a vehicle each problem."""
+    words = {True: "met", False: "not met", None: "not known"}
+    for it in summary.conditions:
+        yield f"  {words[it.met]}: {it.condition} ({it.figure})"
+    if not summary.grade:
+        yield from (f"  problem at {problem}" for problem in summary.problems)
 
 
 def exit_code(summary: Summary) -> ExitCode:

@@ -17,6 +17,7 @@ from missionkit.chart.semantics.stance import stance
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.flight import Plan
+from missionkit.engine.ground_contact import with_ground_contact
 from missionkit.engine.handover import handed_over
 from missionkit.engine.memory import Memory
 from missionkit.engine.sense import sense
@@ -49,6 +50,7 @@ def tick(
 ) -> Ticked:
     """Advance the mission by one observation."""
     t0 = stopwatch()
+    observation = with_ground_contact(observation, memory.senses.status)
     senses, seen = sense(plan, memory, observation, contain)
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)

@@ -7,6 +7,7 @@ from missionkit.guards.converged import Converged
 from missionkit.guards.disturbed import Disturbed
 from missionkit.guards.estimate import EstimateBad, GnssLost
 from missionkit.guards.fence import InsideFence
+from missionkit.guards.ground import GroundTouched
 from missionkit.guards.link import LinkLost
 from missionkit.guards.plugins import PluginFailed
 from missionkit.guards.progress import Done, Elapsed, GoalUnreachable
@@ -28,6 +29,7 @@ ALL = (
     GnssLost,
     GoalUnreachable,
     GpsToVisual,
+    GroundTouched,
     InsideFence,
     LinkLost,
     NearGoal,

@@ -18,7 +18,7 @@ from missionkit.messages.command import (
     Step,
 )
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
-from missionkit.messages.events import ABORT, CONTROL_RESUMED, is_event
+from missionkit.messages.events import ABORT, CONTROL_RESUMED, GROUND_TOUCHED, is_event
 from missionkit.messages.observation import (
     NO_CYCLE,
     Baro,
@@ -44,6 +44,7 @@ from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
 __all__ = [
     "ABORT",
     "CONTROL_RESUMED",
+    "GROUND_TOUCHED",
     "NO_CYCLE",
     "Action",
     "AnySetpoint",

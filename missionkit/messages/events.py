@@ -10,6 +10,9 @@ ABORT = "operator: land"
 CONTROL_RESUMED = "control_resumed"
 """The event when a person, by a key, has let missionkit command again."""
 
+GROUND_TOUCHED = "ground_touched"
+"""Comes when the vehicle touches the ground outside landing and take-off."""
+
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
 
 

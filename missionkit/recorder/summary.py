@@ -38,6 +38,14 @@ class Change(_Part):
     reason: str
 
 
+class Condition(_Part):
+    """One condition of success, and what came of it."""
+
+    condition: str
+    met: bool | None  # None: nobody knows the truth
+    figure: str
+
+
 class Spread(_Part):
     """How long something took over the run (ms)."""
 
@@ -72,6 +80,7 @@ class Summary(_Part):
     transitions: tuple[Change, ...]
     problems: tuple[str, ...]
     grade: dict[str, Any]
+    conditions: tuple[Condition, ...] = ()
     timing: Timing | None
     record_hash: str
 
@@ -86,6 +95,7 @@ def summarise(
     faults: Sequence[str] = (),
     parameters: Mapping[str, Any] | None = None,
     grade: Mapping[str, Any] | None = None,
+    conditions: Sequence[tuple[str, bool | None, str]] = (),
     record_hash: str = "",
 ) -> Summary:
     """Sum up a run.
@@ -99,6 +109,7 @@ def summarise(
         faults: injected, as written on the command line.
         parameters: of the mission file, after `--set`.
         grade: the simulator's judgement from ground truth.
+        conditions: of success: what is asked for, whether it was met, the figure.
         record_hash: what closing the flight record returned.
     """
     return Summary(
@@ -119,6 +130,9 @@ def summarise(
         ),
         problems=tuple(f"{at:.2f} s: {what}" for at, what in track.problems),
         grade=dict(grade or {}),
+        conditions=tuple(
+            Condition(condition=says, met=met, figure=figure) for says, met, figure in conditions
+        ),
         timing=timing_of(track.cycles),
         record_hash=record_hash,
     )

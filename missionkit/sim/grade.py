@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from missionkit.geometry import Mat, Transform, Vec3, from_euler, rotate, vec, wrap, yaw_of
+from missionkit.sim.layout import TAKE_OFF
 from missionkit.sim.truth import Truth
 from missionkit.sim.world import Marker
 
@@ -51,6 +52,10 @@ class Grade(NamedTuple):
     distance: float  # m, flown
     duration: float  # s, armed
     energy: float  # J
+    touched_at: float | None = None  # s, the ground outside landing and take-off
+    estimate_error: float | None = None  # m, largest distance of the estimate in flight
+    outside_fence: float | None = None  # m, farthest; None: no failsafe keeps a fence
+    landing_error: float | None = None  # m, level, from where it meant to land
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain values for a report; what is not finite or not known is None."""
@@ -134,7 +139,30 @@ def grade(
         distance=_flown(rows[:, 1:4], flying),
         duration=float(np.diff(rows[:, 0])[rows[1:, 15] > 0.0].sum()),
         energy=last.energy,
+        touched_at=touched_at(rows),
     )
+
+
+def touched_at(rows: Mat) -> float | None:
+    """Return when (s) the ground was first touched outside landing and take-off.
+
+    Args:
+        rows: (N, TRACK_WIDTH) track.
+    """
+    flown = np.logical_or.accumulate(rows[:, 14] == 0.0)
+    wrong = flown & (rows[:, 14] > 0.0) & (rows[:, 15] > 0.0) & (rows[:, 16] < TAKE_OFF)
+    return float(rows[int(wrong.argmax()), 0]) if wrong.any() else None
+
+
+def landed_at(rows: Mat) -> tuple[float, float]:
+    """Return north and east (m) of the last place."""
+    return float(rows[-1, 1]), float(rows[-1, 2])
+
+
+def in_flight(rows: Mat) -> list[tuple[float, float, float]]:
+    """Return where the vehicle was in the air, ten times a second at least (m, NED)."""
+    places = rows[rows[:, 14] == 0.0, 1:4][::2]
+    return [(north, east, down) for north, east, down in places.tolist()]
 
 
 def _good(visit: Visit | None, success: Success) -> bool:

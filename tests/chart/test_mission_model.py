@@ -49,7 +49,7 @@ def test_what_is_left_out_has_its_default(smallest: Mission):
     assert smallest.navigation.kind == "visual_inertial_ekf"
     assert smallest.avoid is not None
     assert smallest.avoid.kind == "potential_field"
-    assert smallest.success is None
+    assert smallest.success == ()
 
 
 def test_a_state_without_behavior_has_its_kinds(smallest: Mission):

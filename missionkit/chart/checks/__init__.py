@@ -13,6 +13,7 @@ from missionkit.chart.checks import (
     latches,
     loops,
     needs,
+    places,
     regions,
     speed,
     states,
@@ -35,6 +36,7 @@ CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (
     needs.problems_of,
     escapes.problems_of,
     fence.problems_of,
+    places.problems_of,
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
 
 from missionkit.chart.checks.path import Leg, Point3, legs
@@ -46,6 +46,34 @@ def walls(mission: Mission) -> tuple[InsideFence, ...]:
         for fence in fences
     )
     return tuple(dict.fromkeys(found))
+
+
+def outside(mission: Mission, places: Iterable[Point3]) -> float | None:
+    """Return how far (m) from its fences a failsafe acted at most, 0 if none did; None: no fence.
+
+    Args:
+        mission: whose failsafes keep fences.
+        places: where the vehicle was, m, NED.
+    """
+    kept = [each for one in mission.failsafes for each in _fence(one, mission.guards) if each[1]]
+    if not kept:
+        return None
+    return max(
+        (
+            min(abs(_margin(fence, place)) for fence in fences)
+            for place in places
+            for acts, fences in kept
+            if acts(place)
+        ),
+        default=0.0,
+    )
+
+
+def _margin(fence: InsideFence, place: Point3) -> float:
+    """Return the distance (m) to the nearest wall or the ceiling, negative outside."""
+    north, east, down = place
+    level = (north - fence.north[0], fence.north[1] - north, east - fence.east[0])
+    return min(*level, fence.east[1] - east, fence.height + down)
 
 
 def _fence(

@@ -25,6 +25,7 @@ from missionkit.chart.model.part import (
     KindName,
     Name,
     NodeName,
+    OneOrMore,
     Part,
     Plain,
     Short,
@@ -32,7 +33,13 @@ from missionkit.chart.model.part import (
     scope_of,
 )
 from missionkit.chart.model.references import Reference
-from missionkit.chart.model.sections import Settings, Success, TargetPlace, Vehicle
+from missionkit.chart.model.sections import (
+    Settings,
+    Success,
+    TargetPlace,
+    Vehicle,
+    one_or_more,
+)
 from missionkit.chart.model.variables import Variable
 from missionkit.chart.text.located import Row, Table, Text, place_of
 from missionkit.chart.text.sentence import sentence, sentences
@@ -195,6 +202,14 @@ class State(Part):
         return self
 
 
+Conditions = Annotated[
+    tuple[Success, ...],
+    Field(strict=False, description="all of them must be met"),
+    BeforeValidator(one_or_more),
+    OneOrMore(),
+]
+
+
 class Placed(NamedTuple):
     """One state of the tree, and the one around it."""
 
@@ -260,7 +275,7 @@ class Mission(Part):
     failsafes: Annotated[tuple[Failsafe, ...], Field(strict=False)] = ()
     initial: Begins
     states: Annotated[dict[NodeName, State], Field(min_length=1)]
-    success: Success | None = None
+    success: Conditions = ()
     dwell: Seconds = Field(default=2.0, description="least time between two transitions")
     settings: Settings = Settings()
 

@@ -140,6 +140,18 @@ class Short:
         return {"anyOf": [*self.forms, handler(schema)]}
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class OneOrMore:
+    """Marks a list of mappings of which one alone may be written without the list."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Allow the single mapping beside the list."""
+        whole = handler(schema)
+        return {"anyOf": [whole["items"], whole]}
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
     """Marks a text that must name something: a state, a target, a state kind."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from missionkit.chart.model.part import Part, StateName, TargetName
+from missionkit.chart.text.located import Row, Table
+from missionkit.chart.text.sentence import sentence, sentences
 from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
 
 Place3 = Annotated[Point, Field(strict=False)]
@@ -36,10 +38,32 @@ class Settings(Part):
 
 
 class Success(Part):
-    """What counts as success, graded against the truth where it is known."""
+    """One condition of success, graded against the truth where it is known."""
 
-    visit: StateName
-    target: TargetName | None = None
+    visit: StateName | None = Field(default=None, description="must have been entered")
+    target: TargetName | None = Field(default=None, description="to stand before on entry")
     standoff: Place3 = (0.0, 0.0, 0.0)
     position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
+    clearance: Metres | None = Field(
+        default=None, ge=0, description="least distance of its surface from obstacles in flight"
+    )
+    failsafes: int | None = Field(default=None, ge=0, description="at most so many may be taken")
+
+    @model_validator(mode="after")
+    def _asks_for_something(self) -> Self:
+        if self.visit is None and self.clearance is None and self.failsafes is None:
+            raise sentences(sentence("needs at least one of 'visit', 'clearance', 'failsafes'"))
+        goal = {"target", "standoff", "position", "yaw_deg"} & self.model_fields_set
+        if self.visit is None and goal:
+            raise sentences(sentence(f"'{min(goal)}' needs 'visit': the state it is measured in"))
+        return self
+
+
+def one_or_more(data: object) -> object:
+    """Return a list of conditions; one alone may be written without the list."""
+    if not isinstance(data, Table):
+        return data
+    row = Row(data.place)
+    row.put(data, data.place)
+    return row

@@ -20,6 +20,7 @@ from missionkit.chart.prose.influences import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value
 
 ANY = "the behaviour is done"
+LANDED = "and it lands unhurt, not ordered to by the pilot or the time limit"
 
 
 def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
@@ -36,9 +37,10 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     yield from _guards(mission)
     yield from _failsafes(chart)
     yield from _states(chart)
-    if mission.success is not None:
+    if mission.success:
         yield topic("Success")
-        yield said(_success(mission.success))
+        wanted = "; ".join(_success(one) for one in mission.success)
+        yield said(f"The mission has succeeded when {wanted}, {LANDED}.")
 
 
 def _whole(chart: Chart) -> Iterator[Sentences]:
@@ -118,11 +120,17 @@ def _depths(mission: Mission) -> Mapping[str | None, int]:
 
 
 def _success(success: Success) -> str:
-    landed = "and it lands unhurt, not ordered to by the pilot or the time limit"
-    if success.target is None:
-        return f"The mission has succeeded when {success.visit} was entered, {landed}."
-    return (
-        f"The mission has succeeded when {success.visit} was entered within "
-        f"{success.position:g} m and {success.yaw_deg:g} degrees of the pose "
-        f"{value(success.standoff)} from the marker of {success.target}, {landed}."
-    )
+    parts = []
+    if success.visit is not None and success.target is None:
+        parts.append(f"{success.visit} was entered")
+    elif success.visit is not None:
+        parts.append(
+            f"{success.visit} was entered within "
+            f"{success.position:g} m and {success.yaw_deg:g} degrees of the pose "
+            f"{value(success.standoff)} from the marker of {success.target}"
+        )
+    if success.clearance is not None:
+        parts.append(f"it kept {success.clearance:g} m from every obstacle")
+    if success.failsafes is not None:
+        parts.append(f"at most {success.failsafes} failsafes were taken")
+    return " and ".join(parts)

@@ -55,7 +55,11 @@ class _Compiler:
         for order, placed in enumerate(self.placed.values(), 1):
             states[placed.name] = self._state(placed, order)
         land = self.firsts.get("land", "")
-        failsafes = tuple(map(self._failsafe, self.mission.failsafes)) + self._stuck(land)
+        failsafes = (
+            *map(self._failsafe, self.mission.failsafes),
+            *self._touched(land),
+            *self._stuck(land),
+        )
         return Chart(
             initial=self.mission.initial.to[0],
             states=states,
@@ -123,6 +127,7 @@ class _Compiler:
             internal=model.internal,
             reads=() if when is None else self._names(when),
             check=None if when is None else self.asker.check(when),
+            default=model.name is not None and not model.place().file,
         )
 
     def _failsafe(self, model: Failsafe) -> Transition:
@@ -136,6 +141,20 @@ class _Compiler:
             unknown_takes=model.unknown == "take",
             reads=self._names(model.when),
         )
+
+    def _touched(self, land: str) -> tuple[Transition, ...]:
+        """Return what happens when the ground is touched outside landing and take-off."""
+        guard: ex.Expression = ex.Use(
+            "ground_touched", self.catalogue.guards["ground_touched"](), NOWHERE
+        )
+        touched = Transition(
+            number=self._next(),
+            to=(land,),
+            text="failsafe ground touched",
+            ask=self.asker.ask(guard),
+            reads=self._names(guard),
+        )
+        return (touched,) if land else ()
 
     def _stuck(self, land: str) -> tuple[Transition, ...]:
         """Return what happens when plug-ins keep failing, after the mission's own failsafes."""

@@ -110,6 +110,7 @@ class Transition:
     internal: bool = False
     reads: tuple[str, ...] = ()  # names of the guards it asks, in that order
     check: Callable[[Estimate], Verdict] | None = None  # of its only guard, one of the package
+    default: bool = False  # a default failsafe: added by the contract of a kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,32 @@
+"""The ground, where it should not be."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from typing_extensions import override
+
+from missionkit.messages import GROUND_TOUCHED, Estimate, Verdict
+from missionkit.messages.region import YES, Quantity, Region
+from missionkit.plugin import Guard
+
+TOUCHED = Quantity("ground touched", most=1.0, whole=True)
+
+
+class GroundTouched(Guard):
+    """Holds when the vehicle touches the ground outside landing and take-off.
+
+    That is at the tick at which it says that it is no longer in the air, with its rotors turning
+    and in a mode that neither lands nor takes off; the event `ground_touched` comes with it.
+    Every mission has it as a failsafe that lands.
+    """
+
+    kind: ClassVar[str] = "ground_touched"
+
+    @override
+    def check(self, seen: Estimate) -> Verdict:
+        return Verdict(GROUND_TOUCHED in seen.events)
+
+    @override
+    def region(self) -> Region:
+        return Region.of(TOUCHED, YES)
