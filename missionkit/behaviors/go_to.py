@@ -43,8 +43,7 @@ class GoTo(Behavior):
             return Step(note=f"where {self.target} is, is not known", memory=memory)
         near = norm(goal.position - seen.position) <= self.within
         done = near and norm(seen.velocity) < 0.5
-        yaw = goal.yaw if near else None
-        guidance = Guidance(goal.position, self.speed, yaw=yaw)
+        guidance = Guidance(goal.position, self.speed, final_yaw=goal.yaw)
         return Step(guidance, done=done, goal=goal, memory=memory)
 
     @override

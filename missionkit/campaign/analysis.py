@@ -157,6 +157,17 @@ def command(campaign: Campaign, row: Row) -> str:
     return shlex.join(words)
 
 
+def conditions_of(variant: Variant) -> dict[str, dict[str, int]]:
+    """Return for each condition of success how many flights met it, of those that say."""
+    told: dict[str, dict[str, int]] = {}
+    for row in variant.rows:
+        for name, met in row.conditions.items():
+            count = told.setdefault(name, {"met": 0, "flights": 0})
+            count["flights"] += 1
+            count["met"] += met is True
+    return told
+
+
 def broken(rows: Iterable[Row]) -> int:
     """Return how many runs gave no flight; they count as not succeeded."""
     return sum(row.outcome in NO_FLIGHT for row in rows)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from html import escape
 
 from missionkit.campaign import plots
-from missionkit.campaign.analysis import Measure, Variant
+from missionkit.campaign.analysis import Measure, Variant, conditions_of
 from missionkit.campaign.report_chart import Drawable, chart_section
 from missionkit.campaign.wording import figure, number, percent, scaled, table, title_of
 
@@ -43,15 +43,16 @@ def _endings(variant: Variant) -> Iterator[str]:
 
 def _conditions(variant: Variant) -> Iterator[str]:
     """Yield how often each condition of success was met, of the flights that say so."""
-    said = [row.conditions for row in variant.rows if row.conditions]
-    if not said:
+    told = conditions_of(variant)
+    if not told:
         return
     yield "<h3>Conditions of success</h3>"
-    names = dict.fromkeys(name for conditions in said for name in conditions)
-    counts = [(name, sum(it.get(name) is True for it in said)) for name in names]
     yield table(
-        ("condition", "+met", "+share of flights"),
-        [(escape(name), str(met), percent(met / len(said))) for name, met in counts],
+        ("condition", "+met", "+of flights", "+share"),
+        [
+            (escape(name), str(it["met"]), str(it["flights"]), percent(it["met"] / it["flights"]))
+            for name, it in told.items()
+        ],
     )
 
 

@@ -7,7 +7,15 @@ import math
 from pathlib import Path
 from typing import Any
 
-from missionkit.campaign.analysis import QUANTILES, Analysis, Comparison, Measure, Variant, command
+from missionkit.campaign.analysis import (
+    QUANTILES,
+    Analysis,
+    Comparison,
+    Measure,
+    Variant,
+    command,
+    conditions_of,
+)
 from missionkit.campaign.chain import Chain, absorbed, time_left
 from missionkit.campaign.statistics import Interval
 from missionkit.recorder.folder import write_whole
@@ -56,6 +64,7 @@ def _variant(variant: Variant) -> dict[str, Any]:
         "reasons": dict(variant.reasons),
         "success": _interval(variant.success),
         "requirement": None if decided is None else decided._asdict(),
+        "conditions": conditions_of(variant),
         "metrics": {measure.name: _measure(measure) for measure in variant.measures},
         "chain": chain_told(variant.chain),
         "likeliest_failure": None

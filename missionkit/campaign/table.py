@@ -23,6 +23,7 @@ from missionkit.errors import UsageError, printable
 from missionkit.recorder.folder import write_whole
 
 FORMULA = frozenset("=+-@")  # a text that begins so is calculated
+MET = {True: "met", False: "not met", None: ""}
 JOURNAL, TABLE = "rows.jsonl", "runs.csv"
 
 
@@ -103,7 +104,7 @@ def columns(rows: Iterable[Row]) -> list[str]:
     seen: dict[str, None] = {}
     for row in rows:
         seen |= dict.fromkeys(_cells(row))
-    order = ("param:", "metric:", "time:", "count:")
+    order = ("param:", "condition:", "metric:", "time:", "count:")
     named = sorted(seen.keys() - head.keys() - tail.keys())
     return [*head, *tail, *(name for first in order for name in named if name.startswith(first))]
 
@@ -119,6 +120,7 @@ def _cells(row: Row) -> dict[str, Any]:
         "path": " > ".join(state for state, _ in row.visits),
         "problems": "; ".join(row.problems),
         **{f"param:{name}": _plain(value) for name, value in parameters.items()},
+        **{f"condition:{name}": MET[met] for name, met in row.conditions.items()},
         **{f"metric:{name}": value for name, value in row.metrics.items()},
         **{f"time:{name}": value for name, value in row.times.items()},
         **{f"count:{name}": value for name, value in row.transitions.items()},

@@ -162,7 +162,9 @@ class Control(BaseModel):
         north, east, _ = seen.velocity.tolist()
         if not math.isfinite(offset[0] + offset[1] + north + east):
             return 0.0, memory
-        desired, memory = self.yaw.desired(memory, offset, (north, east), yaw)
+        end = guidance.final_yaw
+        end = end if end is not None and math.isfinite(end) else None
+        desired, memory = self.yaw.desired(memory, offset, (north, east), yaw, target=end)
         return self.yaw.rate(desired, yaw), memory
 
 

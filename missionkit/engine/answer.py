@@ -49,6 +49,7 @@ def _guides(guidance: object) -> bool:
         and (guidance.velocity is None or _vector(guidance.velocity))
         and (guidance.work is None or _vector(guidance.work))
         and _number(guidance.yaw)
+        and _number(guidance.final_yaw)
     )
 
 

@@ -72,6 +72,7 @@ class Guidance(NamedTuple):
     yaw: float | None = None  # rad; None: P1's hybrid yaw law chooses
     avoid: bool = True  # let the potential field push away from obstacles
     work: Vec3 | None = None  # (3,), m, NED, of what is worked on: it may be approached
+    final_yaw: float | None = None  # rad, ψ_target of the yaw law: wanted at the goal
 
 
 class HalfSpace(NamedTuple):

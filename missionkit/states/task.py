@@ -31,7 +31,7 @@ TASK = StateKind(
     flying=True,
     must_reach=("land",),
     invariant=Invariant(
-        "‖e_p‖ < ε_pos ∧ |e_ψ| < ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
+        "‖e_p‖ ≤ ε_pos ∧ |e_ψ| ≤ ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
     ),
     failsafes=(PUSHED, LOCK_LOST),
 )

@@ -126,7 +126,7 @@ def test_two_transitions_between_the_same_states_are_told_apart(over):
 
 def test_what_was_flown_stands_on_the_chart(over):
     assert over.states["idle"].lines[0] == "in 100 % of flights"
-    assert over.states["idle"].lines[2] == "66.7 % succeed, 33.3 % crash"
+    assert over.states["idle"].lines[2] == "33.3 % succeed, 33.3 % crash"
     assert over.states["work"].lines[0] == "in 66.7 % of flights"
     assert over.states["work"].lines[2] == "50.0 % succeed"
     assert over.ways["idle", 0].lines == ("2 times, 66.7 %",)

@@ -105,6 +105,20 @@ def test_push_counts_only_where_the_guidance_allows_it(avoid):
     np.testing.assert_allclose(setpoint.velocity, expected, atol=1e-6)
 
 
+@pytest.mark.parametrize(("gap", "turns"), [(5.0, False), (1.0, True)])
+def test_near_its_goal_the_yaw_law_turns_to_the_heading_that_is_wanted_there(gap, turns):
+    """The third branch of P1's law; before it the nose looks at the goal."""
+    control, goal = Control(), vec(10.0, 0.0, -5.0)
+    guidance = Guidance(goal, 2.0, final_yaw=math.pi / 2)
+    here = estimate(goal - vec(gap, 0.0, 0.0), np.zeros(3))
+    setpoint, memory = control.step(ControlMemory(), Mode.GPS, guidance, here, 0.05)
+    assert (setpoint.yaw_rate > 0.5) is turns
+    assert memory.yaw.held == pytest.approx(math.pi / 2 if turns else 0.0)
+    odd, memory = control.step(memory, Mode.GPS, guidance._replace(final_yaw=math.nan), here, 0.05)
+    assert math.isfinite(odd.yaw_rate)
+    assert math.isfinite(memory.yaw.held)
+
+
 def test_memory_can_be_saved_and_control_is_pure():
     control = Control()
     seen = estimate(vec(1, 2, 3), vec(0.5, 0, 0))

@@ -16,8 +16,8 @@ from missionkit.chart.prose.phrases import OWN, actions, guard, listed, reason
 
 DEMANDS = {  # what the formulas of the kinds' invariants say
     "gps_target ≠ ∅": "the place of its target is known",
-    "C_aruco ∧ visual_target ≠ ∅": "its marker was seen within the last 0.5 s",
-    "‖e_p‖ < ε_pos ∧ |e_ψ| < ε_yaw": "it is within 0.1 m and 5 degrees of its goal",
+    "visual_target ≠ ∅ ∧ t - t_seen ≤ 0.5 s": "its marker was seen within the last 0.5 s",
+    "‖e_p‖ ≤ ε_pos ∧ |e_ψ| ≤ ε_yaw": "it is within 0.1 m and 5 degrees of its goal",
 }
 
 
