@@ -22,6 +22,7 @@ from missionkit.chart.drawing.picture import svg
 CHART = """\
 missionkit: 1
 mission: regions
+success: {visit: idle}
 params: {wait: 3}
 camera: {use: none}
 targets: {pole: {position: [4, 0, -3]}}
@@ -126,9 +127,9 @@ def test_two_transitions_between_the_same_states_are_told_apart(over):
 
 def test_what_was_flown_stands_on_the_chart(over):
     assert over.states["idle"].lines[0] == "in 100 % of flights"
-    assert over.states["idle"].lines[2] == "33.3 % succeed, 33.3 % crash"
+    assert over.states["idle"].lines[2] == "66.7 % succeed, 33.3 % crash"
     assert over.states["work"].lines[0] == "in 66.7 % of flights"
-    assert over.states["work"].lines[2] == "50.0 % succeed"
+    assert over.states["work"].lines[2] == "100 % succeed"
     assert over.ways["idle", 0].lines == ("2 times, 66.7 %",)
     assert over.ways["idle", 0].weight == pytest.approx(2 / 3)
     assert over.ways["work", 0].lines == ("1 time, 50.0 %",)
@@ -195,7 +196,7 @@ def test_all_boxes_stand_inside_the_picture(chart, over):
 def test_mermaid_tells_the_same_in_words(chart, over):
     drawn = mermaid(chart.mission, overlay=over)
     assert ": after 60 s#59; never taken\n" in drawn
-    assert "s9_land --> [*] : success#59; 1 time, 50.0 %\n" in drawn
+    assert "s9_land --> [*] : success#59; 2 times, 100 %\n" in drawn
     assert ": failsafe link#59; 1 time, " in drawn
     assert " : in 66.7 % of flights\n" in drawn
     assert '    state "work#59; in 66.7 % of flights#59; ' in drawn
