@@ -24,6 +24,7 @@ from missionkit.sim.world import World
 
 MISSIONS = Path(__file__).parents[1] / "missions"
 AT_HOME = 3.0  # m: a fix is good for two
+ASTRAY = 1.0  # m from the goal: that was the work at another place
 FENCE = (-20.0, 120.0, -40.0, 60.0, 30.0)  # m, that of the precision task: south to height
 
 
@@ -33,6 +34,7 @@ class Outcome(StrEnum):
     DONE = "work done, landed where it should"
     HOME = "landed where it should, work not done"
     ELSEWHERE = "landed elsewhere, unhurt"
+    ASTRAY = "worked at the wrong place, landed unhurt"
     LEFT = "left the fence, landed unhurt"
     HIT = "hit something"
     UP = "did not come down"
@@ -129,6 +131,8 @@ def judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, states: list[st
         outcome = Outcome.HIT
     elif not run.grade.landed:
         outcome = Outcome.UP
+    elif run.grade.visit is not None and run.grade.visit.position_error > ASTRAY:
+        outcome = Outcome.ASTRAY
     elif outside(rows, flight.fence) > 0.0:
         outcome = Outcome.LEFT
     elif away > AT_HOME:
