@@ -20,7 +20,14 @@ from missionkit.chart.prose.influences import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value
 
 ANY = "the behaviour is done"
-LANDED = "and it lands unhurt, not ordered to by the pilot or the time limit"
+LANDED = (
+    "and it lands unhurt where it meant to, never left its fence, knew where it was, and was "
+    "not ordered down by the pilot, a default failsafe or the time limit"
+)
+BUILT_IN = (
+    "Two are built in and come last: the ground is touched outside take-off and landing, and it "
+    "lands; a plug-in keeps failing for 3 s, and it goes home, or lands after 6 s."
+)
 
 
 def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
@@ -87,6 +94,7 @@ def _failsafes(chart: Chart) -> Iterator[Sentences]:
     yield topic("Failsafes")
     if not chart.written.failsafes:
         yield said("None: only what the states themselves say, and the default failsafes below.")
+        yield said(BUILT_IN)
         return
     where = listed(name for name, placed in chart.full.by_name().items() if chart.flies(placed))
     yield said(
@@ -94,6 +102,7 @@ def _failsafes(chart: Chart) -> Iterator[Sentences]:
         f"every state that flies: {where}."
     )
     yield from (item(_failsafe(each)) for each in chart.written.failsafes)
+    yield said(BUILT_IN)
 
 
 def _failsafe(failsafe: Failsafe) -> str:
