@@ -72,8 +72,8 @@ FLIGHTS = (
     ),
     _flight(
         "GNSS jump",
-        "`gnss_jump=20` for good, on the way out",
-        (ELSEWHERE, *SAFE[:2]),
+        "`gnss_jump=20` for good, on the way out: a lost position",
+        (ELSEWHERE,),
         Flight(during("gps", "gnss_jump=20", 2, 14)),
     ),
     _flight(

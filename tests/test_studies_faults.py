@@ -60,7 +60,9 @@ def test_the_page_tells_every_deviation_and_no_other():
     assert "$" not in text.replace("$command", "")
 
 
-@pytest.mark.parametrize("name", ["filter diverged", "plug-in raises", "bad file", "bad import"])
+@pytest.mark.parametrize(
+    "name", ["GNSS jump", "filter diverged", "plug-in raises", "bad file", "bad import"]
+)
 def test_one_seed_comes_to_what_was_declared(name):
     seen = once(name, 1)
     assert good(row(name), seen), seen

@@ -143,6 +143,13 @@ def test_what_no_success_survives(says):
     assert found.startswith(says)
 
 
+def test_landing_without_knowing_where_is_no_success():
+    """The work was done; then fixes jumped, and the mission's failsafe landed it somewhere."""
+    lost = Passage(lost="GNSS jumped 20 m")
+    (found,) = flaws((Success(clearance=0.5),), lost, GOOD)
+    assert found == "did not know where it was as it began to land: GNSS jumped 20 m"
+
+
 def test_a_passage_that_is_too_near_is_no_success():
     for wanted, met in ((0.5, True), (0.81, False)):
         (found,) = conditions((Success(clearance=wanted),), Passage(), GOOD)

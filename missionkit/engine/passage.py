@@ -36,6 +36,7 @@ class Passage(NamedTuple):
     failsafes: tuple[Failsafe, ...] = ()
     ended_by: Failsafe | None = None  # the one since which the plan was not taken up again
     landing: tuple[float, float] | None = None  # m, north and east, where it means to land
+    lost: str = ""  # why the estimate had diverged as it began to land
 
 
 def passed(passage: Passage, record: Record, chart: Chart) -> Passage:
@@ -51,7 +52,7 @@ def passed(passage: Passage, record: Record, chart: Chart) -> Passage:
     for fired in record.fired:
         passage = after(passage, fired, record.now, chart)
         if "land" in _kinds(fired, chart):
-            passage = passage._replace(landing=_place(record))
+            passage = passage._replace(landing=_place(record), lost=_lost(record))
     return passage
 
 
@@ -94,6 +95,11 @@ def failsafe_of(fired: Fired, chart: Chart, now: float) -> Failsafe | None:
         if way.default and way.text == reason:
             return Failsafe(now, reason, default=True)
     return None
+
+
+def _lost(record: Record) -> str:
+    health = record.estimate.health
+    return (health.cause or "the filter has diverged") if health.diverged else ""
 
 
 def _place(record: Record) -> tuple[float, float]:

@@ -49,6 +49,8 @@ def conditions(
 def flaws(wanted: tuple[Success, ...], passage: Passage, truth: Truth | None) -> tuple[str, ...]:
     """Return what makes a flight no success, whatever its conditions say."""
     found = [] if truth is None else list(_by_truth(truth))
+    if passage.lost:
+        found.append(f"did not know where it was as it began to land: {passage.lost}")
     ended = passage.ended_by
     if ended is not None and ended.default:
         found.append(f"a default failsafe ended it at {ended.at:.1f} s: {ended.said}")

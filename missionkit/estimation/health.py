@@ -21,8 +21,10 @@ MEMORY = 50
 """How many refused fixes in a row are remembered."""
 PLACED_FOR = 3.0
 """For how long after a fix or a sighting (s) it is known where the vehicle is."""
-STRAY = [layout.AT, layout.Z, layout.Z + 1, layout.Z + 2]
+STRAY = [layout.AT, *range(layout.Z, layout.NOISE), *range(layout.RESIDUAL, layout.LOG_WIDTH)]
 """What is remembered of them."""
+AGREEING = 10
+"""How many refused fixes in a row have to agree before anything is made of them."""
 
 
 class Tally(NamedTuple):
@@ -31,7 +33,7 @@ class Tally(NamedTuple):
     accepted_at: tuple[float, ...]  # s, of the last accepted, -inf if none
     refused_since: tuple[float, ...]  # s, first of the refused in a row, inf if none
     refused: tuple[int, ...]  # in a row
-    strays: Mat  # (n, 4), s and m, NED: time and place of the fixes refused in a row
+    strays: Mat  # (n, 7), s and m, NED: time, place and innovation of the fixes refused in a row
     late: int  # measurements that arrived too late, in all
     resets: int = 0  # of the position, in all
     scatter: Scatter = Scatter()  # of sightings
@@ -40,7 +42,7 @@ class Tally(NamedTuple):
 def begin() -> Tally:
     """Return the counts before the first measurement."""
     n = layout.KINDS
-    return Tally((-math.inf,) * n, (math.inf,) * n, (0,) * n, np.empty((0, 4)), 0)
+    return Tally((-math.inf,) * n, (math.inf,) * n, (0,) * n, np.empty((0, len(STRAY))), 0)
 
 
 def stood(tally: Tally, fixes: Mat) -> Tally:
@@ -102,8 +104,8 @@ def horizontal_sd(P: Mat, shared: float) -> float:
     return math.sqrt(max(mean + math.hypot(half, both), 0.0) + shared**2)
 
 
-def diverged(tally: Tally, sd: float, silence: float, now: float, s: VisualInertialEkf) -> bool:
-    """Say whether the estimate must not be flown on.
+def divergence(tally: Tally, sd: float, silence: float, now: float, s: VisualInertialEkf) -> str:
+    """Return why the estimate must not be flown on, "" if it may be.
 
     Args:
         tally: the counts.
@@ -112,12 +114,32 @@ def diverged(tally: Tally, sd: float, silence: float, now: float, s: VisualInert
         now: the time (s).
         s: the limits.
     """
-    if sd > s.max_position_sd or silence > s.silent_after:
-        return True
-    return any(tally.refused) and (
-        refused_for(tally, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after
-        or refused_for(tally, (FIX, SIGHT), now) > s.stray_after
-    )
+    if silence > s.silent_after:
+        return f"no inertial samples for {silence:.1f} s"
+    if sd > s.max_position_sd:
+        return f"the position is known to {sd:.0f} m only"
+    if not any(tally.refused):
+        return ""
+    astray = refused_for(tally, (FIX, SIGHT), now)
+    if astray > s.reset_after and (jump := lasting_jump(tally)) is not None:
+        return f"GNSS jumped {jump:.0f} m"
+    if refused_for(tally, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after:
+        return "every fix and sighting was refused"
+    return "every position was refused" if astray > s.stray_after else ""
+
+
+def lasting_jump(tally: Tally) -> float | None:
+    """Return by how much (m) the fixes refused last lie beside the filter's flight, all alike.
+
+    None if they do not agree, or if their velocity was refused as well: then it may be the filter.
+    """
+    missed = tally.strays[-AGREEING:, 4:]
+    if len(missed) < AGREEING or tally.refused[FIX_VELOCITY]:
+        return None
+    mean = missed.mean(axis=0)
+    jump = math.sqrt(float(mean @ mean))
+    scatter = math.sqrt(float(np.square(missed - mean).sum(axis=1).mean()))
+    return jump if scatter <= jump / 3.0 else None
 
 
 def unaligned(settings: VisualInertialEkf) -> Health:
@@ -139,11 +161,14 @@ def placed(tally: Tally, now: float, s: VisualInertialEkf) -> bool:
     return s.flow or now - latest <= PLACED_FOR
 
 
-def health(tally: Tally, sd: float, height_sd: float, *, lost: bool, placed: bool) -> Health:
-    """Return the health of an aligned filter: sds (m), horizontal and of the height."""
+def health(tally: Tally, sd: float, height_sd: float, *, cause: str, placed: bool) -> Health:
+    """Return the health of an aligned filter: sds (m), horizontal and of the height.
+
+    `cause` says why it has diverged, "" if it has not.
+    """
     return Health(
         aligned=True,
-        diverged=lost,
+        diverged=bool(cause),
         gnss_at=_known(tally.accepted_at[FIX]),
         vision_at=_known(tally.accepted_at[SIGHT]),
         position_sd=sd,
@@ -152,6 +177,7 @@ def health(tally: Tally, sd: float, height_sd: float, *, lost: bool, placed: boo
         height_sd=height_sd,
         resets=tally.resets,
         misfit=misfit(tally.scatter),
+        cause=cause,
     )
 
 

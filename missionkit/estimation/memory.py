@@ -36,6 +36,7 @@ class NavMemory(NamedTuple):
     marks: tuple[Mark, ...]  # one per target, in the order they were given
     corrections: tuple[Timed, ...]  # world <- odom: the sum of all resets of the position
     broken: bool  # the last observation was left out, since its result was not finite
+    parked: bool = False  # the autopilot last said: on the ground, disarmed
 
 
 class NavState(NamedTuple):

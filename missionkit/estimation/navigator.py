@@ -61,7 +61,9 @@ class Navigator:
 
     def propagate(self, known: NavMemory, observation: Observation) -> NavMemory:
         """Return the memory after one observation: alignment first, then prediction and update."""
-        known = known._replace(now=observation.now, broken=False)
+        status = observation.status
+        parked = known.parked if status is None else not (status.in_air or status.armed)
+        known = known._replace(now=observation.now, broken=False, parked=parked)
         if known.past is None:
             return self._align(known, observation)
         rows = measurements.observed(observation, self._settings)
@@ -144,7 +146,9 @@ class Navigator:
         fixes = [] if past is None else history.newest(past, (FIX, FIX_VELOCITY))
         if past is None or not fixes or fixes[0][OUTCOME] != REJECTED:
             return known
-        forget = recovery.forget_vehicle(known.tally, fixes, known.now, self._settings)
+        forget = recovery.forget_vehicle(
+            known.tally, fixes, known.now, self._settings, parked=known.parked
+        )
         if forget is None:
             return known
         at, again = float(fixes[0][AT]), [history.pending(r) for r in fixes]

@@ -25,7 +25,9 @@ def aligned(
     x, P = past.xs[-1], past.Ps[-1]
     sd = health.horizontal_sd(P, settings.fix_drift_sd)
     silence = known.now - float(past.times[-1])
-    lost = known.broken or health.diverged(known.tally, sd, silence, known.now, settings)
+    cause = health.divergence(known.tally, sd, silence, known.now, settings)
+    if known.broken:
+        cause = "the last measurements made the filter unsound"
     return NavState(
         position=x[0:3].copy(),
         velocity=x[3:6].copy(),
@@ -35,7 +37,7 @@ def aligned(
             known.tally,
             sd,
             math.sqrt(max(P.item(2, 2), 0.0)),
-            lost=lost,
+            cause=cause,
             placed=health.placed(known.tally, known.now, settings),
         ),
         targets={n: _target(n, i, x, P, known.marks[i]) for i, n in enumerate(names)},

@@ -1,10 +1,14 @@
 """When measurements that were refused deserve to be believed after all.
 
-A jump of the satellite position is refused at first: velocity and inertial data carry the filter
-across a short fault. If the fixes keep coming, agree with each other, and nothing visual
-contradicts them, the filter was wrong, or they are all there is: it admits an error as large as
-the disagreement and takes the same fix again. A target that is seen again and again somewhere
-else is started anew at the place where it is seen.
+A jump of the satellite position is refused: velocity and inertial data carry the filter across a
+short fault, and a lasting one is a lost position (`health.divergence`), since a receiver that
+jumps in flight says where it is as well as one that does not. Refused fixes are believed where the
+filter is what is wrong: the velocities of the receiver were refused as long as its positions, and
+the fixes agree with each other and with nothing visual against them. So they are on the ground
+before arming, where nothing depends on the old place yet. Then the filter admits an error as large
+as the disagreement and takes the same fix again. After an outage nothing of this is needed: by then
+the filter's own uncertainty lets the fix through the gate. A target that is seen again and again
+somewhere else is started anew at the place where it is seen.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from missionkit.estimation import layout
-from missionkit.estimation.health import Tally, refused_for
+from missionkit.estimation.health import AGREEING, Tally, refused_for
 from missionkit.estimation.layout import FIX, FIX_VELOCITY, SIGHT
 from missionkit.estimation.measurements import row
 from missionkit.geometry import Mat, Vec3, norm
@@ -23,8 +27,6 @@ from missionkit.geometry import Mat, Vec3, norm
 if TYPE_CHECKING:
     from missionkit.estimation.visual_inertial import VisualInertialEkf
 
-FIXES = 10
-"""How many refused fixes in a row have to agree."""
 NOTHING = np.zeros((3, 3))
 
 
@@ -38,14 +40,17 @@ def agreeing(strays: Mat, count: int, sd: float) -> bool:
 
 
 def straightened(strays: Mat) -> Mat:
-    """Return how far (n, 3) timed places (n, 4) lie from the straight flight that fits best."""
-    line = np.column_stack((np.ones(len(strays)), strays[:, 0] - strays[0, 0]))
-    residual: Mat = strays[:, 1:] - line @ (np.linalg.pinv(line) @ strays[:, 1:])
+    """Return how far (n, 3) `Tally.strays` (n, 7) lie from the straight flight that fits best."""
+    line, places = (
+        np.column_stack((np.ones(len(strays)), strays[:, 0] - strays[0, 0])),
+        strays[:, 1:4],
+    )
+    residual: Mat = places - line @ (np.linalg.pinv(line) @ places)
     return residual
 
 
 def forget_vehicle(
-    tally: Tally, fixes: list[Vec3], now: float, settings: VisualInertialEkf
+    tally: Tally, fixes: list[Vec3], now: float, settings: VisualInertialEkf, *, parked: bool
 ) -> Vec3 | None:
     """Return the log row that makes room for a fix, None if it is not to be believed.
 
@@ -55,13 +60,16 @@ def forget_vehicle(
             one.
         now: the time (s).
         settings: the limits.
+        parked: the vehicle stands disarmed on the ground.
     """
+    doubted = (FIX,) if parked else (FIX, FIX_VELOCITY)
     seen_ago = now - tally.accepted_at[SIGHT]
     sd = math.sqrt(float(fixes[0][layout.NOISE : layout.EXTRA : 4].sum()))
     if (
-        refused_for(tally, (FIX,), now) < settings.reset_after
+        refused_for(tally, doubted, now) < settings.reset_after
+        or not (parked or tally.refused[FIX_VELOCITY])
         or seen_ago < settings.blind_after
-        or not agreeing(straightened(tally.strays[-FIXES:]), FIXES, sd)
+        or not agreeing(straightened(tally.strays[-AGREEING:]), AGREEING, sd)
     ):
         return None
     drift = (0.0, 0.0, 0.0)

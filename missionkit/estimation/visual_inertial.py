@@ -74,7 +74,9 @@ class VisualInertialEkf(Plugin):
         default=8.0, description="diverged: positions come, all are refused"
     )
     reset_after: Seconds = Field(
-        default=5.0, description="believe fixes that were refused so long but agree"
+        default=5.0,
+        description="fixes refused so long that agree: believed if their velocities were refused "
+        "too or the vehicle stands disarmed, diverged otherwise (GNSS jumped)",
     )
     silent_after: Seconds = Field(default=0.5, description="diverged: no inertial samples")
     max_position_sd: Metres = Field(default=20.0, gt=0, description="diverged: above it")

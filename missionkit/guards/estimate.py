@@ -26,7 +26,7 @@ class EstimateBad(Guard):
     @override
     def check(self, seen: Estimate) -> Verdict:
         if seen.health.diverged:
-            return Verdict(holds=True, why="the filter has diverged")
+            return Verdict(holds=True, why=seen.health.cause or "the filter has diverged")
         return Verdict.above(seen.health.position_sd, self.position_sd)
 
     @override

@@ -39,6 +39,7 @@ class Health(NamedTuple):
     height_sd: float | None = None  # m, 1 sigma, None: not known
     resets: int = 0  # how often the position has jumped to what had been refused before
     misfit: str = ""  # how the sightings do not fit the filter's noise, if they do not
+    cause: str = ""  # why it has diverged, "GNSS jumped 20 m", if the navigator says
 
 
 class Goal(NamedTuple):

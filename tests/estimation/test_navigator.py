@@ -12,7 +12,7 @@ from flights import MOUNT, TICK, TRUNK, Flight, attitude, position, sighting, ve
 
 from missionkit.estimation.visual_inertial import VisualInertialEkf
 from missionkit.geometry import Transform, conjugate, exp, log, multiply, vec
-from missionkit.messages import Observation
+from missionkit.messages import Observation, VehicleStatus
 
 SETTINGS = VisualInertialEkf(fix_drift_sd=0.0, mag_sd=0.05)
 SURVEY = TRUNK.translation + vec(0.6, -0.5, 0.4)
@@ -192,18 +192,51 @@ def test_one_wild_fix_is_refused(flown):
     assert off_by(state, 10.2) < 0.5
 
 
-def test_a_jump_is_sat_out_then_believed():
+def standing(change=lambda o: o, *, armed=False, in_air=False):
+    """The autopilot says that the vehicle stands on the ground, or does not."""
+    return lambda o: dataclasses.replace(
+        change(o), status=VehicleStatus(o.now, armed=armed, in_air=in_air, ready=True, mode="hold")
+    )
+
+
+@pytest.mark.parametrize("states", [None, (True, True), (True, False)])
+def test_a_lasting_jump_is_a_lost_position_until_it_ends(states):
+    """In the air, armed, or where nothing is said of it, fixes that jumped are never believed."""
+    nav, change = navigator(), jumped(vec(0, 20, 0))
+    if states is not None:
+        change = standing(change, armed=states[0], in_air=states[1])
+    memory = fly(nav, 8.0)
+    memory = fly(nav, 12.6, since=8.0, memory=memory, change=change)
+    assert not nav.read(memory).health.diverged
+    memory = fly(nav, 14.0, since=12.6, memory=memory, change=change)
+    assert nav.read(memory).health.diverged
+    assert nav.read(memory).health.cause == "GNSS jumped 20 m"
+    memory = fly(nav, 45.0, since=14.0, memory=memory, change=change)
+    held = nav.read(memory)
+    assert off_by(held, 45.0) < 2.0
+    assert held.health.diverged
+    assert held.health.cause.startswith("GNSS jumped ")
+    assert held.health.resets == 0
+    np.testing.assert_array_equal(held.correction, 0)
+    memory = fly(nav, 46.0, since=45.0, memory=memory)
+    after = nav.read(memory)
+    assert (after.health.diverged, after.health.cause, after.health.rejected) == (False, "", 0)
+    assert off_by(after, 46.0) < 1.0
+
+
+def test_on_the_ground_a_jump_is_sat_out_then_believed():
     """8 m for good: refused for five seconds, then the position moves and world <- odom says so."""
     nav = navigator()
     jump = vec(0, 8, 0)
+    change = standing(jumped(jump))
     memory = fly(nav, 8.0)
-    memory = fly(nav, 12.6, since=8.0, memory=memory, change=jumped(jump))
+    memory = fly(nav, 12.6, since=8.0, memory=memory, change=change)
     held = nav.read(memory)
     assert off_by(held, 12.6) < 1.0
     assert not held.health.diverged
     assert held.health.resets == 0
     np.testing.assert_array_equal(held.correction, 0)
-    memory = fly(nav, 16.0, since=12.6, memory=memory, change=jumped(jump))
+    memory = fly(nav, 16.0, since=12.6, memory=memory, change=change)
     state = nav.read(memory)
     assert np.linalg.norm(state.position - position(16.0) - jump) < 1.0
     np.testing.assert_allclose(state.correction, jump, atol=1.5)
@@ -216,14 +249,29 @@ def test_a_jump_is_sat_out_then_believed():
     assert np.linalg.norm(tree.lookup("odom", "base", 15.9).translation - position(15.9)) < 1.5
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_after_an_outage_the_fixes_are_believed_by_the_filters_own_uncertainty(seed):
+    nav = navigator()
+    memory = fly(nav, 8.0, seed=seed)
+    memory = fly(nav, 40.0, since=8.0, memory=memory, change=without("gnss"), seed=seed)
+    blind = nav.read(memory)
+    assert blind.health.position_sd > 1.0
+    memory = fly(nav, 41.0, since=40.0, memory=memory, seed=seed)
+    state = nav.read(memory)
+    assert (state.health.rejected, state.health.resets) == (0, 0)
+    assert not state.health.diverged
+    assert off_by(state, 41.0) < 1.5
+
+
 def test_fixes_stamped_just_after_the_newest_inertial_sample_are_believed_as_well():
     """They wait for the sample that reaches their time, which comes with a later observation."""
     nav, jump = navigator(), vec(0, 8, 0)
+    change = standing(jumped(jump))
     flight = Flight(np.random.default_rng(0), SETTINGS)
     memory = nav.begin()
     for n in range(1, round(16.0 / TICK) + 1):
         seen = flight.tick(n, delay=-0.004)
-        memory = nav.propagate(memory, seen if n * TICK < 8.0 else jumped(jump)(seen))
+        memory = nav.propagate(memory, seen if n * TICK < 8.0 else change(seen))
     state = nav.read(memory)
     assert np.linalg.norm(state.position - position(16.0) - jump) < 1.0
     assert state.health.rejected == 0
@@ -255,11 +303,12 @@ def test_a_fix_with_part_of_the_velocity_still_holds_the_position(axes):
     np.testing.assert_allclose(state.velocity, velocity(20.0), atol=0.4)
 
 
-def test_a_jump_is_believed_without_a_velocity_too():
+def test_on_the_ground_a_jump_is_believed_without_a_velocity_too():
     nav, jump = navigator(), vec(0, 8, 0)
     silent = velocity_known()
+    change = standing(lambda o: silent(jumped(jump)(o)))
     memory = fly(nav, 8.0, change=silent)
-    memory = fly(nav, 18.0, since=8.0, memory=memory, change=lambda o: silent(jumped(jump)(o)))
+    memory = fly(nav, 18.0, since=8.0, memory=memory, change=change)
     assert np.linalg.norm(nav.read(memory).position - position(18.0) - jump) < 1.5
 
 
@@ -285,7 +334,7 @@ def test_while_the_target_is_in_view_a_jump_is_never_believed():
 def test_a_reset_takes_a_target_seen_before_along():
     nav = navigator()
     memory = fly(nav, 8.0, seen=look)
-    memory = fly(nav, 16.0, since=8.0, memory=memory, change=jumped(vec(0, 8, 0)))
+    memory = fly(nav, 16.0, since=8.0, memory=memory, change=standing(jumped(vec(0, 8, 0))))
     state = nav.read(memory)
     trunk = state.targets["trunk"]
     assert np.linalg.norm(state.position - position(16.0) - vec(0, 8, 0)) < 1.0
@@ -296,7 +345,7 @@ def test_a_reset_takes_a_target_seen_before_along():
 def test_a_reset_leaves_a_target_never_seen_where_it_was_surveyed():
     nav = navigator()
     memory = fly(nav, 8.0)
-    memory = fly(nav, 16.0, since=8.0, memory=memory, change=jumped(vec(0, 8, 0)))
+    memory = fly(nav, 16.0, since=8.0, memory=memory, change=standing(jumped(vec(0, 8, 0))))
     np.testing.assert_array_equal(nav.read(memory).targets["trunk"].position, SURVEY)
 
 

@@ -121,6 +121,13 @@ def test_converged(seen, changes, holds, value):
     assert verdict.value == (None if value is None else pytest.approx(value, abs=1e-9))
 
 
+def test_a_diverged_filter_says_why(seen):
+    health = Health(True, True, 10.0, None, 0.3, 30)
+    assert EstimateBad().check(seen(health=health)).why == "the filter has diverged"
+    jumped = health._replace(cause="GNSS jumped 20 m")
+    assert EstimateBad().check(seen(health=jumped)).why == "GNSS jumped 20 m"
+
+
 def test_margin_says_how_far_inside():
     verdict = FENCE.check(calm(position=np.array([0.0, 4.0, -5.0])))
     assert (verdict.value, verdict.threshold, verdict.margin) == (1.0, 0.0, 1.0)
