@@ -57,8 +57,10 @@ def _lost(seen: Estimate) -> str:
     """Return what the estimate lacks to take off, "" if nothing."""
     if not seen.health.aligned:
         return "waiting for the estimate to align"
-    if not seen.health.placed or seen.health.diverged:
+    if not seen.health.placed:
         return "waiting for a position: none has been accepted lately"
+    if seen.health.diverged:
+        return "waiting for the estimate: it has diverged"
     return ""
 
 

@@ -179,6 +179,7 @@ class MavsdkVehicle:
         if not self._camera.running:
             self._camera.start(self)
         parts.streams.tend()
+        parts.time_sync.ask()
         self._take_reports(parts)
         with self._noting:
             events, self._events = tuple(self._events), []

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 from missionkit.vehicle.cache import Cache, Fields, Message
 from missionkit.vehicle.streams import CLOCKED, QUEUED, boot_time
+from missionkit.vehicle.time_sync import Answer
 from missionkit.vehicle.timing import BootClock, MissionClock
 
 AHEAD = 0.05  # s that a stamp may lie after the arrival: the clocks are only estimated
@@ -24,11 +27,18 @@ class Arrivals:
     Args:
         cache: the newest messages.
         clock: mission time.
+        answers: returns those that came since the last call.
     """
 
-    def __init__(self, cache: Cache, clock: MissionClock) -> None:
+    def __init__(
+        self,
+        cache: Cache,
+        clock: MissionClock,
+        answers: Callable[[], Iterable[Answer]] = tuple,
+    ) -> None:
         self._cache = cache
         self._clock = clock
+        self._answers = answers
         self._boot = BootClock()
         self._waiting: dict[str, list[Message]] = {name: [] for name in QUEUED}
         self._learnt: dict[str, Message] = {}
@@ -78,3 +88,7 @@ class Arrivals:
             boot, arrived = boot_time(message), self._clock.at(message.arrived)
             if boot is not None and arrived is not None:
                 self._boot.hear(boot, arrived)
+        for answer in self._answers():
+            asked = self._clock.at(answer.sent)
+            if asked is not None:
+                self._boot.answered(answer.boot, asked)

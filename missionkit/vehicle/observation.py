@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from missionkit.geometry import Vec3
@@ -25,6 +25,7 @@ from missionkit.vehicle.home import home_message, local_home, place_of
 from missionkit.vehicle.origin import Origin
 from missionkit.vehicle.state import State
 from missionkit.vehicle.surroundings import Surroundings
+from missionkit.vehicle.time_sync import Answer
 from missionkit.vehicle.timing import MissionClock
 from missionkit.vehicle.velocity_correction import Moving
 from missionkit.vehicle.words import event_of
@@ -55,14 +56,21 @@ class Observer:
         cache: the newest messages.
         state: what the autopilot says about itself.
         clock: mission time.
+        answers: of the vehicle to the question for its time, since the last call.
     """
 
-    def __init__(self, cache: Cache, state: State, clock: MissionClock) -> None:
+    def __init__(
+        self,
+        cache: Cache,
+        state: State,
+        clock: MissionClock,
+        answers: Callable[[], Iterable[Answer]] = tuple,
+    ) -> None:
         self.origin: Origin | None = None
         self._cache = cache
         self._state = state
         self._clock = clock
-        self._arrivals = Arrivals(cache, clock)
+        self._arrivals = Arrivals(cache, clock, answers)
         self._around = Surroundings(self._arrivals)
         self._ground: float | None = None  # m, pressure altitude of home
         self._status_told: VehicleStatus | None = None

@@ -21,6 +21,7 @@ from missionkit.vehicle.setpoints import STALE, STILL, Streamer
 from missionkit.vehicle.state import State
 from missionkit.vehicle.steering import leashed, message
 from missionkit.vehicle.streams import HEARTBEAT, SILENT, Streams
+from missionkit.vehicle.time_sync import TimeSync
 from missionkit.vehicle.timing import MissionClock, wall
 
 BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
@@ -60,7 +61,8 @@ class Parts:
         self.dialect = dialect
         self.state = State(cache, dialect)
         self.phase = Phase(cache, dialect)
-        self.observer = Observer(cache, self.phase, clock)
+        self.time_sync = TimeSync(link, wall, pace, note)
+        self.observer = Observer(cache, self.phase, clock, self.time_sync.take)
         self.authority = ControlAuthority(
             dialect, self._let_go, tell, self._unheard, self.state.whereabouts, note
         )
@@ -76,6 +78,7 @@ class Parts:
     def start(self) -> None:
         """Begin."""
         self._cache.listen(self.streams.hear)
+        self._cache.listen(self.time_sync.hear)
         self._cache.listen(self.authority.hear)
         beat = self._cache.latest("HEARTBEAT")
         if beat is not None:

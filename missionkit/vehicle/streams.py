@@ -34,6 +34,7 @@ NAMES: Mapping[int, str] = {
     100: "OPTICAL_FLOW",
     105: "HIGHRES_IMU",
     106: "OPTICAL_FLOW_RAD",
+    111: "TIMESYNC",
     115: "HIL_STATE_QUATERNION",
     124: "GPS2_RAW",
     132: "DISTANCE_SENSOR",

@@ -5,11 +5,17 @@ Imported where time is needed; the wall clock is read here and nowhere else in t
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
 
 REMEMBERED = 300  # messages whose delay is looked at: the least of them is the link's own
+ANSWERS = 5  # of the vehicle to the question for its time, that count
+SLACK = (
+    0.2  # s by which the vehicle's time may fall behind, to catch up again, before it is followed
+)
+AGREED = 0.05  # s by which answers and messages may disagree if they are stamped by one clock
 
 
 def wall() -> float:
@@ -51,12 +57,16 @@ class BootClock:
     """Mission time of what the vehicle stamped with its time since boot.
 
     Each message gives an upper limit to the offset between the clocks, its delay; the smallest
-    of the last ones counts, so that jitter on the link does not become jitter of the sensors.
+    of the last ones counts, so that jitter on the link does not become jitter of the sensors. It
+    is too small where the vehicle's time passes more slowly than ours. Each answer to the question
+    for its time gives a lower limit: it was stamped after it was asked for. The offset is at most
+    `SLACK` less than that.
     """
 
     def __init__(self) -> None:
         self._count = 0
         self._least: deque[tuple[int, float]] = deque()  # (message, offset), offsets rising
+        self._floors: deque[float] = deque(maxlen=ANSWERS)  # lower limits of the offset
         self._lock = threading.Lock()  # cameras ask from their own threads
 
     def hear(self, boot: float, arrived: float) -> None:
@@ -66,16 +76,33 @@ class BootClock:
             while self._least and self._least[-1][1] >= offset:
                 self._least.pop()
             self._least.append((self._count, offset))
+            for n, floor in enumerate(self._floors):
+                self._floors[n] = min(floor, offset)  # a simulation has caught up
             self._count += 1
             if self._least[0][0] <= self._count - 1 - REMEMBERED:
                 self._least.popleft()
+
+    def answered(self, boot: float, asked: float) -> None:
+        """Learn from an answer stamped `boot` (s) to a question of mission time `asked` (s).
+
+        One that contradicts the newest message is of another clock.
+        """
+        floor = asked - boot
+        with self._lock:
+            newest = self._least[-1][1] if self._least else -math.inf
+            if floor <= newest + AGREED:
+                self._floors.append(min(floor, newest))
 
     def forget(self) -> None:
         """Begin anew: the vehicle has rebooted."""
         with self._lock:
             self._least.clear()
+            self._floors.clear()
 
     def mission(self, boot: float) -> float | None:
         """Return the mission time (s) of a stamp, None while nothing has been heard."""
         with self._lock:
-            return self._least[0][1] + boot if self._least else None
+            if not self._least:
+                return None
+            floor = max(self._floors, default=-math.inf) - SLACK
+            return max(self._least[0][1], floor) + boot

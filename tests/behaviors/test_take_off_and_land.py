@@ -15,6 +15,7 @@ from missionkit.messages import Action, VehicleStatus
 GROUND = {"armed": False, "in_air": False, "mode": "hold"}
 UNALIGNED = calm().health._replace(aligned=False)
 NOWHERE = calm().health._replace(placed=False)
+DIVERGED = calm().health._replace(diverged=True)
 
 
 def ground(height: float = 0.0, **changes):
@@ -55,6 +56,12 @@ def test_nothing_takes_off_without_a_position(armed):
     (step,) = play(TakeOff(), [ground(status=said, health=NOWHERE)])
     assert (step.action, step.done) == (None, False)
     assert "waiting for a position" in step.note
+
+
+def test_nothing_takes_off_by_an_estimate_that_has_diverged():
+    (step,) = play(TakeOff(), [ground(status=status(**GROUND), health=DIVERGED)])
+    assert (step.action, step.done) == (None, False)
+    assert "diverged" in step.note
 
 
 def test_launched_by_hand_nothing_is_commanded_until_the_pilot_gives_control():
