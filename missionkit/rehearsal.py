@@ -59,6 +59,7 @@ class Rehearsal(NamedTuple):
     grade: Grade
     conditions: tuple[Condition, ...] = ()  # of the mission's success
     flaws: tuple[str, ...] = ()  # what makes it no success whatever the mission asks for
+    passage: Passage = Passage()
 
     @property
     def succeeded(self) -> bool:
@@ -243,7 +244,7 @@ def _graded(ready: Stage, flown: Flown, seen: _Witness) -> Rehearsal:
     found = conditions(wanted, passage, truth)
     wrong = flaws(wanted, passage, truth)
     met = graded.landed and all(it.met for it in found)
-    return Rehearsal(flown, graded._replace(succeeded=met), found, wrong)
+    return Rehearsal(flown, graded._replace(succeeded=met), found, wrong, passage)
 
 
 def _visit(

@@ -7,12 +7,12 @@ from functools import cache
 import pytest
 from rehearsed import flown, short, short_stage
 
-from missionkit.campaign.ending import outcome, reason
+from missionkit.campaign.ending import outcome, reason, succeeded
 from missionkit.chart.model.sections import Success
 from missionkit.engine.passage import Failsafe, Passage, after
 from missionkit.engine.success import Truth, conditions, flaws
 from missionkit.errors import FileError
-from missionkit.messages import Fired
+from missionkit.messages import Fired, Verdict
 from missionkit.sim.faults import parse_fault
 
 BELOW = """\
@@ -88,6 +88,33 @@ def test_several_conditions_are_each_told_with_their_figure():
     assert met.conditions[0].figure.startswith("at ")
 
 
+def test_entered_is_not_done():
+    text = ROUND + "success: [{visit: up}, {done: up}, {done: one}]\n"
+    flight_ = flight(text).result
+    assert [(it.says, it.met) for it in flight_.conditions] == [
+        ("up visited", True),
+        ("up finished", True),
+        ("one finished", False),
+    ]
+    assert flight_.conditions[2].figure == "never"
+    assert not flight_.succeeded
+    assert reason(flight_) == "landed, but not as asked for: one finished: never"
+
+
+def test_a_transition_on_done_alone_says_that_a_behaviour_finished():
+    chart = short_stage(ROUND).plan.chart
+    fired = Fired("up", "work", "when done", (("done", Verdict(holds=True)),), ())
+    assert after(Passage(), fired, 7.0, chart).finished == {"up": 7.0}
+
+
+def test_a_success_past_failsafes_names_them():
+    taken = (Failsafe(3.0, "when disturbed", default=True),) * 2
+    assert succeeded(Passage()) == "flown as planned"
+    assert succeeded(Passage(failsafes=taken)) == (
+        "all that was asked for was done, past these failsafes: when disturbed (2 times)"
+    )
+
+
 def test_one_of_several_that_is_not_met_is_no_success():
     text = ROUND.replace("{to: two, after: 1}", "{to: finished, after: 1}")
     missed = flight(text + "success: [{visit: one}, {visit: two, clearance: 1.0}]\n").result
@@ -111,7 +138,7 @@ def test_a_mission_that_says_nothing_of_success_has_none_if_a_failsafe_landed_it
 @pytest.mark.parametrize(
     ("success", "says"),
     [
-        ("{}", "needs at least one of 'visit', 'clearance', 'failsafes'"),
+        ("{}", "needs at least one of 'visit', 'done', 'clearance', 'failsafes'"),
         ("[{failsafes: 0, target: x}]", "unknown target 'x'"),
         ("{clearance: 1.0, position: 0.3}", "'position' needs 'visit'"),
         ("[{visit: nowhere}]", "unknown state 'nowhere'"),

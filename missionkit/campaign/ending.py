@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Literal
 
 from missionkit.engine.loop import End
+from missionkit.engine.passage import Passage
 from missionkit.engine.success import Condition
 from missionkit.rehearsal import Rehearsal
 
@@ -30,7 +32,7 @@ def reason(result: Rehearsal, *, asked: bool = False) -> str:
     """
     grade = result.grade
     if result.succeeded:
-        return "flown as planned"
+        return succeeded(result.passage)
     if grade.crashed:
         return "hit an obstacle or the ground"
     if result.flown.end is not End.LANDED:
@@ -40,6 +42,15 @@ def reason(result: Rehearsal, *, asked: bool = False) -> str:
     if result.flaws:
         return f"no success: {result.flaws[0]}"
     return missing(result.conditions)
+
+
+def succeeded(passage: Passage) -> str:
+    """Return how a success came about: as planned, or past failsafes, which are named."""
+    if not passage.failsafes:
+        return "flown as planned"
+    times = Counter(failsafe.said for failsafe in passage.failsafes)
+    named = [said if count == 1 else f"{said} ({count} times)" for said, count in times.items()]
+    return f"all that was asked for was done, past these failsafes: {'; '.join(named)}"
 
 
 def missing(found: Sequence[Condition]) -> str:

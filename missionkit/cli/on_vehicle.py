@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from missionkit.campaign.ending import aborted, missing
+from missionkit.campaign.ending import aborted, missing, succeeded
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.sections import Success
@@ -146,7 +146,7 @@ def _outcome(flown: Flown, passage: Passage, wanted: tuple[Success, ...]) -> Out
 
 def _reason(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:
     missed = _missed(flown, passage, wanted, asked=asked)
-    return missed or "flown as planned, by the vehicle's own account"
+    return missed or f"{succeeded(passage)}, by the vehicle's own account"
 
 
 def _missed(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:

@@ -33,6 +33,7 @@ class Passage(NamedTuple):
     """What a flight went through so far."""
 
     spans: Spans = NOTHING  # state -> first entered, last active, s
+    finished: Mapping[str, float] = MappingProxyType({})  # state -> when its behaviour finished, s
     failsafes: tuple[Failsafe, ...] = ()
     ended_by: Failsafe | None = None  # the one since which the plan was not taken up again
     landing: tuple[float, float] | None = None  # m, north and east, where it means to land
@@ -49,6 +50,8 @@ def passed(passage: Passage, record: Record, chart: Chart) -> Passage:
     passage = passage._replace(
         spans=_seen(passage.spans, (*record.active, record.state), record.now)
     )
+    if record.done:
+        passage = _finished(passage, record.state, record.now)
     for fired in record.fired:
         passage = after(passage, fired, record.now, chart)
         if "land" in _kinds(fired, chart):
@@ -58,6 +61,8 @@ def passed(passage: Passage, record: Record, chart: Chart) -> Passage:
 
 def after(passage: Passage, fired: Fired, now: float, chart: Chart) -> Passage:
     """Return what a flight went through after one more transition, which was taken at `now` (s)."""
+    if any(name == "done" and verdict.holds for name, verdict in fired.verdicts):
+        passage = _finished(passage, fired.source, now)
     kinds = _kinds(fired, chart)
     taken = failsafe_of(fired, chart, now)
     ended_by, failsafes = passage.ended_by, passage.failsafes
@@ -76,6 +81,16 @@ def _entered(fired: Fired, chart: Chart) -> list[str]:
 
 def _kinds(fired: Fired, chart: Chart) -> frozenset[str]:
     return frozenset(chart.states[to].kind.name for to in _entered(fired, chart))
+
+
+def _finished(passage: Passage, state: str, now: float) -> Passage:
+    """Return it with a state whose behaviour has finished, if that is news.
+
+    The transition alone says so where a flight is read back from its record.
+    """
+    if state in passage.finished:
+        return passage
+    return passage._replace(finished={**passage.finished, state: now})
 
 
 def _seen(spans: Spans, states: Iterable[str], now: float) -> Spans:

@@ -82,6 +82,10 @@ def _by_truth(truth: Truth) -> Iterator[str]:
 def _conditions(one: Success, passage: Passage, truth: Truth | None) -> Iterator[Condition]:
     if one.visit is not None:
         yield _visit(one, one.visit, passage, truth)
+    if one.done is not None:
+        at = passage.finished.get(one.done)
+        figure = "never" if at is None else f"at {at:.1f} s"
+        yield Condition(f"{one.done} finished", at is not None, figure)
     if one.clearance is not None:
         says = f"{one.clearance:g} m clear of obstacles"
         if truth is None:

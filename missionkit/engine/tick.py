@@ -81,6 +81,7 @@ def tick(
         + decision.problems
         + _news(hands.failing, memory.hands.failing),
         estimate=seen,
+        done=step.done,
     )
     following = Memory(observation.now, senses, chart, hands)
     return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)

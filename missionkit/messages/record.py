@@ -34,3 +34,4 @@ class Record(NamedTuple):
     problems: tuple[str, ...]  # invariant violations, contained plug-in errors
     estimate: Estimate
     cycle: Cycle = NO_CYCLE  # wall time of this tick, as the shell measured it
+    done: bool = False  # the behaviour of `state` says that it has finished

@@ -45,6 +45,7 @@ class Success(Part):
     standoff: Place3 = (0.0, 0.0, 0.0)
     position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
+    done: StateName | None = Field(default=None, description="its behaviour must have finished")
     clearance: Metres | None = Field(
         default=None, ge=0, description="least distance of its surface from obstacles in flight"
     )
@@ -52,8 +53,9 @@ class Success(Part):
 
     @model_validator(mode="after")
     def _asks_for_something(self) -> Self:
-        if self.visit is None and self.clearance is None and self.failsafes is None:
-            raise sentences(sentence("needs at least one of 'visit', 'clearance', 'failsafes'"))
+        if (self.visit, self.done, self.clearance, self.failsafes) == (None, None, None, None):
+            wanted = "'visit', 'done', 'clearance', 'failsafes'"
+            raise sentences(sentence(f"needs at least one of {wanted}"))
         goal = {"target", "standoff", "position", "yaw_deg"} & self.model_fields_set
         if self.visit is None and goal:
             raise sentences(sentence(f"'{min(goal)}' needs 'visit': the state it is measured in"))

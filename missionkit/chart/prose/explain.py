@@ -138,6 +138,8 @@ def _success(success: Success) -> str:
             f"{success.position:g} m and {success.yaw_deg:g} degrees of the pose "
             f"{value(success.standoff)} from the marker of {success.target}"
         )
+    if success.done is not None:
+        parts.append(f"the behaviour of {success.done} finished")
     if success.clearance is not None:
         parts.append(f"it kept {success.clearance:g} m from every obstacle")
     if success.failsafes is not None:
