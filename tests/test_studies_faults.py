@@ -61,7 +61,7 @@ def test_the_page_tells_every_deviation_and_no_other():
 
 
 @pytest.mark.parametrize(
-    "name", ["GNSS jump", "filter diverged", "plug-in raises", "bad file", "bad import"]
+    "name", ["GNSS jump", "fence", "filter diverged", "plug-in raises", "bad file", "bad import"]
 )
 def test_one_seed_comes_to_what_was_declared(name):
     seen = once(name, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar
 
 from pydantic import Field
@@ -14,6 +15,7 @@ from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point
 
 HOME = "home"
+RECEDING = 0.7  # m/s away from the goal, level: it comes to rest before it turns round
 
 
 class GoTo(Behavior):
@@ -22,7 +24,8 @@ class GoTo(Behavior):
     `target` is a target of the mission or `home`, the place of arming. `standoff` stays off a
     marker by [out of the marker, right, up] (m), as the viewer sees it; from this far only its
     heading is used, since a small error of its tilt would be metres of height. `height` above the
-    take-off point overrides the goal's own; the way home keeps the height it began with.
+    take-off point overrides the goal's own; the way home keeps the height it began with. A vehicle
+    that begins by flying away from its goal, as at a fence, comes to rest before it turns round.
     """
 
     kind: ClassVar[str] = "go_to"
@@ -33,18 +36,22 @@ class GoTo(Behavior):
     within: Metres = Field(default=1.0, gt=0)
 
     @override
-    def begin(self, seen: Estimate) -> float:
-        return float(seen.position[2])
+    def begin(self, seen: Estimate) -> tuple[float, bool]:
+        return float(seen.position[2]), True
 
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
-        goal = self._goal(seen, memory)
+        down, turning = memory or self.begin(seen)  # None: begin failed
+        goal = self._goal(seen, down)
         if goal is None:
             return Step(note=f"where {self.target} is, is not known", memory=memory)
+        if turning and _receding(seen, goal):
+            note = "coming to rest before it turns round"
+            return Step(stop=True, note=note, goal=goal, memory=memory)
         near = norm(goal.position - seen.position) <= self.within
         done = near and norm(seen.velocity) < 0.5
         guidance = Guidance(goal.position, self.speed, final_yaw=goal.yaw)
-        return Step(guidance, done=done, goal=goal, memory=memory)
+        return Step(guidance, done=done, goal=goal, memory=(down, False))
 
     @override
     def targets(self) -> tuple[str, ...]:
@@ -67,3 +74,13 @@ class GoTo(Behavior):
     def _at_height(self, position: Vec3, yaw: float | None, seen: Estimate) -> Goal:
         down = position[2] if self.height is None else -self.height
         return Goal(vec(position[0], position[1], down), yaw, seen.now)
+
+
+def _receding(seen: Estimate, goal: Goal) -> bool:
+    """Say whether the vehicle, in the air, flies away from its goal."""
+    status = seen.status
+    if status is None or not status.in_air or seen.health.diverged:
+        return False
+    north, east, _ = (goal.position - seen.position).tolist()
+    towards = seen.velocity[0] * north + seen.velocity[1] * east
+    return bool(towards < -RECEDING * math.hypot(north, east))

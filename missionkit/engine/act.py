@@ -11,13 +11,14 @@ from missionkit.chart.semantics.compiled import State
 from missionkit.chart.semantics.contain import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
 from missionkit.control.holding import guidance_to
+from missionkit.control.limits import ZERO
 from missionkit.engine.answer import fault_of, push_fault
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Hands
 from missionkit.engine.obstacle_brake import blind, braked, scanned
 from missionkit.engine.standing import standing
 from missionkit.geometry import Vec3
-from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Step
+from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Setpoint, Step
 from missionkit.plugin import Behavior
 
 IDLE = Step(note="holding: no state commands")
@@ -134,6 +135,11 @@ def _commanded(
     setpoint, control = plan.control.fly(
         control, wanted, guidance, seen, plan.period, push=push, bound=step.bound
     )
+    if step.stop:  # what comes to rest does so by what the vehicle can do: no comfort limit
+        setpoint, control = (
+            Setpoint(np.zeros(3), setpoint.yaw_rate),
+            control._replace(velocity=ZERO),
+        )
     setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)
     command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
     return command, control, avoidance

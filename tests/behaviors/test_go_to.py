@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from playing import at, marker, play
+from playing import at, marker, play, status
 from samples import calm
 
 from missionkit.behaviors import GoTo
@@ -51,6 +51,15 @@ def test_the_way_home_keeps_the_height_it_began_with():
     later = calm(position=vec(5.0, 5.0, -6.0), home=vec(3.0, 4.0, -0.2))
     step = behavior.step(later, behavior.begin(start))
     assert step.goal.position.tolist() == [3.0, 4.0, -7.0]
+
+
+@pytest.mark.parametrize(("north", "stops"), [(4.0, True), (0.6, False), (-4.0, False)])
+def test_it_comes_to_rest_before_it_turns_round_and_does_so_once(north, stops):
+    away = at(10.0, 60.0, 0.0, -5.0, velocity=vec(north, 0, 0), home=vec(0, 0, 0), status=status())
+    rest = at(11.0, 62.0, 0.0, -5.0, velocity=vec(0.5, 0, 0), home=vec(0, 0, 0), status=status())
+    steps = play(GoTo(target="home"), [away, rest, away])
+    assert [step.stop for step in steps] == [stops, False, False]
+    assert steps[1].guidance is not None
 
 
 @pytest.mark.parametrize(("target", "known"), [("home", {"home": None}), ("trunk", {})])
