@@ -20,6 +20,7 @@ from studies.fault_flights import (
 )
 
 DONE, HOME, ELSEWHERE, LEFT = Outcome.DONE, Outcome.HOME, Outcome.ELSEWHERE, Outcome.LEFT
+ASTRAY = Outcome.ASTRAY
 SAFE = (DONE, HOME, ELSEWHERE)
 NORTH_FENCE = 60.0  # m, of the row "fence"
 OVERRUN = 6.0  # m it may need to turn round there: braking from 5 m/s
@@ -130,8 +131,9 @@ FLIGHTS = (
     ),
     _flight(
         "decoy",
-        "a twin of the marker on a tree 3 to 6 m beside",
-        (DONE, HOME),
+        "a twin of the marker on a tree 3 to 6 m beside; one within 5.6 m of a target surveyed to 1 m "
+        "(5 sigma, the vehicle's own included) can pass for it if it is seen first",
+        (DONE, HOME, ASTRAY),
         Flight(world=_with_decoy),
     ),
     _flight(
