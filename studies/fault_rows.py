@@ -131,8 +131,8 @@ FLIGHTS = (
     ),
     _flight(
         "decoy",
-        "a twin of the marker on a tree 3 to 6 m beside; one within 5.6 m of a target surveyed to 1 m "
-        "(5 sigma, the vehicle's own included) can pass for it if it is seen first",
+        "a twin of the marker on a tree 3 to 6 m beside; one within 5.6 m of a target that is "
+        "surveyed to 1 m (5 sigma, the vehicle's own included) can pass for it if seen first",
         (DONE, HOME, ASTRAY),
         Flight(world=_with_decoy),
     ),
