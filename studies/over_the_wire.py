@@ -11,27 +11,57 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from missionkit.chart.catalogue import builtin
 from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.messages import Observation, Record
+from missionkit.rehearsal import Stage, stage
 from missionkit.sim.grade import Grade, grade
 from studies.flight import Camera, Order, staged
+from studies.leaning import noise_told, sih, with_small_markers
 from studies.markdown import table
 from studies.statistics import wilson
 
 DIALECTS = ("px4", "ardupilot")
-PAGE = """# Study: the precision task over MAVLink
+TITLE = """# Study: the precision task over MAVLink
 
-`missionkit sitl` in a process of its own, flown through MAVSDK by the engine in another, camera
-{camera}, {speed:g} times real time, graded by the truth of the simulated autopilot.
+`missionkit sitl` in a process of its own, flown through MAVSDK by the engine in another, graded by
+the truth of the simulated autopilot.
+"""
+SECTION = """
+## {heading}
+
+Camera {camera}, {speed:g} times real time.
 
     {command}
 
 {rows}
 """
+
+
+class Setting(NamedTuple):
+    """What is flown, and what goes wrong."""
+
+    says: str
+    wind: tuple[float, float, float] | None = None  # m/s, NED: PX4's simulated vehicle, steady wind
+    faults: tuple[str, ...] = ()  # from the start
+    in_visual: tuple[str, ...] = ()  # from the first entry to the state visual
+    small_markers: bool = False  # two more
+
+
+WRONG = ("velocity_bias", "control_slow")
+LOST = ("stream_lost",)
+STEADY = (1.5, 1.0, 0.0)  # m/s, the orchard's mean
+SETTINGS = {
+    "plain": Setting("the simulator's vehicle"),
+    "sih": Setting("PX4's simulated vehicle, calm air", (0.0, 0.0, 0.0), WRONG),
+    "wind": Setting("the same, 1.8 m/s, small markers", STEADY, WRONG, small_markers=True),
+    "lost": Setting("the same, LOCAL_POSITION lost", STEADY, WRONG, LOST, small_markers=True),
+}
 
 
 class Autopilot:
@@ -50,18 +80,26 @@ class Autopilot:
 class Flown(NamedTuple):
     """One flight over the wire."""
 
+    setting: str
     dialect: str
     seed: int
     end: str
     grade: Grade
+    finished: bool  # the work
 
 
 class Spans:
-    """When each state was entered and left, in the simulator's time."""
+    """When each state was entered and left, in the simulator's time, and what ended the work.
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    Args:
+        autopilot: the simulator's own.
+        in_visual: faults from the first entry to the state visual.
+    """
+
+    def __init__(self, autopilot: Autopilot, in_visual: Sequence[str] = ()) -> None:
         self.spans: dict[str, tuple[float, float]] = {}
-        self._autopilot = autopilot
+        self.finished = False
+        self._autopilot, self._in_visual = autopilot, in_visual
         self._state = ""
 
     def __call__(self, record: Record, _: Observation) -> None:
@@ -70,6 +108,10 @@ class Spans:
             now = float(self._autopilot.ask(time=True)["time"])
             if self._state:
                 self.spans[self._state] = (self.spans[self._state][0], now)
+            if record.state == "visual" and "visual" not in self.spans:
+                for fault in self._in_visual:
+                    self._autopilot.ask(fault=fault)
+            self.finished |= (self._state, record.state) == ("task", "return")
             self._state = record.state
             self.spans.setdefault(record.state, (now, now))
 
@@ -103,61 +145,101 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def flown(dialect: str, seed: int, camera: Camera, speed: float) -> Flown:
+def placed(named: Setting, seed: int, camera: Camera) -> Stage:
+    """Set up one flight; the faults are the autopilot's."""
+    ready = staged(Order(seed, camera))
+    mission, world = ready.mission, ready.world
+    if named.wind is not None:  # PX4's simulated vehicle
+        mission, world = noise_told(mission), sih(world, named.wind, 0.0)
+    if named.small_markers:
+        mission, world = with_small_markers(mission, world)
+    return stage(mission, builtin(), world, seed)
+
+
+def flown(name: str, dialect: str, seed: int, camera: Camera, speed: float) -> Flown:
     """Fly the task once."""
-    ready, port = staged(Order(seed, camera)), free_port()
+    named, port = SETTINGS[name], free_port()
+    ready = placed(named, seed, camera)
     mission = ready.mission
-    with sitl(f"missions/{mission.world}", dialect, port, speed, seed) as autopilot:
-        spans = Spans(autopilot)
-        address = f"udpin://127.0.0.1:{port}"
-        vehicle = vehicle_of(address, mission, ready.world, seed=seed, speed=speed)
-        limit = mission.settings.time_limit
-        end = fly_vehicle(ready.plan, vehicle, (spans,), speed=speed, time_limit=limit).end
-        rows = np.array(autopilot.ask(track=True, since=0.0, every=1)["rows"], dtype=np.float64)
+    options = [part for fault in named.faults for part in ("--fault", fault)]
+    with TemporaryDirectory() as folder:
+        world = Path(folder) / "world.yaml"
+        world.write_text(ready.world.model_dump_json(), encoding="utf-8")
+        with sitl(str(world), dialect, port, speed, seed, options) as autopilot:
+            spans = Spans(autopilot, named.in_visual)
+            address = f"udpin://127.0.0.1:{port}"
+            vehicle = vehicle_of(address, mission, ready.world, seed=seed, speed=speed)
+            limit = mission.settings.time_limit
+            end = fly_vehicle(ready.plan, vehicle, (spans,), speed=speed, time_limit=limit).end
+            rows = np.array(autopilot.ask(track=True, since=0.0, every=1)["rows"], dtype=float)
     marker, span = ready.world.marker(23, "DICT_6X6_250"), spans.spans.get("task")
-    return Flown(dialect, seed, str(end), grade(rows, mission.success[0], marker, span))
+    graded = grade(rows, mission.success[0], marker, span)
+    return Flown(name, dialect, seed, str(end), graded, spans.finished)
 
 
-def row(dialect: str, flights: Sequence[Flown]) -> tuple[str, ...]:
-    """Return what a dialect's flights came to."""
+def row(flights: Sequence[Flown]) -> tuple[str, ...]:
+    """Return what a dialect's flights in one setting came to."""
     good = sum(flight.grade.succeeded for flight in flights)
     visits = [flight.grade.visit for flight in flights if flight.grade.visit is not None]
     errors = [100.0 * visit.position_error for visit in visits] or [float("nan")]
     yaws = [float(np.degrees(visit.yaw_error or 0.0)) for visit in visits] or [float("nan")]
     low, high = wilson(good, len(flights))
     return (
-        dialect,
+        SETTINGS[flights[0].setting].says,
+        flights[0].dialect,
         f"{good} of {len(flights)}",
+        f"{sum(flight.finished for flight in flights)} of {len(flights)}",
         f"{100.0 * low:.0f} to {100.0 * high:.0f} %",
         f"{median(errors):.1f} ({max(errors):.1f})",
         f"{median(yaws):.1f} ({max(yaws):.1f})",
     )
 
 
+HEADER = (
+    "what is flown",
+    "dialect",
+    "success",
+    "work finished",
+    "95 %",
+    "error on arrival, cm (most)",
+    "heading, deg (most)",
+)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Fly the precision task over the wire in both dialects, and write up what came of it."""
     parser = argparse.ArgumentParser(prog="python -m studies.over_the_wire")
-    parser.add_argument("--flights", type=int, default=10, help="in each dialect")
+    parser.add_argument("--flights", type=int, default=10, help="in each setting and dialect")
+    parser.add_argument("--settings", nargs="+", choices=tuple(SETTINGS), default=["plain"])
     parser.add_argument("--camera", choices=("rendered", "corners"), default="corners")
     parser.add_argument("--speed", type=float, default=3.0, help="times real time")
+    parser.add_argument("--add", action="store_true", help="to the page, instead of a new one")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
-    flights = []
-    for dialect in DIALECTS:
-        for seed in range(1, chosen.flights + 1):
-            flight = flown(dialect, seed, chosen.camera, chosen.speed)
-            print(dialect, seed, flight.end, flight.grade.visit, flush=True)  # noqa: T201
-            flights.append(flight)
-    header = ("dialect", "success", "95 %", "error on arrival, cm (most)", "heading, deg (most)")
-    by_dialect = [[flight for flight in flights if flight.dialect == name] for name in DIALECTS]
-    told = table(header, [row(each[0].dialect, each) for each in by_dialect])
+    rows = []
+    for name in chosen.settings:
+        for dialect in DIALECTS:
+            flights = []
+            for seed in range(1, chosen.flights + 1):
+                flight = flown(name, dialect, seed, chosen.camera, chosen.speed)
+                print(*flight[:4], flight.finished, flight.grade.visit, flush=True)  # noqa: T201
+                flights.append(flight)
+            rows.append(row(flights))
     command = (
-        f"python -m studies.over_the_wire --flights {chosen.flights} --camera {chosen.camera} "
-        f"--speed {chosen.speed:g}"
+        f"python -m studies.over_the_wire --flights {chosen.flights} "
+        f"--settings {' '.join(chosen.settings)} --camera {chosen.camera} --speed {chosen.speed:g}"
+    ) + (" --add" if chosen.add else "")
+    text = SECTION.format(
+        heading="With faults" if chosen.add else "As it is",
+        camera=chosen.camera,
+        speed=chosen.speed,
+        command=command,
+        rows=table(HEADER, rows),
     )
-    text = PAGE.format(camera=chosen.camera, speed=chosen.speed, command=command, rows=told)
-    (chosen.out / "over_the_wire.md").write_text(text, encoding="utf-8")
-    print(told)  # noqa: T201
+    page = chosen.out / "over_the_wire.md"
+    before = page.read_text(encoding="utf-8") if chosen.add else TITLE
+    page.write_text(before + text, encoding="utf-8")
+    print(text)  # noqa: T201
 
 
 if __name__ == "__main__":

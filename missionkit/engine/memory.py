@@ -23,6 +23,7 @@ class Senses(NamedTuple):
     status: VehicleStatus | None = None
     scan: Scan | None = None
     home: Vec3 | None = None
+    misfit: str = ""  # how the sightings did not fit the filter's noise, the first time
 
 
 class Paused(NamedTuple):

@@ -53,6 +53,7 @@ def sense(
         status,
         seen.scan or before.scan,
         home,
+        before.misfit or state.health.misfit,
     )
     return senses, _estimate(plan, memory, senses, state, seen, looks, sightings)
 

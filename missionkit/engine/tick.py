@@ -19,10 +19,11 @@ from missionkit.engine.act import act
 from missionkit.engine.flight import Plan
 from missionkit.engine.ground_contact import with_ground_contact
 from missionkit.engine.handover import handed_over
-from missionkit.engine.memory import Memory
+from missionkit.engine.memory import Memory, Senses
 from missionkit.engine.sense import sense
 from missionkit.messages import Action, Command, Estimate, Observation, Record
 
+CAUSES = "accel_noise, gyro_noise, the marker's size or the lens may not be as the mission says"
 TAKING_OFF = frozenset((Action.ARM, Action.TAKE_OFF))
 Stopwatch = Callable[[], float]
 
@@ -79,7 +80,8 @@ def tick(
         step_note=step.note,
         problems=observation.problems
         + decision.problems
-        + _news(hands.failing, memory.hands.failing),
+        + _news(hands.failing, memory.hands.failing)
+        + _misfit(senses, memory.senses),
         estimate=seen,
         done=step.done,
     )
@@ -93,3 +95,8 @@ def _on_ground(seen: Estimate) -> bool:
 
 def _news(now: tuple[str, ...], before: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(failure for failure in now if failure not in before)
+
+
+def _misfit(now: Senses, before: Senses) -> tuple[str, ...]:
+    """Return once in a flight that the sightings do not fit the filter's noise."""
+    return (f"{now.misfit}: {CAUSES}",) if now.misfit and not before.misfit else ()

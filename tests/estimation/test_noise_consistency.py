@@ -12,6 +12,7 @@ from samples import calm
 from scipy.stats import chi2
 
 from missionkit.estimation.consistency import (
+    FITTING,
     FREEDOM,
     LARGEST,
     MOST,
@@ -52,6 +53,14 @@ def test_a_few_say_nothing_and_what_was_noisy_is_forgotten() -> None:
     assert misfit(after([30.0] * (WINDOW - 1))) == ""
     assert "3.2 times" in misfit(noisy)
     assert misfit(after([3.0] * 4 * WINDOW, noisy)) == ""
+
+
+def test_what_did_not_fit_is_doubted_until_it_clearly_fits() -> None:
+    noisy = after([30.0] * WINDOW)
+    between = after([FREEDOM * 0.5 * (FITTING + MOST)] * 10 * WINDOW, noisy)
+    assert between.mean < MOST
+    assert misfit(between)
+    assert misfit(after([FREEDOM * 0.5 * (FITTING + MOST)] * 10 * WINDOW)) == ""
 
 
 def test_one_false_marker_is_no_noise() -> None:
