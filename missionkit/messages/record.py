@@ -33,5 +33,5 @@ class Record(NamedTuple):
     step_note: str
     problems: tuple[str, ...]  # invariant violations, contained plug-in errors
     estimate: Estimate
-    cycle: Cycle = NO_CYCLE  # wall time of this tick, as the shell measured it
     done: bool = False  # the behaviour of `state` says that it has finished
+    cycle: Cycle = NO_CYCLE  # wall time of this tick, as the shell measured it

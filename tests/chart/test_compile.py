@@ -52,6 +52,7 @@ def test_failsafes_come_in_order_and_those_for_stuck_plugins_last(precise: Chart
         ("failsafe link", "land", 0.0, True),
         ("failsafe lost", "land", 1.0, True),
         ("failsafe fence", "return", 0.0, True),
+        ("failsafe ground touched", "land", 0.0, False),
         ("failsafe plug-in failed", "return", 3.0, False),
         ("failsafe plug-in failed", "land", 6.0, False),
     ]
@@ -59,7 +60,7 @@ def test_failsafes_come_in_order_and_those_for_stuck_plugins_last(precise: Chart
 
 def test_stuck_plugins_lead_to_land_where_there_is_no_way_home():
     chart = chart_of("initial: x\nstates: {x: {kind: custom}, down: {kind: land}}\n")
-    assert [one.to for one in chart.failsafes] == [("down",), ("down",)]
+    assert [one.to for one in chart.failsafes] == [("down",)] * 3
     assert chart.land == "down"
 
 

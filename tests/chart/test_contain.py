@@ -43,8 +43,8 @@ class Watched(Containment):
         super().__init__()
         self.heard: list[str] = []
 
-    def enter(self) -> None:
-        self.heard.append("enter")
+    def enter(self, name: str) -> None:
+        self.heard.append(f"enter {name}")
 
     def abandon(self) -> None:
         self.heard.append("abandon")
@@ -62,5 +62,5 @@ def test_only_foreign_plugins_are_timed_and_a_late_answer_does_not_count():
     assert contain.call("late", lambda: 1) is None
     assert contain.call("broken", lambda: 1 / 0) is None
     assert contain.heard == [
-        *("enter", "leave quick", "enter", "leave late", "enter", "abandon"),
+        *("enter quick", "leave quick", "enter late", "leave late", "enter broken", "abandon"),
     ]

@@ -110,7 +110,7 @@ def test_guards_that_did_not_decide_are_asked_and_recorded_all_the_same():
     said = {name: verdict.holds for name, verdict in decision.answers.items()}
     assert said == {
         **{"a": True, "b": False, "c": None},
-        **{"plugin failed": False, "flag (name broken)": False},
+        **{"ground touched": False, "plugin failed": False, "flag (name broken)": False},
     }
     assert decision.fired[0].verdicts == (("a", decision.answers["a"]),)
 

@@ -106,7 +106,8 @@ def test_what_was_waited_for_in_vain_is_told():
 
 @pytest.mark.parametrize(("more", "code"), [([], 1), (["--anyway"], 0)])
 def test_the_command_says_why_and_how_to_mean_it(more, code, tmp_path):
-    (tmp_path / "hop.yaml").write_text(HOP.replace("land, after: 1", "land, after: 0.2"))
+    hop = HOP.replace("land, after: 1", "land, after: 0.2") + "success: {visit: land}\n"
+    (tmp_path / "hop.yaml").write_text(hop)
     words = ["run", str(tmp_path / "hop.yaml"), "--headless", "--out", str(tmp_path / "runs")]
     done = CliRunner().invoke(app, [*words, "--fault", "battery_sag=0.82@0", *more])
     assert done.exit_code == code, done.output

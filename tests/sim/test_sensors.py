@@ -111,7 +111,7 @@ def test_barometer_starts_at_the_height_and_drifts() -> None:
     first, last, steps = [], [], []
     for seed in range(80):
         sensor = BaroSensor(BaroModel(drift_tau=20.0), np.random.default_rng(seed))
-        heights = [sensor.measure(0.0, REST).height - 5.0 for _ in range(600)]
+        heights = [sensor.measure(0.0, REST, stuck=False).height - 5.0 for _ in range(600)]
         first.append(np.mean(heights[:10]))
         last.append(np.mean(heights[-10:]))
         steps.append(np.diff(heights).std() / np.sqrt(2))
