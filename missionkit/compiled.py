@@ -19,7 +19,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 def compiled(function: F) -> F:
     """Compile `function` to machine code, kept in a folder named after its sources.
 
-    Where nothing can be written it is compiled in every process.
+    Where nothing can be written it is compiled in every process; with `NUMBA_DISABLE_JIT` it stays
+    plain Python.
     """
     try:
         from numba import njit  # noqa: PLC0415
@@ -27,7 +28,7 @@ def compiled(function: F) -> F:
     except ImportError:
         return function
     kernel = njit(function)
-    folder = folder_for(function.__module__)
+    folder = None if config.DISABLE_JIT else folder_for(function.__module__)
     if folder is not None:
         _cache_in(folder, kernel, config)
     return cast(F, kernel)
