@@ -27,10 +27,10 @@ def compiled(function: F) -> F:
         from numba.core import config  # noqa: PLC0415
     except ImportError:
         return function
-    kernel = njit(function)
-    folder = None if config.DISABLE_JIT else folder_for(function.__module__)
+    kernel, settings = njit(function), cast(Any, config)  # numba makes its settings as it loads
+    folder = None if settings.DISABLE_JIT else folder_for(function.__module__)
     if folder is not None:
-        _cache_in(folder, kernel, config)
+        _cache_in(folder, kernel, settings)
     return cast(F, kernel)
 
 
