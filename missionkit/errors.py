@@ -33,7 +33,7 @@ class Place:
 
     @override
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return f"{printable(self.file)}:{self.line}:{self.column}"
 
 
 class Level(StrEnum):

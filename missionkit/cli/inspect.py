@@ -14,7 +14,7 @@ from missionkit.chart.model.contracts import unmet
 from missionkit.chart.model.mission import Mission
 from missionkit.cli import report
 from missionkit.cli.catalogue import assemble, overrides
-from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest
+from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
 
 if TYPE_CHECKING:
     from missionkit.cli.flown import Flown
@@ -115,7 +115,7 @@ def _tell(
     for path, (mission, found) in checked.items():
         if mission is not None and not _refused(found, strict=strict):
             but = f", {report.summary(found)}" if found else ""
-            _say(f"{path}: ok{but} ({_size(mission)})")
+            _say(f"{printable(str(path))}: ok{but} ({_size(mission)})")
         else:
             _complain(f"{path}: {report.summary(found)}")
 

@@ -30,8 +30,8 @@ def refused(call, *arguments):
         (MAPPED % '"map\\0.yaml"', "control character U+0000 in a text: it hides what is written"),
         (MAPPED % f'"{"x" * 5000}.yaml"', "not the name of a file that can be read"),
         ('world: "a\\0b"\n', "control character U+0000"),
-        (TARGET % "1e308", "1e308 is no quantity of a flight: 1e-12 to 1e+09 are, and 0"),
-        (TARGET % "1e-300", "1e-300 is no quantity of a flight"),
+        (TARGET % "1e308", "1e308 is out of range: expected 0, or a size from 1e-12 to 1e+09"),
+        (TARGET % "1e-300", "1e-300 is out of range"),
         (f'summary: "gone {ESC}"\n', "control character U+001B in a text"),
         (f'summary: "gone {RTL}"\n', "control character U+202E in a text"),
         ("summary: gone \u202e home\n", "control character U+202E in a text"),
@@ -49,9 +49,18 @@ def test_names_of_states_hide_nothing(call, hop, name):
     assert "control character" in refused(call, "validate", "hop.yaml")
 
 
+@pytest.mark.parametrize("more", ["", "x: 1\n"])
+def test_the_name_of_a_file_moves_no_cursor(call, hop, more):
+    named = hop.with_name("a\x1b[31mred\nnew.yaml")
+    named.write_text(hop.read_text() + more)
+    result = call("validate", str(named))
+    assert "a\ufffd[31mred\ufffdnew.yaml" in result.output
+    assert "\x1b" not in result.output
+
+
 def test_a_parameter_on_the_command_line_is_looked_at_too(call, hop):
     hop.write_text("params: {height: 2.0}\n" + hop.read_text())
-    assert "is no quantity of a flight" in refused(call, "run", "hop.yaml", "--set", "height=1e308")
+    assert "is out of range" in refused(call, "run", "hop.yaml", "--set", "height=1e308")
 
 
 @pytest.mark.parametrize(

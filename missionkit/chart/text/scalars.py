@@ -52,7 +52,9 @@ def _finite(text: str) -> float:
     if math.isinf(number):
         raise ValueError(f"{text} is not a finite number")
     if number and not LEAST <= abs(number) <= MOST:
-        raise ValueError(f"{text} is no quantity of a flight: {LEAST:g} to {MOST:g} are, and 0")
+        raise ValueError(
+            f"{text} is out of range: expected 0, or a size from {LEAST:g} to {MOST:g}"
+        )
     return number
 
 
