@@ -113,11 +113,12 @@ def _tell(
         colours = sys.stderr.isatty() and not os.environ.get("NO_COLOR")
         _complain(report.text(problems, report.sources(problems), colours=colours))
     for path, (mission, found) in checked.items():
+        name = printable(str(path))
         if mission is not None and not _refused(found, strict=strict):
             but = f", {report.summary(found)}" if found else ""
-            _say(f"{printable(str(path))}: ok{but} ({_size(mission)})")
+            _say(f"{name}: ok{but} ({_size(mission)})")
         else:
-            _complain(f"{path}: {report.summary(found)}")
+            _complain(f"{name}: {report.summary(found)}")
 
 
 def _for_programs(form: str, problems: Sequence[Problem]) -> str:
