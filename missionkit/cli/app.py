@@ -17,7 +17,8 @@ app = typer.Typer(
     help="Drone missions as YAML state charts: checked, rehearsed, flown.",
     epilog=(
         "Exit codes: 0 flown and succeeded, 1 ended safely without success, 2 a file or an option "
-        "is wrong, 3 the vehicle could not be reached or was lost, 4 a crash of missionkit."
+        "is wrong, 3 the vehicle could not be reached, was lost or crashed, 4 missionkit itself "
+        "crashed."
     ),
     no_args_is_help=True,
     add_completion=False,

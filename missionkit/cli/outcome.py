@@ -40,13 +40,21 @@ def numbers(summary: Summary) -> str:
     if grade:
         parts.append(f"{grade['distance']:.0f} m flown")
     if grade.get("visit") is not None:
-        error = 100.0 * grade["visit"]["position_error"]
-        parts.append(f"{error:.1f} cm from the goal on arrival")
+        parts.append(f"{_length(grade['visit']['position_error'])} from the goal on arrival")
     if grade.get("clearance") is not None:
         parts.append(f"clearance {grade['clearance']:.2f} m")
     if timing is not None:
         parts.append(f"cycle p99 {timing.total.p99:.1f} ms")
     return ", ".join(parts)
+
+
+def _length(metres: float) -> str:
+    """Return a length as a person would say it.
+
+    >>> _length(0.026), _length(40.589)
+    ('2.6 cm', '40.6 m')
+    """
+    return f"{100.0 * metres:.1f} cm" if metres < 1.0 else f"{metres:.1f} m"
 
 
 def report(order: Order, summary: Summary, folder: Path) -> None:
