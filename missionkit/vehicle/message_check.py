@@ -27,6 +27,9 @@ class Judge(Protocol):
     def expects(self, now: Said) -> bool:
         """Say whether what a heartbeat says is no surprise."""
 
+    def hear(self, message: Message) -> None:
+        """Take a heartbeat in that is believed."""
+
     def doubt(self) -> None:
         """Note that a heartbeat said something surprising."""
 
@@ -112,6 +115,8 @@ class MessageCheck:
         if found.doubted is not None:
             judge.doubt()
             self._ask_now()
+        elif found.fields is not None:
+            judge.hear(Message("HEARTBEAT", found.fields, self._cache.wall()))
         if found.stranger:
             judge.replaced(type_name(int(fields["type"])))
 

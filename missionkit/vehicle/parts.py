@@ -79,7 +79,6 @@ class Parts:
         """Begin."""
         self._cache.listen(self.streams.hear)
         self._cache.listen(self.time_sync.hear)
-        self._cache.listen(self.authority.hear)
         beat = self._cache.latest("HEARTBEAT")
         if beat is not None:
             self.authority.hear(beat)

@@ -5,10 +5,13 @@ import pytest
 
 from missionkit.vehicle.boot_epoch import SEVERAL, BootEpoch, Stamp
 from missionkit.vehicle.cache import Cache
+from missionkit.vehicle.control_authority import ControlAuthority
+from missionkit.vehicle.dialect import PX4 as PX4_DIALECT
 from missionkit.vehicle.message_check import MessageCheck
 
 QUADROTOR, FIXED_WING, PX4, ARDUPILOT = 2, 1, 12, 3
-OFFBOARD, HOLD, LAND = 6 << 16, 3 << 24 | 4 << 16, 6 << 24 | 4 << 16
+OFFBOARD, POSITION = 6 << 16, 3 << 16
+HOLD, LAND = 3 << 24 | 4 << 16, 6 << 24 | 4 << 16
 
 
 def beat(mode=OFFBOARD, armed=True, kind=QUADROTOR, autopilot=PX4):
@@ -27,10 +30,13 @@ class Autopilot:
     def __init__(self, expected=lambda _: False, pace=1.0):
         self.now, self.expected = 1000.0, expected
         self.cache = Cache(lambda: self.now)
-        self.told, self.notes, self.judged = [], [], []
+        self.told, self.notes, self.judged, self.believed = [], [], [], []
         self.check = MessageCheck(self.cache, self.told.append, self.notes.append, pace)
+        self.report_to(self)
+
+    def report_to(self, judge):
         self.check.report_to(
-            self, lambda: self.judged.append("rebooted"), lambda: self.judged.append("asked")
+            judge, lambda: self.judged.append("rebooted"), lambda: self.judged.append("asked")
         )
 
     def expects(self, now):
@@ -42,7 +48,10 @@ class Autopilot:
     def replaced(self, by):
         self.judged.append(by)
 
-    def hear(self, *beats):
+    def hear(self, message):
+        self.believed.append(message["custom_mode"])
+
+    def send(self, *beats):
         for each in beats:
             self.now += 1.0
             self.check("HEARTBEAT", each)
@@ -63,54 +72,74 @@ class Autopilot:
 
 
 def test_a_surprising_mode_is_believed_when_the_next_heartbeat_confirms_it():
-    autopilot = Autopilot().hear(beat(), beat(HOLD))
+    autopilot = Autopilot().send(beat(), beat(HOLD))
     assert autopilot.mode == OFFBOARD
     assert autopilot.judged == ["doubt", "asked"]
     assert autopilot.cache.latest("HEARTBEAT").arrived == autopilot.now
-    assert autopilot.hear(beat(HOLD)).mode == HOLD
+    assert autopilot.send(beat(HOLD)).mode == HOLD
     assert autopilot.notes == []
 
 
 @pytest.mark.parametrize("odd", [beat(HOLD), beat(armed=False), beat(LAND, armed=False)])
 def test_one_that_the_next_does_not_confirm_is_ignored_and_told(odd):
-    autopilot = Autopilot().hear(beat(), odd, beat())
+    autopilot = Autopilot().send(beat(), odd, beat())
     assert autopilot.mode == OFFBOARD
     (why,) = autopilot.notes
     assert "was ignored: the next one did not confirm it" in why
-    assert autopilot.hear(odd, beat(HOLD | 1), beat(HOLD | 1)).mode == HOLD | 1
+    assert autopilot.send(odd, beat(HOLD | 1), beat(HOLD | 1)).mode == HOLD | 1
 
 
 def test_old_heartbeats_that_were_overtaken_on_the_way_confirm_nothing():
-    autopilot = Autopilot().hear(beat(), beat(HOLD))
+    autopilot = Autopilot().send(beat(), beat(HOLD))
     autopilot.now += 0.05
     autopilot.check("HEARTBEAT", beat(HOLD))
     assert autopilot.mode == OFFBOARD
     assert autopilot.judged == ["doubt", "asked"] * 2
-    assert autopilot.hear(beat(), beat(HOLD)).mode == OFFBOARD
-    assert autopilot.hear(beat(HOLD)).mode == HOLD
+    assert autopilot.believed == [OFFBOARD]
+    assert autopilot.send(beat(), beat(HOLD)).mode == OFFBOARD
+    assert autopilot.send(beat(HOLD)).mode == HOLD
+
+
+@pytest.mark.parametrize(("cut", "event"), [(5.0, "failsafe"), (1.0, "pilot")])
+def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(cut, event):
+    autopilot, heard, events = Autopilot(), [0.0, 0.0], []
+    authority = ControlAuthority(
+        PX4_DIALECT, lambda: None, events.append, lambda: heard[-1] - heard[-2] > 2.0
+    )
+    authority.order("offboard")
+    autopilot.send(beat())
+    autopilot.cache.listen(lambda message: heard.append(message.arrived))
+    autopilot.report_to(authority)
+    autopilot.send(beat(), beat())
+    for wait in (cut, 0.05, 0.05):
+        autopilot.now += wait
+        autopilot.check("HEARTBEAT", beat(POSITION))
+        assert authority.state == "doubting"
+    autopilot.send(beat(POSITION))
+    assert events == [f"{event}_takeover"]
 
 
 def test_an_expected_mode_is_believed_at_once():
-    autopilot = Autopilot(lambda now: now.mode == LAND).hear(beat(), beat(LAND))
+    autopilot = Autopilot(lambda now: now.mode == LAND).send(beat(), beat(LAND))
     assert (autopilot.mode, autopilot.judged) == (LAND, [])
 
 
 @pytest.mark.parametrize("stranger", [beat(kind=FIXED_WING), beat(HOLD, autopilot=ARDUPILOT)])
 def test_another_kind_of_vehicle_is_ignored_unless_it_is_all_that_is_heard(stranger):
-    autopilot = Autopilot().hear(beat(), stranger, stranger, beat())
+    autopilot = Autopilot().send(beat(), stranger, stranger, beat())
     assert (autopilot.mode, autopilot.judged) == (OFFBOARD, [])
     assert len(autopilot.notes) == 1
-    autopilot.hear(stranger, stranger, stranger)
+    autopilot.send(stranger, stranger, stranger)
     assert autopilot.mode == OFFBOARD
     assert len(autopilot.judged) == 1
 
 
 def test_two_kinds_in_turn_are_two_vehicles_with_one_id():
-    autopilot = Autopilot().hear(*[beat(), beat(kind=FIXED_WING)] * 4)
+    autopilot = Autopilot().send(*[beat(), beat(kind=FIXED_WING)] * 4)
     assert autopilot.told == ["two_vehicles"]
     assert any("give each an id of its own" in it for it in autopilot.notes)
     assert autopilot.check.contested
-    assert not autopilot.hear(*[beat()] * 11).check.contested
+    assert not autopilot.send(*[beat()] * 11).check.contested
 
 
 @pytest.mark.parametrize("odd", [4000.0, 0.5, -1.5])
