@@ -4,11 +4,14 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
+from child import default_signals
 
 from missionkit.cli import rehearsed as command
+from missionkit.cli.cockpit import TOGETHER
 from missionkit.errors import VehicleError
 from missionkit.recorder.reading import read
 
@@ -87,13 +90,15 @@ def test_a_vehicle_out_of_reach_is_no_crash(call, monkeypatch):
 def interrupted(hop):
     """Fly in a process of its own, with a Ctrl-C whenever the next of some words is said."""
 
-    def fly(*words):
-        line = [sys.executable, "-m", "missionkit", "run", str(hop), "--speed", "10"]
+    def fly(*words, speed=10):
+        line = [sys.executable, "-m", "missionkit", "run", str(hop), "--speed", str(speed)]
         line += ["--set", "height=30", "--out", str(hop.parent / "runs")]
-        with subprocess.Popen(line, stdout=-1, stderr=-1, text=True) as process:
-            for word in words:
+        pipes = {"stdout": -1, "stderr": -1, "text": True, "preexec_fn": default_signals}
+        with subprocess.Popen(line, **pipes) as process:
+            for number, word in enumerate(words):
                 while word not in (said := process.stdout.readline()) and said:
                     pass
+                threading.Event().wait(2.0 * TOGETHER if number else 0.0)
                 process.send_signal(signal.SIGINT)
             out, err = process.communicate(timeout=60)
         return process.returncode, out, err, hop.parent / "runs/hop-seed0"
@@ -118,7 +123,7 @@ def test_ctrl_c_lands(interrupted):
 
 
 def test_a_second_ctrl_c_stops_and_keeps_the_record(interrupted):
-    code, out, err, folder = interrupted("climbing", "operator: land")
+    code, out, err, folder = interrupted("climbing", "operator: land", speed=1)  # not down yet
     assert code == 3
     assert "ended" not in out
     assert err == f"stopped before it had landed; see {folder}\n"

@@ -7,6 +7,7 @@ import threading
 from contextlib import contextmanager
 
 import pytest
+from child import default_signals
 from vehicle.flying import command, sitl, until
 from vehicle.on_a_mission import AHEAD, stay
 
@@ -21,6 +22,7 @@ def program(autopilot, tmp_path):
     (tmp_path / "stay.yaml").write_text(stay(AHEAD))
     env = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    pipes["preexec_fn"] = default_signals
     words = command(autopilot, "stay.yaml")
     with subprocess.Popen(words, cwd=tmp_path, env=env, **pipes) as process:
         try:

@@ -16,12 +16,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child import default_signals
 from vehicle.flying import NORTH, flying, over_the_wire, sitl, until
 
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 
 SLOW = 3.0  # times real time: a busy machine is no silence
-WITHIN = 2.5  # s; 1.5 s, and the vehicle's own braking
+WITHIN = 3.2  # s; 2.4 s as a rule, on a busy machine a little more; without a guardian 3.65 s
 TESTS = str(Path(__file__).parents[1])
 
 
@@ -38,7 +39,8 @@ def client(autopilot, tmp_path):
     command = [sys.executable, "-m", "vehicle.client"]
     command += [autopilot.url, str(autopilot.speed), str(tmp_path)]
     env = {**os.environ, "PYTHONPATH": TESTS}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, env=env) as process:
+    pipes = {"stdout": subprocess.PIPE, "preexec_fn": default_signals}
+    with subprocess.Popen(command, env=env, **pipes) as process:
         try:
             word, guardian = process.stdout.readline().split()
             assert word == b"flying"
@@ -117,7 +119,7 @@ def test_with_the_guardian_killed_as_well_the_autopilots_own_time_out_acts(diale
         process.send_signal(signal.SIGSTOP)  # so that it cannot start another guardian
         os.kill(guardian, signal.SIGKILL)
         process.kill()
-        until(lambda: autopilot.now > since + 4.0)
+        until(lambda: autopilot.now > since + 6.0)
         setpoints = [note["at"] - since for note in autopilot.notes("setpoint", since)]
         assert all(at < 0.5 for at in setpoints)
         assert stopped_after(autopilot, since) < 1.0 + WITHIN
