@@ -46,7 +46,7 @@ class Results(NamedTuple):
 def page(results: Results, command: str) -> str:
     """Return the page in Markdown; `command` is what produced it."""
     mission, world = setting()
-    (success,) = mission.success
+    success, *_ = mission.success
     rendered = any(run.order.camera == "rendered" for run in results.nominal)
     parts = {
         "command": command,

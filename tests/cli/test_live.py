@@ -50,9 +50,8 @@ def tick(
     )
     timing = Cycle(sense=cycle, overruns=2)
     note = "nearing"
-    return Record(
-        now, state, (state,), Mode.GPS, verdicts, fired, Command(), note, problems, seen, timing
-    )
+    flown = Record(now, state, (state,), Mode.GPS, verdicts, fired, Command(), note, problems, seen)
+    return flown._replace(cycle=timing)
 
 
 def shown(record, events=(), width=120, height=40):

@@ -35,6 +35,7 @@ def test_a_pilots_hold_while_it_lands_is_no_end_of_the_landing(dialect, tmp_path
     async def land(flight, autopilot):
         await flight.take_off()
         await flight.until(lambda: autopilot.truth["mode"] == "LAND", LAND)
+        await flight.until(lambda: flight.status.mode == "land", LAND)
         autopilot.ask(fault=HOLD)
         await left_to_the_pilot(flight, autopilot, LAND)
         assert not autopilot.truth["on_ground"]
