@@ -23,6 +23,7 @@ from missionkit.plugin import Behavior
 
 IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")
+LOST = "holding: the estimate has diverged"
 BLIND = "holding: the obstacle scanner is silent"
 IN_VIEW = 0.5  # s since a target's last sighting
 LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
@@ -38,7 +39,8 @@ def act(
     """Let the behaviour of the state that commands speak, and turn its answer into a command.
 
     While any plug-in misbehaves the vehicle holds, unless the autopilot is flying by itself
-    (taking off, landing).
+    (taking off, landing). It holds as well, without a place, while the estimate has diverged: no
+    guidance leads to its goal from a position that is wrong.
 
     Args:
         plan: what flies.
@@ -58,6 +60,8 @@ def act(
     if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)
     mode = _flown(mode, step, seen)
+    if mode is not Mode.NONE and seen.health.diverged:
+        step = _without_goal(step)
     hands = scanned(plan, hands, seen)
     if mode is not Mode.NONE and blind(plan, hands, step.guidance, seen):
         step = step._replace(guidance=None, done=False, note=BLIND)
@@ -86,6 +90,13 @@ def act(
         scan=hands.scan,
     )
     return following, _ordered(command, orders, seen), step
+
+
+def _without_goal(step: Step) -> Step:
+    """Return a step that leads nowhere: with an estimate that has diverged no place is known."""
+    if step.guidance is None:
+        return step._replace(bound=None)
+    return step._replace(guidance=None, bound=None, done=False, note=LOST)
 
 
 def _flown(mode: Mode, step: Step, seen: Estimate) -> Mode:

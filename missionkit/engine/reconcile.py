@@ -46,6 +46,7 @@ class Facts(NamedTuple):
     climbing: bool  # the chart takes off, and the estimate is sound
     flown: bool  # was armed or in the air before
     placed: bool  # the configuration is one of the chart's
+    lost: bool  # the estimate has diverged
 
 
 class Case(NamedTuple):
@@ -74,6 +75,11 @@ CASES: tuple[Case, ...] = (
         "in the air, at a place in the chart that is no more",
         Then.LAND,
         lambda it, s: s.in_air and not it.placed,
+    ),
+    Case(
+        "in the air, in {state}, and the estimate has diverged",
+        Then.LAND,
+        lambda it, s: s.in_air and it.flying and it.lost,
     ),
     Case("in the air, in {state}", Then.GO_ON, lambda it, s: s.in_air and it.flying),
     Case("in the air, taking off", Then.GO_ON, lambda it, s: s.in_air and it.climbing),
@@ -164,6 +170,7 @@ def _facts(
         isinstance(behavior, TakeOff) and health.aligned and not health.diverged,
         saved.flown or saved.memory.senses.home is not None,
         placed,
+        health.diverged,
     )
 
 

@@ -98,7 +98,7 @@ def aligned(
     weight = float(np.linalg.norm(force))
     up = force / weight
     q = attitude(force, heard.fields[:, 1:].mean(axis=0), math.radians(settings.declination_deg))
-    position, position_var = _position(heard, settings)
+    position, position_var = placed(heard, settings)
     x = np.concatenate([position, np.zeros(3), q, up * (weight - GRAVITY), rate, surveyed.ravel()])
     P = np.zeros((D_LANDMARKS + len(x) - LANDMARKS,) * 2)
     np.fill_diagonal(P[0:3, 0:3], position_var)
@@ -113,7 +113,8 @@ def aligned(
     return Start(float(heard.imu[-1, 0]), x, P)
 
 
-def _position(heard: Alignment, settings: VisualInertialEkf) -> tuple[Vec3, Vec3]:
+def placed(heard: Alignment, settings: VisualInertialEkf) -> tuple[Vec3, Vec3]:
+    """Return the mean position (3,), m, NED, by fixes and barometer, and its variances (3,)."""
     position, variance = np.zeros(3), np.full(3, settings.origin_sd**2)
     if len(heard.fixes):
         # Errors of successive fixes are alike, so their mean is no better than one of them.

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from missionkit.estimation import alignment, flow_memory, flow_reading, history, measurements
+from missionkit.estimation import (
+    alignment,
+    flow_memory,
+    flow_reading,
+    history,
+    measurements,
+    realignment,
+)
 from missionkit.estimation.flow_attitude import carry, steer
 from missionkit.estimation.flow_axis import POSITION, VELOCITY, predict, update
 from missionkit.estimation.flow_memory import EAST, NORTH, UP, FlowMemory
@@ -79,6 +86,10 @@ class FlowNavigator:
             known = known._replace(in_air=observation.status.in_air)
         if not known.aligned:
             return self._align(known, observation)
+        samples = measurements.samples(observation.imu)
+        gap = realignment.gap(samples, known.last)
+        if gap > self._rest.longest_gap:
+            known = _resumed(known, samples, observation.mag, gap, self._rest)
         known, rates = self._predict(known, observation)
         known = self._steer(known, observation.mag)
         if not known.in_air:
@@ -167,6 +178,27 @@ class FlowNavigator:
 
 def _copies(known: FlowMemory) -> tuple[Vec3, Vec3, Mat, Mat]:
     return known.attitude.copy(), known.bias.copy(), known.mu.copy(), known.S.copy()
+
+
+def _resumed(
+    known: FlowMemory, samples: Mat, mag: Magnetometer | None, gap: float, rest: VisualInertialEkf
+) -> FlowMemory:
+    """Return the memory after a gap (s) in the inertial samples (n, 7): nothing is integrated.
+
+    The attitude is what accelerometer and magnetometer say now, the velocity unknown, and the
+    position as uncertain as that velocity makes it over the gap.
+    """
+    _, _, mu, S = _copies(known)
+    fresh = samples[samples[:, 0] > known.last[0]]
+    q = known.attitude
+    if mag is not None and 0.5 < norm(mag.field) < 2.0:
+        force = fresh[:, 1:4].mean(axis=0)
+        q = alignment.attitude(force, mag.field, math.radians(rest.declination_deg))
+    for axis in (NORTH, EAST, UP):
+        speed = rest.reset_velocity_sd + abs(float(mu[axis, 1]))
+        S[axis] = np.diag([S[axis, 0, 0] + (speed * gap) ** 2, speed**2])
+        mu[axis, 1] = 0.0
+    return known._replace(attitude=q, mu=mu, S=S, last=fresh[0].copy(), mag_at=None)
 
 
 def _rest(known: FlowMemory) -> FlowMemory:

@@ -37,6 +37,7 @@ class NavMemory(NamedTuple):
     corrections: tuple[Timed, ...]  # world <- odom: the sum of all resets of the position
     broken: bool  # the last observation was left out, since its result was not finite
     parked: bool = False  # the autopilot last said: on the ground, disarmed
+    missing: float = 0.0  # s, length of a gap in the inertial samples, until aligned again
 
 
 class NavState(NamedTuple):

@@ -18,6 +18,7 @@ from missionkit.estimation import (
     memory,
     motion,
     reading,
+    realignment,
     recovery,
 )
 from missionkit.estimation.algebra import multiply
@@ -66,8 +67,12 @@ class Navigator:
         known = known._replace(now=observation.now, broken=False, parked=parked)
         if known.past is None:
             return self._align(known, observation)
+        samples = measurements.samples(observation.imu)
+        gap = realignment.gap(samples, known.last)
+        if known.missing or gap > self._settings.longest_gap:
+            return self._realign(known, known.past, observation, gap)
         rows = measurements.observed(observation, self._settings)
-        after = self._advance(known, known.past, measurements.samples(observation.imu), rows)
+        after = self._advance(known, known.past, samples, rows)
         more = after.tally.refused[FIX] > known.tally.refused[FIX]
         return self._recover(after) if more else after
 
@@ -77,7 +82,7 @@ class Navigator:
         Sightings of targets that were not surveyed are left aside.
         """
         seen = [s for s in sightings if s.target in self._names]
-        if known.past is None or not seen:
+        if known.past is None or known.missing or not seen:
             return known
         rows = [self._row(s) for s in seen]
         known = self._advance(known, known.past, NO_IMU, rows)
@@ -125,6 +130,35 @@ class Navigator:
         past = history.begin(start.at, start.x, start.P)
         tally = health.stood(known.tally, heard.fixes)
         return known._replace(heard=alignment.begin(), last=heard.imu[-1], past=past, tally=tally)
+
+    def _realign(
+        self, known: NavMemory, past: History, observation: Observation, gap: float
+    ) -> NavMemory:
+        """Gather what a new beginning takes; the old state stands, as diverged, until it is made.
+
+        Another gap meanwhile begins the gathering again: a window of samples has no hole.
+        """
+        s, again = self._settings, gap > self._settings.longest_gap
+        new = measurements.resting(observation)
+        before = alignment.begin() if again else known.heard
+        heard = alignment.gathered(before, new, realignment.SPAN)
+        last = known.last if len(new.imu) == 0 else new.imu[-1]
+        known = known._replace(heard=heard, last=last, missing=known.missing + gap * again)
+        since = float(last[0] - past.times[-1])
+        start = realignment.begun(heard, past.xs[-1], past.Ps[-1], since, s)
+        if start is None:
+            return known
+        tally = health.stood(health.begin(), heard.fixes)
+        tally = tally._replace(late=known.tally.late, resets=known.tally.resets + 1)
+        total = known.corrections[-1].transform.translation + start.x[0:3] - past.xs[-1][0:3]
+        moved = Timed(start.at, Transform(IDENTITY, total))
+        return known._replace(
+            heard=alignment.begin(),
+            past=history.begin(start.at, start.x, start.P),
+            tally=tally,
+            corrections=(known.corrections[-1], moved),
+            missing=0.0,
+        )
 
     def _advance(
         self, known: NavMemory, past: History, samples: Mat, rows: list[Vec3]

@@ -26,6 +26,8 @@ def aligned(
     sd = health.horizontal_sd(P, settings.fix_drift_sd)
     silence = known.now - float(past.times[-1])
     cause = health.divergence(known.tally, sd, silence, known.now, settings)
+    if known.missing:
+        cause = f"no inertial samples for {known.missing:.1f} s: aligning again"
     if known.broken:
         cause = "the last measurements made the filter unsound"
     return NavState(

@@ -57,6 +57,9 @@ class VisualInertialEkf(Plugin):
 
     max_delay: Seconds = Field(default=0.5, description="older measurements are dropped")
     max_gap: Seconds = Field(default=0.03, description="between two inertial samples")
+    longest_gap: Seconds = Field(
+        default=0.5, description="after a longer one the filter aligns again, in the air too"
+    )
     gap_accel: Number = Field(default=2.0, ge=0, description="m/s², unseen while samples miss")
     gap_rate: Number = Field(default=0.5, ge=0, description="rad/s, unseen while samples miss")
 

@@ -69,6 +69,21 @@ def test_a_behaviour_that_fails_makes_the_vehicle_hold(says):
     assert pilot.hands.failing[0].startswith("odd ")
 
 
+def test_no_goal_is_followed_while_the_estimate_has_diverged():
+    pilot = Pilot(GO_HOME)
+    away = {"position": vec(30.0, 40.0, -5.0)}
+    assert speeds(pilot, 60, **away)[-1] == pytest.approx(2.0, abs=0.01)
+    lost = {**away, "health": calm().health._replace(diverged=True)}
+    slowing = speeds(pilot, 60, **lost)
+    limit = pilot.plan.control.limits.acceleration
+    assert slowing[-1] == pytest.approx(0.0, abs=0.01)
+    assert max(-np.diff(slowing)) <= limit * pilot.plan.period + 1e-9
+    command, step = pilot.act(**lost, velocity=vec(3.0, 0.0, 0.0))
+    assert (step.note, step.done) == ("holding: the estimate has diverged", False)
+    assert norm(command.setpoint.velocity) < 0.01
+    assert speeds(pilot, 60, **away)[-1] == pytest.approx(2.0, abs=0.01)
+
+
 def test_a_failure_in_flight_brings_the_vehicle_to_rest_within_the_limits():
     pilot = Pilot(GO_HOME)
     away = {"position": vec(30.0, 40.0, -5.0)}

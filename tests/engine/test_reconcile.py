@@ -187,13 +187,23 @@ def test_the_cases_cover_every_combination():
         for m in modes
     ):
         status = VehicleStatus(1.0, armed, air, True, mode)
-        facts = Facts(status, "x", flying, landing, climb, flown, placed)
+        facts = Facts(status, "x", flying, landing, climb, flown, placed, lost=False)
         case = next(case for case in CASES if case.applies(facts, status))
         if not air and not armed and (flown or flying):
             assert case.then is Then.LAND  # never armed again
         if air and case.then is Then.GO_ON:
             assert mode != "manual"
             assert flying or landing or climb
+
+
+def test_a_flight_goes_on_only_with_a_sound_estimate(plan, climbing):
+    """So long after the last inertial sample nothing is known."""
+    memory = standing(climbing, "up")
+    navigation = memory.senses.navigation._replace(now=NOW + 40.0)
+    lost = memory._replace(senses=memory.senses._replace(navigation=navigation))
+    done = woken(plan, lost, AIR, **FLOWN)
+    assert done.events == (ABORT,)
+    assert "in the air, in up, and the estimate has diverged; landing" in done.notes[0]
 
 
 def test_an_old_heartbeat_is_none(plan, climbing):
