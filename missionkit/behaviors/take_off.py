@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 from typing_extensions import override
 
-from missionkit.messages import CONTROL_RESUMED, Action, Estimate, Step
+from missionkit.geometry import Vec3, vec
+from missionkit.messages import CONTROL_RESUMED, Action, Estimate, Guidance, Step, VehicleStatus
 from missionkit.plugin import Behavior
 from missionkit.units import Metres
 
-CLIMBING = "take_off"  # the autopilot's mode
+CLIMBING, TOP, STEERED = "take_off", "hold", "offboard"  # the autopilot's modes
+SHORT, SHARE = 1.0, 0.4  # m, and part of the height, by which the autopilot may end a climb early
+STALLED, RISE = 8.0, 0.2  # s without a rise (m) after which a climb in the air has stalled
+SPEED = 1.0  # m/s, to finish a climb
+
+
+class Climb(NamedTuple):
+    """What a take-off remembers."""
+
+    begun: bool = False  # the autopilot has climbed
+    highest: float = 0.0  # m
+    rose_at: float | None = None  # s, when it was that high first
+    over: Vec3 | None = None  # (3,), m, NED: cut short, to be finished at this place
 
 
 class TakeOff(Behavior):
     """Wait until ready and placed, arm, and let the autopilot climb to `height`.
 
     Requests are repeated until the vehicle's own status confirms them. Done within `within` of
-    the height, or when the autopilot, which has its own idea of the height, stops climbing. `by`
-    a pilot nothing is commanded: he arms and climbs by hand, and it is done once he has given
-    control, by the key for it, in the air.
+    the height, or when the autopilot, which has its own idea of the height, holds at most 1 m
+    (at most 40 %) short of it. A climb that a pilot or the autopilot cut short lower down, or that
+    stalled, is finished by guidance once missionkit has control: some autopilots take off from the
+    ground only. `by` a pilot nothing is commanded: he arms and climbs by hand, and it is done once
+    he has given control, by the key for it, in the air.
     """
 
     kind: ClassVar[str] = "take_off"
@@ -40,17 +55,52 @@ class TakeOff(Behavior):
             if status is None or not status.ready:
                 return Step(note="waiting for the vehicle's own checks")
             return Step(action=Action.ARM, note="arming")
+        return self._climb(seen, memory or Climb(), status)
+
+    def _climb(self, seen: Estimate, climb: Climb, status: VehicleStatus) -> Step:
+        """Answer while armed."""
         height = -float(seen.position[2])
-        climbed = height >= self.height - self.within
-        if status.in_air and (climbed or (memory and status.mode != CLIMBING)):
-            return Step(done=True, memory=memory)
-        climbing = status.in_air and status.mode == CLIMBING
-        return Step(
-            action=None if climbing else Action.TAKE_OFF,
-            height=self.height,
-            note=f"climbing, {height:.1f} m",
-            memory=bool(memory) or climbing,
-        )
+        if not status.in_air:
+            return self._asked(height, Climb())
+        ended = climb.begun and climb.over is None and status.mode == TOP
+        short = min(SHORT, SHARE * self.height) if ended else 0.0
+        if height >= self.height - max(short, self.within):
+            return Step(done=True, memory=climb)
+        climb = _followed(climb, height, seen.now)
+        if climb.over is not None or _cut_short(climb, status.mode, seen):
+            return self._finished_by_guidance(seen, climb, status.mode)
+        if status.mode == CLIMBING:
+            return Step(note=f"climbing, {height:.1f} m", memory=climb._replace(begun=True))
+        return self._asked(height, climb)
+
+    def _asked(self, height: float, climb: Climb) -> Step:
+        note = f"climbing, {height:.1f} m"
+        return Step(action=Action.TAKE_OFF, height=self.height, note=note, memory=climb)
+
+    def _finished_by_guidance(self, seen: Estimate, climb: Climb, mode: str) -> Step:
+        """Climb on, straight up from where the vehicle is when it begins to follow setpoints."""
+        if lost := _lost(seen):
+            return Step(note=lost, memory=climb)
+        over = climb.over
+        if over is None or mode != STEERED:
+            over = vec(float(seen.position[0]), float(seen.position[1]), -self.height)
+        note = f"the climb was cut short: finishing it, {-float(seen.position[2]):.1f} m"
+        guidance = Guidance(over, SPEED)
+        return Step(guidance, note=note, memory=climb._replace(over=over), takes_over=True)
+
+
+def _followed(climb: Climb, height: float, now: float) -> Climb:
+    """Note how high it is, and since when."""
+    if climb.rose_at is not None and height < climb.highest + RISE:
+        return climb
+    return climb._replace(highest=height, rose_at=now)
+
+
+def _cut_short(climb: Climb, mode: str, seen: Estimate) -> bool:
+    """Return whether the autopilot climbs no more."""
+    stalled = climb.rose_at is not None and seen.now - climb.rose_at > STALLED
+    stopped = climb.begun and mode != CLIMBING
+    return stopped or stalled or CONTROL_RESUMED in seen.events
 
 
 def _lost(seen: Estimate) -> str:

@@ -56,6 +56,7 @@ def act(
         if not hands.begun:
             hands = _begun(hands, state.behavior, seen, contain)
         step = _stepped(state.behavior, state, hands, seen, contain)
+        mode = Mode.GPS if mode is Mode.NONE and step.takes_over else mode
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = STILL._replace(memory=hands.behavior, goal=hands.goal)

@@ -26,6 +26,7 @@ def fault_of(answer: object) -> str:
         "events": _events(answer.events),
         "stop": isinstance(answer.stop, bool),
         "bound": _bounds(answer.bound),
+        "takes_over": isinstance(answer.takes_over, bool),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""

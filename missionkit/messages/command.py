@@ -96,3 +96,4 @@ class Step(NamedTuple):
     events: tuple[str, ...] = ()  # for the chart, heard at the next tick
     stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance
     bound: HalfSpace | None = None  # never to be left, also while it holds still
+    takes_over: bool = False  # fly the guidance though the state leaves flying to the autopilot

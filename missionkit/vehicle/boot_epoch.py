@@ -2,6 +2,7 @@
 
 One packet with an odd stamp moves nothing. Several in a row that agree with each other, and none in
 between that fits the old clock, are a new clock: the autopilot has rebooted if it reads less.
+Two clocks that both keep ticking, or that a stream's stamps alternate between, are two vehicles.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ AHEAD = 0.3  # s, wall, that a stamp may be younger than the least delay seen so
 BACKWARDS = 1.0  # s that stamps may run backwards on a link that reorders
 DRIFT = 0.02  # s per s by which the autopilot's clock may be slower than ours
 SEVERAL = 5  # messages that agree
+LATEST, BACK = 40, 16  # stamps of one stream, and how many ran backwards: two vehicles
 ODD, SPAN = 20, 5.0  # so many odd stamps in that time (s), the old clock still there: two vehicles
 
 
@@ -57,10 +59,22 @@ class BootEpoch:
         self._clock: _Clock | None = None
         self._rival: _Clock | None = None  # odd stamps in a row that agree
         self._odd: deque[float] = deque(maxlen=ODD)  # arrivals
+        self._last: float | None = None  # stamp of the stream whose order counts
+        self._backwards: deque[bool] = deque(maxlen=LATEST)
 
-    def judge(self, boot: float, arrived: float) -> Stamp:
-        """Return what a message is worth that was stamped `boot` (s) and came at `arrived` (s)."""
+    def judge(self, boot: float, arrived: float, *, ordered: bool = False) -> Stamp:
+        """Return what a message is worth.
+
+        Args:
+            boot: s, its stamp.
+            arrived: s, wall, when it came.
+            ordered: it is of the stream whose stamps ought to come in order.
+        """
         arrived *= self._pace
+        if ordered:
+            if self._last is not None:
+                self._backwards.append(boot < self._last)
+            self._last = boot
         if self._clock is None:
             self._clock = _Clock(arrived - boot, boot, arrived)
             return Stamp.SOUND
@@ -79,11 +93,12 @@ class BootEpoch:
             return Stamp.ODD
         back = self._rival.newest < self._clock.newest - BACKWARDS
         self._clock, self._rival = self._rival, None
-        self._odd.clear()
         return Stamp.REBOOTED if back else Stamp.CHANGED
 
     @property
     def contested(self) -> bool:
         """Whether two clocks answer at once: two vehicles with one system id."""
         odd = self._odd
+        if sum(self._backwards) >= BACK:  # clocks too close for a stamp to look odd
+            return True
         return len(odd) == ODD and odd[-1] - odd[0] <= SPAN * max(1.0, self._pace)

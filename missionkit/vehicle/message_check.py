@@ -7,6 +7,7 @@ A message that is not believed goes no further, and the record says so.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Protocol
@@ -19,6 +20,8 @@ from missionkit.vehicle.vehicle_type import type_name
 
 MODE_COMMANDS = frozenset((20, 21, 22, 176, 400))  # MAV_CMD: what a heartbeat shows the effect of
 TWO_VEHICLES = "two_vehicles"  # the event
+ORDERED = "LOCAL_POSITION_NED"  # slow enough that a link keeps its order, mostly
+ASK_EVERY = 0.2  # s of the vehicle between two requests for a heartbeat, at least
 
 
 class Judge(Protocol):
@@ -64,6 +67,8 @@ class MessageCheck:
         self._rebooted: Callable[[], None] = lambda: None
         self._ask_again: Callable[[], None] = lambda: None
         self._contested = False
+        self._due = False  # a heartbeat is to be asked for
+        self._asked = -math.inf  # s of the vehicle, when one was asked for last
 
     @property
     def contested(self) -> bool:
@@ -89,7 +94,8 @@ class MessageCheck:
         elif name not in CLOCKED or self._sound(Message(name, fields, self._cache.wall())):
             self._cache.put(name, fields)
         if name == "COMMAND_ACK" and int(fields["command"]) in MODE_COMMANDS:
-            self._ask_now()  # what it did shows at once, and a pilot's next change as one
+            self._due = True  # what it did shows at once, and a pilot's next change as one
+        self._ask_if_due()
         before, self._contested = self._contested, self.contested
         if self._contested and not before:
             self._tell(TWO_VEHICLES)
@@ -114,13 +120,18 @@ class MessageCheck:
             return
         if found.doubted is not None:
             judge.doubt()
-            self._ask_now()
+            self._due = True
         elif found.fields is not None:
             judge.hear(Message("HEARTBEAT", found.fields, self._cache.wall()))
         if found.stranger:
             judge.replaced(type_name(int(fields["type"])))
 
-    def _ask_now(self) -> None:
+    def _ask_if_due(self) -> None:
+        """Ask for a heartbeat if one is due; too soon after the last time it stays due."""
+        now = self._cache.wall() * self._pace
+        if not self._due or now - self._asked < ASK_EVERY:
+            return
+        self._due, self._asked = False, now
         with suppress(RuntimeError):  # no link: the next heartbeat comes by itself
             self._ask_again()
 
@@ -128,7 +139,8 @@ class MessageCheck:
         boot = boot_time(message)
         if boot is None:
             return True
-        worth = self._epoch.judge(boot, message.arrived)
+        ordered = message.name == ORDERED
+        worth = self._epoch.judge(boot, message.arrived, ordered=ordered)
         if worth is Stamp.ODD:
             self._note(f"a {message.name} with a stamp off the autopilot's clock was ignored")
         if worth is Stamp.REBOOTED:

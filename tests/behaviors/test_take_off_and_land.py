@@ -90,6 +90,52 @@ def test_take_off_is_done_when_the_autopilot_thinks_it_is_high_enough():
     assert [step.done for step in steps] == [False, False, True]
 
 
+CLIMBING, STEERED = status(mode="take_off"), status(mode="offboard")
+
+
+@pytest.mark.parametrize("mode", ["hold", "brake", "position"])
+def test_a_climb_that_is_cut_short_is_not_done_and_is_finished_by_guidance(mode):
+    """A pilot holds, or the autopilot ends its climb by itself: neither is high enough."""
+    cut = status(mode=mode)
+    story = [(0.5, CLIMBING), (1.6, cut), (1.6, cut), (1.6, STEERED), (4.9, STEERED)]
+    steps = play(TakeOff(height=6.0), [ground(high, status=said) for high, said in story])
+    assert [step.done for step in steps] == [False] * 5
+    assert all(step.action is None for step in steps)
+    assert [step.takes_over for step in steps] == [False, True, True, True, True]
+    assert [step.guidance.position.tolist() for step in steps[1:]] == [[0.0, 0.0, -6.0]] * 4
+    (last,) = play(TakeOff(height=6.0), [ground(5.6, status=STEERED)])
+    assert last.done
+
+
+def test_a_climb_is_finished_straight_up_from_where_the_pilot_has_flown_to():
+    story = [ground(1.0, status=CLIMBING)]
+    story += [at(10.0, north, 0.0, -1.6, status=status(mode="position")) for north in (0.0, 3.0)]
+    story += [at(10.0, north, 0.0, -1.6, status=STEERED) for north in (3.0, 3.4)]
+    north = [step.guidance.position[0] for step in play(TakeOff(height=6.0), story)[1:]]
+    assert north == [0.0, 3.0, 3.0, 3.0]
+
+
+def test_control_that_is_given_back_low_in_the_air_is_no_reason_to_take_off_again():
+    back = ground(1.6, status=status(mode="position"), events=("control_resumed",))
+    (step,) = play(TakeOff(height=6.0), [back])
+    assert (step.done, step.action, step.takes_over) == (False, None, True)
+
+
+@pytest.mark.parametrize("mode", ["take_off", "hold"])
+def test_a_climb_that_stalls_in_the_air_is_finished_by_guidance(mode):
+    said = status(mode=mode)
+    story = [at(10.0 + n, 0.0, 0.0, -1.6, status=said) for n in range(11)]
+    steps = play(TakeOff(height=6.0), story)
+    assert [step.takes_over for step in steps] == [False] * 9 + [True] * 2
+
+
+def test_a_climb_is_not_finished_by_an_estimate_that_has_diverged():
+    story = [ground(1.0, status=CLIMBING), ground(1.6, status=status(), health=DIVERGED)]
+    step = play(TakeOff(height=6.0), story)[-1]
+    assert (step.guidance, step.action, step.done) == (None, None, False)
+    assert "diverged" in step.note
+
+
 def test_a_take_off_that_was_not_heard_is_asked_for_again():
     steps = play(TakeOff(height=5.0), [ground(0.2, status=status(mode="hold"))] * 3)
     assert [(step.action, step.done) for step in steps] == [(Action.TAKE_OFF, False)] * 3

@@ -94,7 +94,7 @@ def test_old_heartbeats_that_were_overtaken_on_the_way_confirm_nothing():
     autopilot.now += 0.05
     autopilot.check("HEARTBEAT", beat(HOLD))
     assert autopilot.mode == OFFBOARD
-    assert autopilot.judged == ["doubt", "asked"] * 2
+    assert autopilot.judged == ["doubt", "asked", "doubt"]
     assert autopilot.believed == [OFFBOARD]
     assert autopilot.send(beat(), beat(HOLD)).mode == OFFBOARD
     assert autopilot.send(beat(HOLD)).mode == HOLD
@@ -117,6 +117,27 @@ def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(
         assert authority.state == "doubting"
     autopilot.send(beat(POSITION))
     assert events == [f"{event}_takeover"]
+
+
+@pytest.mark.parametrize("pace", [1.0, 4.0])
+def test_heartbeats_are_asked_for_at_most_five_times_a_second(pace):
+    autopilot = Autopilot(pace=pace).send(beat())
+    for n in range(100):  # 2 s of the vehicle
+        autopilot.now += 0.02 / pace
+        autopilot.check("HEARTBEAT", beat(HOLD | n))
+    assert 9 <= autopilot.judged.count("asked") <= 10
+    assert autopilot.judged.count("doubt") == 100
+
+
+def test_a_heartbeat_that_could_not_be_asked_for_yet_is_asked_for_a_little_later():
+    autopilot = Autopilot().send(beat(), beat(HOLD))
+    autopilot.now += 0.05
+    autopilot.check("COMMAND_ACK", {"command": 176})
+    assert autopilot.judged.count("asked") == 1
+    autopilot.stamp(50.0, 0.1)
+    assert autopilot.judged.count("asked") == 1
+    autopilot.stamp(50.1, 0.1)
+    assert autopilot.judged.count("asked") == 2
 
 
 def test_an_expected_mode_is_believed_at_once():
@@ -184,6 +205,36 @@ def test_two_clocks_at_once_are_two_vehicles_with_one_id(apart):
     assert autopilot.judged == []
     autopilot.fly(6.0, 52.0)
     assert not autopilot.check.contested
+
+
+@pytest.mark.parametrize("apart", [0.05, 0.2, 0.8, -0.8])
+def test_two_vehicles_started_together_are_told_within_a_second(apart):
+    autopilot = Autopilot()
+    for n in range(30):
+        autopilot.stamp(50.0 + 0.033 * n, 0.02)
+        autopilot.stamp(50.02 + apart + 0.033 * n, 0.013)
+    assert autopilot.check.contested
+    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.judged == []
+    autopilot.fly(6.0, 52.0)
+    assert not autopilot.check.contested
+
+
+def test_two_vehicles_that_answer_in_bursts_are_told():
+    """Enough of the other clock in a row to be believed, and then again of this one."""
+    autopilot = Autopilot()
+    for n in range(20):
+        for each in range(6):
+            autopilot.stamp(50.0 + 40.0 * (n % 2) + 0.12 * n + 0.02 * each)
+    assert "two_vehicles" in autopilot.told
+
+
+def test_a_link_that_reorders_one_in_five_is_not_two_vehicles():
+    rng, autopilot = np.random.default_rng(5), Autopilot()
+    order = np.argsort(np.arange(400) + 1.5 * (rng.random(400) < 0.2))
+    for n in order:
+        autopilot.stamp(50.0 + 0.033 * n, 0.033)
+    assert autopilot.told == []
 
 
 @pytest.mark.parametrize("rate", [0.985, 1.0, 1.01])
