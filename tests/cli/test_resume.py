@@ -85,7 +85,7 @@ def test_a_killed_run_goes_on_and_is_summed_up_as_a_whole(call, killed):
     saved = load(folder).value.kept.course.memory
     result = call("run", "--resume", str(folder))
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "resumed after 2.10 s: in the air, in up; the chart goes on" in result.stdout
+    assert "resumed after 2.95 s: in the air, in up; the chart goes on" in result.stdout
     assert result.stdout.count("  up: ") == 1  # the live view does not catch up with the past
     told = summary(folder)
     assert [it["to"] for it in told["transitions"]] == ["up", "land"]
@@ -96,10 +96,10 @@ def test_a_killed_run_goes_on_and_is_summed_up_as_a_whole(call, killed):
         *("flight.mcap", "flight-2.mcap", "mission.yaml", "summary.json", "track.png")
     }
     again = next(read(folder / "flight-2.mcap", "/command"))
-    assert saved.now + 2.0 < again.at < saved.now + 2.3  # nothing was commanded before
+    assert saved.now + 2.7 < again.at < saved.now + 3.2  # nothing was commanded before
 
 
-@pytest.mark.parametrize("gap", [0.0, 1.0, 2.5])
+@pytest.mark.parametrize("gap", [0.0, 1.0, 1.8])
 def test_timers_go_on_in_mission_time(call, killed, gap):
     folder = killed()
     call("run", "--resume", str(folder), "--gap", str(gap))

@@ -44,9 +44,7 @@ def killed(at: float) -> tuple[Kept, np.ndarray]:
     return kept[-1], rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
 
 
-@pytest.mark.parametrize(
-    ("at", "gap"), [(7.2, 1.0), (7.2, 20.0), (8.2, 5.0), (9.2, 39.0), (9.2, 120.0)]
-)
+@pytest.mark.parametrize(("at", "gap"), [(7.2, 1.0), (8.2, 5.0), (9.2, 120.0)])
 def test_a_resumed_flight_knows_where_it_is_or_stands(at, gap):
     kept, before = killed(at)
     ready = short_stage(CRUISE)

@@ -14,6 +14,7 @@ from missionkit.engine.loop import End, Flown, Operator, fly
 from missionkit.engine.memory import Course
 from missionkit.engine.waking import CALM, PATIENCE, SETTLING, Resumption
 from missionkit.errors import VehicleError
+from missionkit.estimation.realignment import SPAN
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.rehearsal import Again, Kept, Stage, rehearse
@@ -101,7 +102,7 @@ def test_nothing_is_commanded_before_a_heartbeat_has_come_and_the_estimate_is_so
 
 @pytest.mark.parametrize(
     ("loss", "waited"),
-    [("gnss_lost@3.5", CALM), (f"gnss_lost@{AT}", SETTLING)],
+    [("gnss_lost@3.5", SPAN + CALM), (f"gnss_lost@{AT}", SETTLING)],
     ids=["long", "just"],
 )
 def test_fixes_are_waited_for_only_where_there_were_some(loss, waited):

@@ -1,5 +1,6 @@
 """Navigators and planners of other packages: checked before flight, contained in flight."""
 
+import gc
 import math
 import threading
 from functools import partial
@@ -100,8 +101,12 @@ class Veering(Plugin):
 
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch):
-    hasty = partial(TimedContainment, limit=0.01, patience=0.05)
+    """Allow little time; a collection of garbage left by other tests would count as a plug-in's."""
+    hasty = partial(TimedContainment, limit=0.02, patience=0.1)
     monkeypatch.setattr(loop, "TimedContainment", hasty)
+    gc.disable()
+    yield
+    gc.enable()
 
 
 def ready(navigator="well", planner="none"):

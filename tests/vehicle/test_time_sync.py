@@ -113,7 +113,7 @@ def test_a_vehicle_that_stood_still_is_believed_again_as_soon_as_it_goes_on():
     vehicle.rate = 0.0
     assert vehicle.fly(4.0)[-1, 2]
     vehicle.rate = 1.0
-    assert not vehicle.fly(10.0)[10:, 2].any()
+    assert not vehicle.fly(10.0)[30:, 2].any()
 
 
 def test_it_is_said_once_that_its_time_passes_slowly():
