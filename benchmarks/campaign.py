@@ -9,8 +9,8 @@ from statistics import median
 
 from benchmarks.flights import KNOWN_MAP, past_two_walls, ready
 from benchmarks.measure import Table, seconds, timed
-from missionkit.campaign.pool import flown
-from missionkit.campaign.row import Case, Order
+from missionkit.campaigns.pool import flown
+from missionkit.campaigns.row import Case, Order
 from missionkit.messages import Command, Observation, Record
 from missionkit.rehearsal import Stage, rehearse
 from missionkit.sim.vehicle import SimulatedVehicle

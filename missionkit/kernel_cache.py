@@ -64,9 +64,14 @@ def digest(module: str, root: Path | None = None) -> str:
 
 
 def _imported(source: str) -> Iterator[str]:
-    """Yield the modules of the package that a source may import."""
+    """Yield the modules of the package that a source may import.
+
+    The package's own `__init__` is left out: it is the public API, which holds no kernels and
+    names modules of the whole house.
+    """
     for package, names, whole in IMPORT.findall(source):
-        yield package or whole
+        if (package or whole) != PACKAGE:
+            yield package or whole
         for name in re.findall(r"\w+", names):
             yield f"{package}.{name}"
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.campaign import statistics
+from missionkit.campaigns import statistics
 
 
 class Interval(NamedTuple):

@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 from rehearsed import flown, short, short_stage
 
-from missionkit.campaign.ending import outcome, reason, succeeded
+from missionkit.campaigns.ending import outcome, reason, succeeded
 from missionkit.chart.model.sections import Success
 from missionkit.engine.passage import Failsafe, Passage, after
 from missionkit.engine.success import Truth, conditions, flaws

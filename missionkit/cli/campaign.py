@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit import __version__
-from missionkit.campaign import cluster, pool, table
-from missionkit.campaign.analysis import Analysis, analysed
-from missionkit.campaign.conduct import Crew, conduct, counted
-from missionkit.campaign.plan import Campaign, Rule, digest_of, found, keep
-from missionkit.campaign.progress import Progress
-from missionkit.campaign.report import write_report
-from missionkit.campaign.summary import summed_up, write_summary
-from missionkit.campaign.vary import axes, variants
-from missionkit.campaign.wording import between, percent
+from missionkit.campaigns import cluster, pool, table
+from missionkit.campaigns.analysis import Analysis, analysed
+from missionkit.campaigns.conduct import Crew, conduct, counted
+from missionkit.campaigns.plan import Campaign, Rule, digest_of, found, keep
+from missionkit.campaigns.progress import Progress
+from missionkit.campaigns.report import write_report
+from missionkit.campaigns.summary import summed_up, write_summary
+from missionkit.campaigns.vary import axes, variants
+from missionkit.campaigns.wording import between, percent
 from missionkit.chart.load import load
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.rehearsed import fault_of

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.campaign import table
-from missionkit.campaign.chain import estimate
-from missionkit.campaign.chart_notes import notes
-from missionkit.campaign.charted import charted
-from missionkit.campaign.conduct import counted
-from missionkit.campaign.plan import Campaign, digest_of, found
-from missionkit.campaign.row import Row
-from missionkit.campaign.tally import countable, tally
-from missionkit.campaign.vary import name_of, variants
+from missionkit.campaigns import table
+from missionkit.campaigns.chain import estimate
+from missionkit.campaigns.chart_notes import notes
+from missionkit.campaigns.charted import charted
+from missionkit.campaigns.conduct import counted
+from missionkit.campaigns.plan import Campaign, digest_of, found
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.tally import countable, tally
+from missionkit.campaigns.vary import name_of, variants
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.drawing.overlay import Overlay
 from missionkit.chart.model.mission import Mission

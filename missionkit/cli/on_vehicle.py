@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from missionkit.campaign.ending import aborted, missing, succeeded
+from missionkit.campaigns.ending import aborted, missing, succeeded
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.sections import Success

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from missionkit.campaign.ending import outcome, reason
+from missionkit.campaigns.ending import outcome, reason
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
 from missionkit.errors import ExitCode, printable

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from campaigns import row
 
-from missionkit.campaign.chain import (
+from missionkit.campaigns.chain import (
     Chain,
     Ending,
     absorbed,

@@ -9,13 +9,13 @@ from xml.etree import ElementTree as ET
 import pytest
 from campaigns import row
 
-from missionkit.campaign.chain import estimate
-from missionkit.campaign.chart_notes import notes
-from missionkit.campaign.charted import charted
-from missionkit.campaign.diary import parts
-from missionkit.campaign.row import Case, Order
-from missionkit.campaign.runs import fly, loaded
-from missionkit.campaign.tally import countable, tally, unflown
+from missionkit.campaigns.chain import estimate
+from missionkit.campaigns.chart_notes import notes
+from missionkit.campaigns.charted import charted
+from missionkit.campaigns.diary import parts
+from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns.runs import fly, loaded
+from missionkit.campaigns.tally import countable, tally, unflown
 from missionkit.chart.drawing.diagram import mermaid
 from missionkit.chart.drawing.picture import svg
 

@@ -8,8 +8,8 @@ from concurrent.futures import CancelledError
 import pytest
 from campaigns import bombed, cases, hop
 
-from missionkit.campaign import cluster, pool
-from missionkit.campaign.row import Case, Order
+from missionkit.campaigns import cluster, pool
+from missionkit.campaigns.row import Case, Order
 from missionkit.errors import UsageError, VehicleError
 
 ADDRESS = "tcp://127.0.0.1:1"

@@ -14,10 +14,10 @@ from campaigns import bombed, hop
 from typer.testing import CliRunner
 
 from missionkit import __version__
-from missionkit.campaign.conduct import conduct
-from missionkit.campaign.plan import found
-from missionkit.campaign.row import Row
-from missionkit.campaign.table import JOURNAL, read
+from missionkit.campaigns.conduct import conduct
+from missionkit.campaigns.plan import found
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.table import JOURNAL, read
 from missionkit.cli.app import app
 
 

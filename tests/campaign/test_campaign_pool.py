@@ -9,9 +9,9 @@ import signal
 import pytest
 from campaigns import bombed, cases, hop
 
-from missionkit.campaign.pool import flown
-from missionkit.campaign.row import Case, Order
-from missionkit.campaign.runs import fly
+from missionkit.campaigns.pool import flown
+from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns.runs import fly
 
 
 def by_number(rows):

@@ -13,14 +13,14 @@ import typer
 from campaigns import hop, row
 from documents import document, table
 
-from missionkit.campaign import plots
-from missionkit.campaign.analysis import analysed, worst
-from missionkit.campaign.plan import Campaign, Rule, digest_of
-from missionkit.campaign.progress import Progress, line, spell
-from missionkit.campaign.report import page as page_of
-from missionkit.campaign.report_chart import drawable
-from missionkit.campaign.statistics import wilson
-from missionkit.campaign.wording import number, percent
+from missionkit.campaigns import plots
+from missionkit.campaigns.analysis import analysed, worst
+from missionkit.campaigns.plan import Campaign, Rule, digest_of
+from missionkit.campaigns.progress import Progress, line, spell
+from missionkit.campaigns.report import page as page_of
+from missionkit.campaigns.report_chart import drawable
+from missionkit.campaigns.statistics import wilson
+from missionkit.campaigns.wording import number, percent
 from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
 from missionkit.cli.app import app

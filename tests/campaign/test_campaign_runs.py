@@ -10,11 +10,11 @@ import pytest
 from campaigns import hop
 from typer.testing import CliRunner
 
-from missionkit.campaign.analysis import command
-from missionkit.campaign.diary import Diary, parts, way
-from missionkit.campaign.plan import Campaign
-from missionkit.campaign.row import Case, Order
-from missionkit.campaign.runs import fly
+from missionkit.campaigns.analysis import command
+from missionkit.campaigns.diary import Diary, parts, way
+from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns.runs import fly
 from missionkit.cli.app import app
 
 

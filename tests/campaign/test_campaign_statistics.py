@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionkit.campaign.statistics import bootstrap, differences, quantile, wilson
+from missionkit.campaigns.statistics import bootstrap, differences, quantile, wilson
 
 
 @pytest.mark.parametrize("n", [1, 7, 40, 500])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from campaigns import row
 
-from missionkit.campaign.conduct import counted
-from missionkit.campaign.plan import Campaign, Rule
-from missionkit.campaign.statistics import wilson
-from missionkit.campaign.stopping import LEAST, decision, enough, narrow_at, sprt
+from missionkit.campaigns.conduct import counted
+from missionkit.campaigns.plan import Campaign, Rule
+from missionkit.campaigns.statistics import wilson
+from missionkit.campaigns.stopping import LEAST, decision, enough, narrow_at, sprt
 
 ABOVE = Rule(require=0.98)
 

@@ -5,7 +5,7 @@ import csv
 import pytest
 from campaigns import row
 
-from missionkit.campaign.table import JOURNAL, Journal, read, write
+from missionkit.campaigns.table import JOURNAL, Journal, read, write
 from missionkit.errors import UsageError
 
 

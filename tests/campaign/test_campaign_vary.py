@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.campaign.plan import Campaign
-from missionkit.campaign.vary import axes, name_of, variants
+from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.vary import axes, name_of, variants
 from missionkit.errors import UsageError
 
 

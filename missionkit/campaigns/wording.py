@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 
-from missionkit.campaign.statistics import Interval
+from missionkit.campaigns.statistics import Interval
 
 UNITS = {
     "duration": ("mission time", "s", 1.0, 1),

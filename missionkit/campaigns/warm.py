@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import missionkit.campaign.runs  # noqa: F401
+import missionkit.campaigns.runs  # noqa: F401
 from missionkit.estimation import warm_up as filters
 from missionkit.sim import warm_up as simulator
 

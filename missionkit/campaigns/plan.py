@@ -9,8 +9,8 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from missionkit import __version__
-from missionkit.campaign.row import Case, Order
-from missionkit.campaign.vary import Axis, variants
+from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns.vary import Axis, variants
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import write_surely

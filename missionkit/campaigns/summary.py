@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from missionkit.campaign.analysis import (
+from missionkit.campaigns.analysis import (
     QUANTILES,
     Analysis,
     Comparison,
@@ -16,8 +16,8 @@ from missionkit.campaign.analysis import (
     command,
     conditions_of,
 )
-from missionkit.campaign.chain import Chain, absorbed, time_left
-from missionkit.campaign.statistics import Interval
+from missionkit.campaigns.chain import Chain, absorbed, time_left
+from missionkit.campaigns.statistics import Interval
 from missionkit.recorder.folder import write_whole
 
 FILE = "summary.json"

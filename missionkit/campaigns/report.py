@@ -7,15 +7,15 @@ from enum import IntEnum
 from html import escape
 from pathlib import Path
 
-from missionkit.campaign import plots
-from missionkit.campaign.analysis import Analysis, Comparison, Variant, broken, command
-from missionkit.campaign.report_chart import Drawable, drawable, never, simulated
-from missionkit.campaign.report_variant import variant_section
-from missionkit.campaign.row import Row
-from missionkit.campaign.statistics import Interval, wilson
-from missionkit.campaign.template import PAGE
-from missionkit.campaign.vary import name_of
-from missionkit.campaign.wording import between, figure, number, percent, table, title_of
+from missionkit.campaigns import plots
+from missionkit.campaigns.analysis import Analysis, Comparison, Variant, broken, command
+from missionkit.campaigns.report_chart import Drawable, drawable, never, simulated
+from missionkit.campaigns.report_variant import variant_section
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.statistics import Interval, wilson
+from missionkit.campaigns.template import PAGE
+from missionkit.campaigns.vary import name_of
+from missionkit.campaigns.wording import between, figure, number, percent, table, title_of
 from missionkit.recorder.folder import write_whole
 
 FILE = "report.html"

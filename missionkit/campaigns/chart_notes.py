@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from missionkit.campaign.chain import Chain, absorbed, time_left
-from missionkit.campaign.charted import Charted
-from missionkit.campaign.diary import parts
-from missionkit.campaign.tally import Tally, failsafes
-from missionkit.campaign.wording import percent, plural
+from missionkit.campaigns.chain import Chain, absorbed, time_left
+from missionkit.campaigns.charted import Charted
+from missionkit.campaigns.diary import parts
+from missionkit.campaigns.tally import Tally, failsafes
+from missionkit.campaigns.wording import percent, plural
 from missionkit.chart.drawing.overlay import End, Move, Note, Overlay, Tone
 
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}

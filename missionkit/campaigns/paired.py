@@ -10,7 +10,7 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 from scipy.stats import binomtest, norm
 
-from missionkit.campaign.statistics import Interval
+from missionkit.campaigns.statistics import Interval
 
 ABOVE = 1e-9  # where nothing was seen to differ, the test's own estimate is a root too
 

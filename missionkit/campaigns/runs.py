@@ -10,9 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.campaign.diary import Diary
-from missionkit.campaign.ending import outcome, reason
-from missionkit.campaign.row import Case, Order, Row, unflown
+from missionkit.campaigns.diary import Diary
+from missionkit.campaigns.ending import outcome, reason
+from missionkit.campaigns.row import Case, Order, Row, unflown
 from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission

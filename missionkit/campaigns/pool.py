@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.campaign.row import Case, Order, Row, unflown
+from missionkit.campaigns.row import Case, Order, Row, unflown
 from missionkit.engine.clock import stopwatch
 
 LOSSES = 2  # workers that a run may cost
@@ -39,7 +39,7 @@ def flown(
         workers: processes.
         timeout: s of wall time that a run may take.
     """
-    _processes.set_forkserver_preload(["missionkit.campaign.warm"])
+    _processes.set_forkserver_preload(["missionkit.campaigns.warm"])
     tasks, crew = _Tasks(cases), list[_Worker]()
     try:
         while True:
@@ -155,7 +155,7 @@ def _due(crew: list[_Worker]) -> list[_Worker]:
 
 def _work(pipe: Connection, order: Order, limit: float) -> None:
     """Fly what comes through the pipe until it is closed."""
-    from missionkit.campaign.runs import fly  # noqa: PLC0415 - heavy, and only workers need it
+    from missionkit.campaigns.runs import fly  # noqa: PLC0415 - heavy, and only workers need it
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to answer
     with Path(os.devnull).open("w") as nowhere, suppress(EOFError, OSError):

@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from missionkit.campaign.statistics import Interval, wilson
+from missionkit.campaigns.statistics import Interval, wilson
 
 GOOD, FAIR, BAD, INK, MUTED, RULE = "#009E73", "#E69F00", "#D55E00", "#1F2933", "#6B7785", "#E4E7EB"
 LEFT, RIGHT, BOTTOM, TOP = 46.0, 12.0, 26.0, 10.0

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.campaign.diary import way
-from missionkit.campaign.plan import Campaign, digest_of
-from missionkit.campaign.runs import loaded
+from missionkit.campaigns.diary import way
+from missionkit.campaigns.plan import Campaign, digest_of
+from missionkit.campaigns.runs import loaded
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.drawing.marks import Way
 from missionkit.chart.model.contracts import fulfilled

@@ -10,9 +10,9 @@ import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from missionkit.campaign.plan import Rule
-from missionkit.campaign.row import Row
-from missionkit.campaign.statistics import wilson
+from missionkit.campaigns.plan import Rule
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.statistics import wilson
 
 LEAST = 30  # runs before an interval's width counts
 

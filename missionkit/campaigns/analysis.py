@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.campaign.chain import Chain, Way, estimate, likeliest
-from missionkit.campaign.paired import Paired, compared
-from missionkit.campaign.plan import Campaign
-from missionkit.campaign.row import NO_FLIGHT, Row
-from missionkit.campaign.statistics import Interval, bootstrap, differences, quantile, wilson
-from missionkit.campaign.stopping import Decision, decision
-from missionkit.campaign.vary import name_of, variants
+from missionkit.campaigns.chain import Chain, Way, estimate, likeliest
+from missionkit.campaigns.paired import Paired, compared
+from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.row import NO_FLIGHT, Row
+from missionkit.campaigns.statistics import Interval, bootstrap, differences, quantile, wilson
+from missionkit.campaigns.stopping import Decision, decision
+from missionkit.campaigns.vary import name_of, variants
 
 QUANTILES = (0.05, 0.5, 0.95)
 WORST, ALIKE = 10, 3  # runs shown, and of them with the same reason

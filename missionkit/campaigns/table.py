@@ -18,7 +18,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from missionkit.campaign.row import Row
+from missionkit.campaigns.row import Row
 from missionkit.errors import UsageError, printable
 from missionkit.recorder.folder import write_whole
 

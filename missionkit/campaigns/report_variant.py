@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from missionkit.campaign import plots
-from missionkit.campaign.analysis import Measure, Variant, conditions_of
-from missionkit.campaign.report_chart import Drawable, chart_section
-from missionkit.campaign.wording import figure, number, percent, scaled, table, title_of
+from missionkit.campaigns import plots
+from missionkit.campaigns.analysis import Measure, Variant, conditions_of
+from missionkit.campaigns.report_chart import Drawable, chart_section
+from missionkit.campaigns.wording import figure, number, percent, scaled, table, title_of
 
 
 def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from missionkit.campaign.charted import Charted
-from missionkit.campaign.diary import parts
-from missionkit.campaign.row import Row
+from missionkit.campaigns.charted import Charted
+from missionkit.campaigns.diary import parts
+from missionkit.campaigns.row import Row
 
 FAILSAFE = "failsafe "  # begins the reason of its transitions
 

@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.campaign.row import Row
-from missionkit.campaign.statistics import Numbers
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.statistics import Numbers
 
 
 class Ending(NamedTuple):

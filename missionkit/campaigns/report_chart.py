@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from missionkit.campaign.analysis import Variant
-from missionkit.campaign.chain import passed
-from missionkit.campaign.chart_notes import expected, notes
-from missionkit.campaign.charted import Charted, flown_chart
-from missionkit.campaign.plan import Campaign
-from missionkit.campaign.statistics import wilson
-from missionkit.campaign.tally import Unflown, countable, tally, unflown
-from missionkit.campaign.wording import percent, plural, table
+from missionkit.campaigns.analysis import Variant
+from missionkit.campaigns.chain import passed
+from missionkit.campaigns.chart_notes import expected, notes
+from missionkit.campaigns.charted import Charted, flown_chart
+from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.statistics import wilson
+from missionkit.campaigns.tally import Unflown, countable, tally, unflown
+from missionkit.campaigns.wording import percent, plural, table
 from missionkit.chart.drawing.picture import svg
 from missionkit.errors import UsageError
 

@@ -13,8 +13,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
-from missionkit.campaign.row import Case, Order, Row, unflown
-from missionkit.campaign.runs import fly
+from missionkit.campaigns.row import Case, Order, Row, unflown
+from missionkit.campaigns.runs import fly
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import UsageError, VehicleError
 

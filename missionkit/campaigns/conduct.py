@@ -6,10 +6,10 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from pathlib import Path
 
-from missionkit.campaign.plan import Campaign
-from missionkit.campaign.row import Case, Row
-from missionkit.campaign.stopping import enough
-from missionkit.campaign.table import Journal, read
+from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.row import Case, Row
+from missionkit.campaigns.stopping import enough
+from missionkit.campaigns.table import Journal, read
 
 Crew = Callable[[Iterable[Case]], Generator[Row, None, None]]
 """Flies cases and yields their rows as they end."""

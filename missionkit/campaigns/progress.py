@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TextIO
 
-from missionkit.campaign.row import Row
-from missionkit.campaign.statistics import wilson
+from missionkit.campaigns.row import Row
+from missionkit.campaigns.statistics import wilson
 
 BETWEEN = 0.2  # s between two lines on a terminal
 QUIETLY = 10.0  # s between two lines elsewhere
