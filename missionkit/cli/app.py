@@ -83,7 +83,9 @@ def run(
             "--anyway", help="take off although a failsafe or the pre-flight report says no"
         ),
     ] = False,
-    headless: Annotated[bool, typer.Option("--headless", help="no live view")] = False,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="no live view, only log lines")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Fly a mission in the simulator; Ctrl-C lands."""

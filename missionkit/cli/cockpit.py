@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.keys import Keys, Planned, offered
-from missionkit.cli.live import LiveView, live_view
+from missionkit.cli.live import LineView, LiveView, live_view
 from missionkit.cli.order import Order
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.loop import Observer, Operator
@@ -58,6 +58,8 @@ def cockpit(
         events = offered(mission)
         deeds = {} if give_back is None else {GIVE_BACK: give_back}
         view = live_view(sys.stdout, stopwatch, _title(mission.name, events, deeds))
+    elif not order.as_json:
+        view = LineView(sys.stdout, logs_only=True)
     keys = Keys(sys.stdin, operator, events, deeds)
     watch = _Watch(recorder, view, sinks.view, truth)
     planned = Planned(order.events, operator)

@@ -46,11 +46,26 @@ def status_line(record: Record) -> str:
     )
 
 
-class LineView:
-    """Writes a line per transition and problem, and a status line every 5 s of mission time."""
+def log_lines(at: float, fired: Fired) -> list[str]:
+    """Return a line for each `log:` action of a transition.
 
-    def __init__(self, out: TextIO) -> None:
+    >>> log_lines(53.9, Fired("task", "return", "when done", (), ("mode gps", "log finished")))
+    ['   53.9 s  log: finished']
+    """
+    return [f"{at:7.1f} s  log: {text}" for text in fired.logged]
+
+
+class LineView:
+    """Writes a line per transition, log entry and problem, and the status every 5 s of flight.
+
+    Args:
+        out: where the lines go.
+        logs_only: write the mission's `log:` lines and nothing else.
+    """
+
+    def __init__(self, out: TextIO, *, logs_only: bool = False) -> None:
         self._out = out
+        self._logs_only = logs_only
         self._next_status = 0.0
         self._problems: tuple[str, ...] = ()
 
@@ -68,7 +83,14 @@ class LineView:
     def update(self, record: Record) -> None:
         """Show one tick."""
         for fired in record.fired:
-            self._say(transition_line(record.now, fired))
+            if not self._logs_only:
+                self._say(transition_line(record.now, fired))
+            for line in log_lines(record.now, fired):
+                self._say(line)
+        if not self._logs_only:
+            self._show_state(record)
+
+    def _show_state(self, record: Record) -> None:
         for problem in record.problems:
             if problem not in self._problems:
                 self._say(f"{record.now:7.1f} s  problem: {problem}")

@@ -45,7 +45,7 @@ def page(
     """
     room = max(height - FRAME, 4)
     guards = record.verdicts[: room - 1]
-    latest = events[-min(room - len(guards), LAST) :]
+    latest = _rows(events[-LAST:])[-min(room - len(guards), LAST) :]
     parts: list[RenderableType] = [
         _state(record),
         _motion(record.estimate),
@@ -165,18 +165,31 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{round(value, 4):.3g}"
 
 
-def _events(events: Sequence[Event]) -> Table:
+def _rows(events: Sequence[Event]) -> list[tuple[str, Text]]:
+    """Return time and text of each event, and of what a transition logged below it."""
+    rows = []
+    for at, event in events:
+        texts = [_problem(event)] if isinstance(event, str) else [_transition(event)]
+        texts += [] if isinstance(event, str) else map(_logged, event.logged)
+        rows += [(f"{at:.1f} s", text) for text in texts]
+    return rows
+
+
+def _events(rows: Sequence[tuple[str, Text]]) -> Table:
     table = Table(box=None, padding=(0, 1, 0, 0), show_header=False)
     table.add_column(style="dim", justify="right", no_wrap=True, min_width=7)
     table.add_column(no_wrap=True)
-    for at, event in events:
-        said = _problem(event) if isinstance(event, str) else _transition(event)
-        table.add_row(f"{at:.1f} s", said)
+    for at, text in rows:
+        table.add_row(at, text)
     return table
 
 
 def _problem(problem: str) -> Text:
     return _line((f"! {printable(problem)}", "red"))
+
+
+def _logged(text: str) -> Text:
+    return _line(("log: ", "dim"), printable(text))
 
 
 def _transition(fired: Fired) -> Text:

@@ -9,6 +9,8 @@ from missionkit.messages.estimate import Estimate
 from missionkit.messages.observation import NO_CYCLE, Cycle
 from missionkit.messages.verdict import Verdict
 
+LOG = "log "  # begins an output that a `log:` action wrote
+
 
 class Fired(NamedTuple):
     """A transition that was taken, and why."""
@@ -18,6 +20,11 @@ class Fired(NamedTuple):
     reason: str  # "failsafe battery", "when converged for 1.0 s", "after 120 s", "operator: land"
     verdicts: tuple[tuple[str, Verdict], ...]  # the guards that decided, by name
     outputs: tuple[str, ...]  # Mealy, control mode first: "mode visual", "log ..."
+
+    @property
+    def logged(self) -> tuple[str, ...]:
+        """The texts of its `log:` actions."""
+        return tuple(it.removeprefix(LOG) for it in self.outputs if it.startswith(LOG))
 
 
 class Record(NamedTuple):

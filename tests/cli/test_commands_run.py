@@ -35,6 +35,19 @@ def test_a_run_says_how_it_went_and_leaves_one_folder(call, tmp_path):
     assert summary(tmp_path / folder)["outcome"] == "success"
 
 
+def test_without_a_live_view_a_run_still_says_what_the_mission_logs(call, hop):
+    text = hop.read_text().replace(
+        "{to: land, when: done}", "{to: land, when: done, do: [{log: up}]}"
+    )
+    hop.write_text(text)
+    result = call("run", "hop.yaml", "--headless")
+    at, _, line = result.stdout.splitlines()[0].strip().partition(" s  ")
+    assert float(at) > 1.0
+    assert line == "log: up"
+    assert len(result.stdout.splitlines()) == 3
+    assert "log: up" not in call("run", "hop.yaml", "--json", "--out", "again").stdout
+
+
 def test_a_run_for_programs(call, tmp_path):
     result = call("run", "hop.yaml", "--json", "--set", "height=3", "--out", "here")
     told = json.loads(result.stdout)

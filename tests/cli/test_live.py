@@ -82,6 +82,28 @@ def test_lines_are_exactly_these():
     ]
 
 
+LOGGED = LOCKED._replace(outputs=("mode visual", "log marker found", "raise go", "log \x1b[2J"))
+
+
+@pytest.mark.parametrize("logs_only", [False, True])
+def test_what_a_mission_logs_stands_below_its_transition(logs_only):
+    out = io.StringIO()
+    LineView(out, logs_only=logs_only).update(tick(7.5, fired=(LOGGED,), problems=("drifting",)))
+    lines = out.getvalue().splitlines()
+    logged = ["    7.5 s  log: marker found", "    7.5 s  log: \ufffd[2J"]
+    assert lines[-len(logged) :] == logged if logs_only else lines[1:3] == logged
+    assert len(lines) == (2 if logs_only else 5)
+
+
+def test_the_page_shows_what_a_mission_logs_among_the_last_events():
+    events = [(float(k), LOCKED._replace(reason=f"reason {k}")) for k in range(9)]
+    text = shown(tick(9.0), [*events, (9.0, LOGGED)])
+    assert "9.0 s log: marker found" in text
+    assert "9.0 s log: \ufffd[2J" in text
+    assert "reason 7" in text
+    assert "reason 6" not in text
+
+
 def test_a_reader_that_has_gone_does_not_end_the_flight():
     class Gone(io.StringIO):
         def write(self, _):
