@@ -171,6 +171,11 @@ class MavsdkVehicle:
             self._let_go()
             raise
 
+    def tend(self) -> None:
+        """Ask for streams that are missing, and for the vehicle's time. Call it now and then."""
+        self._joined.streams.tend()
+        self._joined.time_sync.ask()
+
     async def observe(self, until: float) -> Observation:
         """Return all that was sensed since the last call, at mission time `until` (s)."""
         parts = self._joined
@@ -178,8 +183,7 @@ class MavsdkVehicle:
         self._now = until
         if not self._camera.running:
             self._camera.start(self)
-        parts.streams.tend()
-        parts.time_sync.ask()
+        self.tend()
         self._take_reports(parts)
         with self._noting:
             events, self._events = tuple(self._events), []

@@ -24,7 +24,8 @@ NEEDED = ("SYS_STATUS", "HOME_POSITION", "LOCAL_POSITION_NED", "GPS_RAW_INT", "B
 LOOK = 0.1  # s between two looks at what has come
 PASSING = frozenset(("state", "health", "home", "estimator", "gnss"))  # checks that may yet pass
 FIT = 60.0  # s (of the vehicle) in which it may become fit to fly
-SPAN = 1.0  # s over which the vehicle's clock is compared with ours
+SPAN = 1.5  # s (of the vehicle) over which it is watched, and its clock compared with ours
+LOOKS = 30  # times that it is tended to meanwhile
 
 
 async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1.0) -> Report:
@@ -38,7 +39,7 @@ async def inspect(vehicle: MavsdkVehicle, patience: float = 5.0, pace: float = 1
     await told(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
     values = await vehicle.call(parameters, vehicle)
-    await asyncio.sleep(SPAN / max(1.0, pace))
+    await _watched(vehicle, SPAN / max(1.0, pace))
     findings = _found(vehicle, first, values, pace)
     return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
 
@@ -82,11 +83,18 @@ async def become_fit(
 async def told(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
     """Ask for streams until a message of each name has come; say whether that was in time (s)."""
     for _ in range(round(patience / LOOK)):
-        vehicle.streams.tend()
+        vehicle.tend()
         if all(_is_told(vehicle.cache, name) for name in names):
             return True
         await asyncio.sleep(LOOK)
     return False
+
+
+async def _watched(vehicle: MavsdkVehicle, span: float) -> None:
+    """Listen for some time (s, wall), in which two vehicles with one system id show."""
+    for _ in range(LOOKS):
+        vehicle.tend()
+        await asyncio.sleep(span / LOOKS)
 
 
 def _is_told(cache: Cache, name: str) -> bool:

@@ -16,6 +16,7 @@ from missionkit.vehicle.boot_epoch import BootEpoch, Stamp
 from missionkit.vehicle.cache import Cache, Fields, Message
 from missionkit.vehicle.heartbeat_check import HeartbeatCheck, Said
 from missionkit.vehicle.streams import CLOCKED, boot_time
+from missionkit.vehicle.time_sync import DoubleAnswers
 from missionkit.vehicle.vehicle_type import type_name
 
 MODE_COMMANDS = frozenset((20, 21, 22, 176, 400))  # MAV_CMD: what a heartbeat shows the effect of
@@ -62,6 +63,7 @@ class MessageCheck:
         self._note = note
         self._heartbeats = HeartbeatCheck()
         self._epoch = BootEpoch(pace)
+        self._answers = DoubleAnswers()
         self._pace = pace
         self._judge: Judge | None = None
         self._rebooted: Callable[[], None] = lambda: None
@@ -73,7 +75,7 @@ class MessageCheck:
     @property
     def contested(self) -> bool:
         """Whether two vehicles answer with one system id."""
-        return self._heartbeats.contested or self._epoch.contested
+        return any(it.contested for it in (self._heartbeats, self._epoch, self._answers))
 
     def report_to(
         self, judge: Judge, rebooted: Callable[[], None], ask_again: Callable[[], None]
@@ -93,6 +95,8 @@ class MessageCheck:
             self._heartbeat(fields)
         elif name not in CLOCKED or self._sound(Message(name, fields, self._cache.wall())):
             self._cache.put(name, fields)
+        if name == "TIMESYNC":
+            self._answers.hear(fields)
         if name == "COMMAND_ACK" and int(fields["command"]) in MODE_COMMANDS:
             self._due = True  # what it did shows at once, and a pilot's next change as one
         self._ask_if_due()

@@ -15,12 +15,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
-from missionkit.vehicle.cache import Message, Wall
+from missionkit.vehicle.cache import Fields, Message, Wall
 from missionkit.vehicle.wire import Wire
 
 EVERY = 0.2  # s (of the vehicle) between two questions
 OPEN = 50  # questions that may still be answered
 SPAN = 10.0  # s (of the vehicle) over which the clocks' rates are compared
+LATEST, DOUBLE = 10, 3  # questions looked back on, and how many of them two vehicles answered
 MOST_RATE = 0.1  # share by which they may differ before it is said
 
 
@@ -92,3 +93,29 @@ class TimeSync:
                 f"the vehicle's time passes at {rate:.2f} of the rate that --speed says: "
                 "its simulation does not keep up; choose a lower one"
             )
+
+
+class DoubleAnswers:
+    """Notices that two vehicles answer the same question, each with its own time.
+
+    It tells two vehicles of one system id apart even where their clocks started together.
+    """
+
+    def __init__(self) -> None:
+        self._latest: deque[tuple[int, set[int]]] = deque(maxlen=LATEST)  # ns: asked, answers
+
+    def hear(self, fields: Fields) -> None:
+        """Take a TIMESYNC message in."""
+        boot, asked = int(fields["tc1"] or 0), int(fields["ts1"] or 0)
+        if boot <= 0:  # a question of the vehicle's own
+            return
+        for known, answers in self._latest:
+            if known == asked:
+                answers.add(boot)
+                return
+        self._latest.append((asked, {boot}))
+
+    @property
+    def contested(self) -> bool:
+        """Whether several of the latest questions have two different answers."""
+        return sum(len(answers) > 1 for _, answers in self._latest) >= DOUBLE

@@ -259,3 +259,23 @@ def test_messages_without_a_stamp_or_of_other_clocks_pass():
     autopilot.check("GPS_RAW_INT", {"time_usec": 7_000_000_000})
     assert autopilot.cache.latest("GPS_RAW_INT") is not None
     assert autopilot.cache.latest("LOCAL_POSITION_NED")["time_boot_ms"] == 0
+
+
+def answers(autopilot, first, count, *boots):
+    for n in range(first, first + count):
+        for boot in boots:
+            autopilot.check("TIMESYNC", {"tc1": boot + n, "ts1": n, "target_system": 0})
+
+
+def test_two_answers_to_one_question_are_two_vehicles_however_close_their_clocks():
+    autopilot = Autopilot()
+    answers(autopilot, 1, 20, 5_000)
+    answers(autopilot, 21, 20, 0, 0)  # a question of its own; and a packet that came twice
+    assert not autopilot.check.contested
+    answers(autopilot, 41, 2, 5_000, 5_001)
+    assert not autopilot.check.contested  # a stray packet or two
+    answers(autopilot, 43, 1, 5_000, 5_001)
+    assert autopilot.check.contested
+    assert autopilot.told == ["two_vehicles"]
+    answers(autopilot, 44, 10, 5_000)
+    assert not autopilot.check.contested

@@ -1,6 +1,7 @@
 """Who answers: vehicles of other kinds are refused, several on one link are told apart."""
 
 import asyncio
+import copy
 
 import pytest
 from typer.testing import CliRunner
@@ -107,3 +108,27 @@ def test_several_vehicles_are_listed_and_one_is_named(tmp_path):
 def test_a_system_is_named_for_a_vehicle_only(tmp_path):
     done = CliRunner().invoke(app, ["run", "stay.yaml", "--system", "3"])
     assert (done.exit_code, "--system is for --vehicle" in done.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("command", ["preflight", "run"])
+def test_two_vehicles_with_one_id_are_refused_by_every_command(command, tmp_path, monkeypatch):
+    """Their clocks started together: only that both answer a question tells them apart."""
+    mission = tmp_path / "stay.yaml"
+    mission.write_text(FENCED)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+
+    def twice(message):
+        other = copy.copy(message)
+        other.tc1 += 7_000
+        return [message, other]
+
+    with sitl() as autopilot:
+        MessageFilter(autopilot).on("TIMESYNC", twice)
+        words = {
+            "preflight": ["preflight", autopilot.url],
+            "run": ["run", str(mission), "--vehicle", autopilot.url, "--headless"],
+        }[command]
+        done = CliRunner().invoke(app, [*words, *(["--out", str(tmp_path)] * (command == "run"))])
+        assert not autopilot.truth["armed"]
+    assert done.exit_code == 1, done.output
+    assert "two vehicles answer with one system id" in done.output
