@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 
 from typing_extensions import override
@@ -30,6 +30,7 @@ class Place:
     file: str
     line: int
     column: int
+    inside: str = field(default="", compare=False)  # the state that includes the file, if one does
 
     @override
     def __str__(self) -> str:

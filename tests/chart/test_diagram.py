@@ -7,6 +7,7 @@ import pytest
 from documents import document
 
 from missionkit.chart.catalogue import Catalogue
+from missionkit.chart.checks import findings
 from missionkit.chart.drawing.diagram import mermaid
 from missionkit.chart.drawing.marks import marks
 from missionkit.chart.drawing.picture import svg
@@ -154,3 +155,57 @@ def test_a_transition_over_several_lines_is_marked_too(catalogue: Catalogue):
     when = mission.states["idle"].transitions[0].when
     assert isinstance(when, All)
     assert marks(mission, [Problem(when.parts[1].place, "never")]).ways == {("idle", 0): (1,)}
+
+
+TWICE = """\
+missionkit: 1
+mission: twice
+initial: first
+states:
+  first: {include: part.yaml, with: {wait: 20}, transitions: [{to: second, event: go}]}
+  second: {include: part.yaml, with: {wait: 3}, transitions: [{to: land, event: go}]}
+  third: {include: outer.yaml, transitions: [{to: land, event: go}]}
+  land: {kind: land}
+"""
+PART = """\
+params: {wait: 5}
+initial: near
+states:
+  near:
+    kind: custom
+    transitions: [{to: low, when: link_lost, for: 8}, {to: near, after: $wait}]
+  low: {kind: custom}
+"""
+OUTER = "initial: in\nstates: {in: {include: part.yaml, with: {wait: 2}}}\n"
+
+
+@pytest.fixture
+def twice(tmp_path: Path, catalogue: Catalogue) -> Mission:
+    (tmp_path / "part.yaml").write_text(PART)
+    (tmp_path / "outer.yaml").write_text(OUTER)
+    (tmp_path / "m.yaml").write_text(TWICE)
+    return load(tmp_path / "m.yaml", catalogue)
+
+
+def test_marks_sit_on_the_instance_of_an_included_file_that_has_the_problem(
+    twice: Mission, catalogue: Catalogue
+):
+    found = findings(twice, catalogue)
+    never = [n for n, it in enumerate(found, 1) if it.code == "contradictory-timers"]
+    told = [found[n - 1].message.split("'")[1] for n in never]
+    assert sorted(told) == ["second/near", "third/in/near"]
+    marked = marks(twice, found)
+    ways = {way: [n for n in numbers if n in never] for way, numbers in marked.ways.items()}
+    assert {way for way, numbers in ways.items() if numbers} == {(it, 0) for it in told}
+    assert all("part.yaml line 6:" in marked.lines[n - 1] for n in never)
+
+
+def test_a_problem_of_every_instance_is_told_once_and_marked_on_each(
+    twice: Mission, catalogue: Catalogue
+):
+    near = [twice.by_name()[f"{name}/near"].state for name in ("first", "second", "third/in")]
+    problem = Problem(Place(near[0].place().file, 6, 19), "the same in all")
+    assert marks(twice, [problem]).ways == {
+        (f"{name}/near", 0): (1,) for name in ("first", "second", "third/in")
+    }
+    assert [it.place().inside for it in near] == ["first", "second", "third/in"]

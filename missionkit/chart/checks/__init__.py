@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import (
@@ -56,13 +57,25 @@ def findings(
         sight: how far (m) the scanner sees obstacles, if that is known.
     """
     chart = Chart(fulfilled(mission, catalogue), catalogue)
-    found = {problem for check in CHECKS for problem in check(chart)}
-    found |= set(defaults.problems_of(mission, catalogue))
+    found = [problem for check in CHECKS for problem in check(chart)]
+    found += defaults.problems_of(mission, catalogue)
     if endurance is not None:
-        found |= set(energy.problems_of(chart, endurance))
+        found += energy.problems_of(chart, endurance)
     if sight is not None:
-        found |= set(speed.problems_of(chart, sight))
-    return sorted(found, key=_order)
+        found += speed.problems_of(chart, sight)
+    return sorted(_told_once(found), key=_order)
+
+
+def _told_once(problems: Iterable[Problem]) -> Iterator[Problem]:
+    """Yield each problem once, of all instances where several have it of a file they include."""
+    same: dict[Problem, list[Problem]] = {}
+    for problem in problems:
+        same.setdefault(problem, []).append(problem)
+    for first, *others in same.values():
+        if any(other.place.inside != first.place.inside for other in others):
+            yield replace(first, place=replace(first.place, inside=""))
+        else:
+            yield first
 
 
 def _order(problem: Problem) -> tuple[str, int, int, str, str]:

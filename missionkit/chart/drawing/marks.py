@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import PurePath
 
 from missionkit.chart.model import expressions as ex
 from missionkit.chart.model.mission import Mission, State, Transition
@@ -12,6 +13,7 @@ from missionkit.errors import Place, Problem
 
 Way = tuple[str, int]  # a transition: its state's name, its number in the list
 Numbers = tuple[int, ...]
+Owner = tuple[str | Way, list[Place]]  # a state or transition, and the places it is written at
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,18 +29,29 @@ UNMARKED = Marks()
 
 
 def marks(mission: Mission, problems: Sequence[Problem]) -> Marks:
-    """Return what to mark; problems that belong to no state are only told."""
-    owners = list(_owners(mission))
-    exact = {place: owner for owner, places in reversed(owners) for place in places}
+    """Return what to mark; problems that belong to no state are only told.
+
+    Of a file that is included several times, the instance that has the problem is marked, or all
+    of them where all have it.
+    """
+    instances: dict[str, list[Owner]] = {}
+    for owner, places in _owners(mission):
+        for inside in sorted({place.inside for place in places}):
+            here = [place for place in places if place.inside == inside]
+            instances.setdefault(inside, []).append((owner, here))
     states: dict[str, Numbers] = {}
     ways: dict[Way, Numbers] = {}
     for number, problem in enumerate(problems, 1):
-        owner = exact.get(problem.place) or _on_the_line(owners, problem.place)
-        if isinstance(owner, str):
-            states[owner] = (*states.get(owner, ()), number)
-        elif owner is not None:
-            ways[owner] = (*ways.get(owner, ()), number)
-    return Marks(states, ways, tuple(_line(number, it) for number, it in enumerate(problems, 1)))
+        inside = problem.place.inside
+        for owners in [instances.get(inside, [])] if inside else instances.values():
+            marked = _owner_of(owners, problem.place)
+            if isinstance(marked, str):
+                states[marked] = (*states.get(marked, ()), number)
+            elif marked is not None:
+                ways[marked] = (*ways.get(marked, ()), number)
+    file = mission.place().file
+    lines = tuple(_line(number, it, file) for number, it in enumerate(problems, 1))
+    return Marks(states, ways, lines)
 
 
 def numbered(numbers: Numbers) -> str:
@@ -50,12 +63,20 @@ def numbered(numbers: Numbers) -> str:
     return f"[{', '.join(map(str, numbers))}]" if numbers else ""
 
 
-def _line(number: int, problem: Problem) -> str:
+def _line(number: int, problem: Problem, file: str) -> str:
+    """Return a problem in words; a file other than the mission's own is named."""
     place = problem.place
-    return f"[{number}] {problem.level}, line {place.line}: {problem.message}"
+    name = "" if place.file in {"", file} else f"{PurePath(place.file).name} "
+    return f"[{number}] {problem.level}, {name}line {place.line}: {problem.message}"
 
 
-def _owners(mission: Mission) -> Iterator[tuple[str | Way, list[Place]]]:
+def _owner_of(owners: Sequence[Owner], place: Place) -> str | Way | None:
+    """Return the first state or transition that has something at a place, or on its line."""
+    exact = (owner for owner, places in owners if place in places)
+    return next(exact, None) or _on_the_line(owners, place)
+
+
+def _owners(mission: Mission) -> Iterator[Owner]:
     """Yield every state and transition with the places it is written at, its beginning first."""
     for name, state, _ in mission.walk():
         yield name, list(_of_state(state))
@@ -99,7 +120,7 @@ def _of_guard(guard: ex.Expression) -> Iterator[Place]:
             return
 
 
-def _on_the_line(owners: Sequence[tuple[str | Way, list[Place]]], place: Place) -> str | Way | None:
+def _on_the_line(owners: Sequence[Owner], place: Place) -> str | Way | None:
     """Return the last state or transition that begins before a place on its line."""
     before = [
         (places[0].column, at)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 from missionkit.chart.text.beside import unfit
 from missionkit.chart.text.located import Row, Table, Text, place_of, shown
@@ -38,7 +38,7 @@ def inlined(expanded: Expanded, file: str) -> Expanded:
     if not isinstance(expanded.data, Table) or not _includes(expanded.data.get("states")):
         return expanded
     work = _Work(Path(file).parent, list(expanded.problems), dict(expanded.origins))
-    states = work.states(expanded.data.get("states"), Path(file).parent, (Path(file),))
+    states = work.states(expanded.data.get("states"), _Around((Path(file),)))
     data = _with(expanded.data, "states", states)
     for section in SECTIONS:
         data = _with(data, section, _merged(data.get(section), work.sections[section]))
@@ -54,6 +54,17 @@ def _includes(states: object) -> bool:
     )
 
 
+class _Around(NamedTuple):
+    """Where an include stands: the files that lead to it, and the state that includes the last."""
+
+    files: tuple[Path, ...]
+    state: str = ""
+
+    def inside(self, name: str) -> str:
+        """Return the name that one of its states has in the mission."""
+        return f"{self.state}/{name}" if self.state else name
+
+
 @dataclass(slots=True)
 class _Work:
     root: Path  # nothing outside it is read
@@ -64,34 +75,35 @@ class _Work:
         default_factory=lambda: {section: Table(Place("", 1, 1)) for section in SECTIONS}
     )
 
-    def states(self, data: Any, folder: Path, chain: tuple[Path, ...]) -> Any:
+    def states(self, data: Any, around: _Around) -> Any:
         """Return `states:` with every include in it carried out."""
         if not isinstance(data, Table):
             return data
         table = Table(data.place)
         for name, state in data.items():
-            new = self._state(name, state, folder, chain)
+            new = self._state(name, state, around)
             table.put(name, new, data.key_places[name], data.value_places[name])
         return table
 
-    def _state(self, name: str, state: Any, folder: Path, chain: tuple[Path, ...]) -> Any:
+    def _state(self, name: str, state: Any, around: _Around) -> Any:
         if not isinstance(state, Table):
             return state
         if KEY not in state:
-            inside = self.states(state.get("states"), folder, chain)
+            inside = self.states(state.get("states"), around)
             return _with(state, "states", inside) if "states" in state else state
-        path = self._path(state, folder, chain)
-        document = None if path is None else self._read(path, state)
+        here = around.inside(name)
+        path = self._path(state, around.files)
+        document = None if path is None else self._read(path, state, here)
         if path is None or document is None:
             return _with(_without(state, (KEY, WITH)), "kind", state.get("kind", NOTHING))
         inner = self._filled(document, state)
-        states = self.states(inner.get("states"), path.parent, (*chain, path))
+        states = self.states(inner.get("states"), _Around((*around.files, path), here))
         return self._joined(name, state, _with(inner, "states", states))
 
-    def _path(self, state: Table, folder: Path, chain: tuple[Path, ...]) -> Path | None:
+    def _path(self, state: Table, chain: tuple[Path, ...]) -> Path | None:
         written = state[KEY]
         wrong = _unfit(written)
-        path = folder / str(written)
+        path = chain[-1].parent / str(written)
         if not wrong and path in chain:
             wrong = "it includes itself"
         if not wrong and (len(chain) > MAX_DEPTH or len(self.files) >= MAX_FILES):
@@ -103,9 +115,9 @@ class _Work:
             return None
         return path
 
-    def _read(self, path: Path, state: Table) -> Document | None:
+    def _read(self, path: Path, state: Table, inside: str) -> Document | None:
         try:
-            document = read_file(path)
+            document = read_file(path, inside)
         except FileError as error:
             self.problems += error.problems
             return None

@@ -48,15 +48,20 @@ class Document:
     file: str
     data: Any
     problems: tuple[Problem, ...] = ()
+    inside: str = ""  # the state that includes it
 
     @property
     def start(self) -> Place:
         """Where the file begins."""
-        return Place(self.file, 1, 1)
+        return Place(self.file, 1, 1, self.inside)
 
 
-def read_file(path: Path) -> Document:
+def read_file(path: Path, inside: str = "") -> Document:
     """Read a file; problems call it by `path` as given.
+
+    Args:
+        path: of the file.
+        inside: name of the state that includes it; places remember it.
 
     Raises:
         FileError: it cannot be opened, is not UTF-8, is too large, or is not YAML.
@@ -74,10 +79,10 @@ def read_file(path: Path) -> Document:
         before = raw[: error.start].decode()
         place = _place_after(before, str(path))
         raise FileError([Problem(place, "not UTF-8 text: save the file as UTF-8")]) from error
-    return read(text, str(path))
+    return read(text, str(path), inside)
 
 
-def read(text: str, file: str) -> Document:
+def read(text: str, file: str, inside: str = "") -> Document:
     """Read one YAML document.
 
     Raises:
@@ -90,7 +95,7 @@ def read(text: str, file: str) -> Document:
     if bad := _UNPRINTABLE.search(text):
         place = _place_after(text[: bad.start()], file)
         raise FileError([Problem(place, f"control character U+{ord(bad[0]):04X} in the text")])
-    builder = _Builder(file)
+    builder = _Builder(file, inside)
     try:
         for event in _events(text):
             builder.take(event)
@@ -98,7 +103,7 @@ def read(text: str, file: str) -> Document:
         raise FileError([*builder.problems, syntax_problem(error, text, file)]) from error
     if builder.root is None:
         raise FileError(builder.problems or [Problem(Place(file, 1, 1), "the file is empty")])
-    return Document(file, builder.root, tuple(builder.problems))
+    return Document(file, builder.root, tuple(builder.problems), inside)
 
 
 def _events(text: str) -> Iterator[Any]:
@@ -128,6 +133,7 @@ class _Open:
 @dataclass(slots=True)
 class _Builder:
     file: str
+    inside: str = ""
     root: Any = None
     problems: list[Problem] = field(default_factory=list)
     stack: list[_Open] = field(default_factory=list)
@@ -154,7 +160,7 @@ class _Builder:
 
     def _place(self, event: Any) -> Place:
         mark = event.start_mark
-        return Place(self.file, mark.line + 1, mark.column + 1)
+        return Place(self.file, mark.line + 1, mark.column + 1, self.inside)
 
     def _document(self, event: Any) -> None:
         self.documents += 1
