@@ -61,7 +61,7 @@ class TakeOff(Behavior):
         """Answer while armed."""
         height = -float(seen.position[2])
         if not status.in_air:
-            return self._asked(height, Climb())
+            return self._climbing(height, Climb())._replace(action=Action.TAKE_OFF)
         ended = climb.begun and climb.over is None and status.mode == TOP
         short = min(SHORT, SHARE * self.height) if ended else 0.0
         if height >= self.height - max(short, self.within):
@@ -70,12 +70,11 @@ class TakeOff(Behavior):
         if climb.over is not None or _cut_short(climb, status.mode, seen):
             return self._finished_by_guidance(seen, climb, status.mode)
         if status.mode == CLIMBING:
-            return Step(note=f"climbing, {height:.1f} m", memory=climb._replace(begun=True))
-        return self._asked(height, climb)
+            return self._climbing(height, climb._replace(begun=True))
+        return self._climbing(height, climb)._replace(action=Action.TAKE_OFF)
 
-    def _asked(self, height: float, climb: Climb) -> Step:
-        note = f"climbing, {height:.1f} m"
-        return Step(action=Action.TAKE_OFF, height=self.height, note=note, memory=climb)
+    def _climbing(self, height: float, climb: Climb) -> Step:
+        return Step(height=self.height, note=f"climbing, {height:.1f} m", memory=climb)
 
     def _finished_by_guidance(self, seen: Estimate, climb: Climb, mode: str) -> Step:
         """Climb on, straight up from where the vehicle is when it begins to follow setpoints."""

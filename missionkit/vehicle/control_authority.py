@@ -6,7 +6,8 @@
 A mode counts as ours if missionkit asked for it, or where the autopilot ends what was asked for by
 itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
 pilot's. A first heartbeat that says otherwise is only doubted: no mode is asked for until the next
-one confirms it or takes it back.
+one confirms it or takes it back. A landing or return that was accepted, and that two heartbeats in
+the air do not show afterwards, was overridden by a pilot.
 """
 
 from __future__ import annotations
@@ -29,6 +30,11 @@ CRITICAL = 5  # MAV_STATE: both autopilots say so while a failsafe of theirs is 
 REFUGES = frozenset(("hold", "brake", "land", "return", "smart_return"))  # what failsafes choose
 FOUND = frozenset(("hold", "offboard", "take_off", "land", "guided"))
 """Modes that a missionkit may have left behind; in any other one a pilot flies."""
+
+LEADS_TO = {"land": frozenset((21, 176)), "return": frozenset((20, 176))}
+"""MAV_CMD that ask for a mode which stays until it ends by itself, or a pilot chooses another."""
+
+OVERRIDDEN = 2  # heartbeats that do not show such a mode
 
 SHORT, SHARE = 1.0, 0.4  # m, and part of a take-off's height, by which it may end early
 AT_HOME = 3.0  # m from home, where a return ends
@@ -117,6 +123,8 @@ class ControlAuthority:
         self._aim = ""  # mode we asked for last; "": none yet
         self._height: float | None = None  # m, of the take-off we asked for last
         self._was_unheard = False  # when the mode was first doubted
+        self._accepted = False  # what we asked for last, and long enough ago to show
+        self._against = 0  # heartbeats since that show another mode in the air
         Machine(
             self,
             states=[*OURS, *GIVEN_UP],
@@ -144,7 +152,7 @@ class ControlAuthority:
         with self._lock:
             if not self.fire("ask"):
                 return False
-            self._aim = mode
+            self._aim, self._accepted, self._against = mode, False, 0
             self._height = self._height if height is None else height
             return True
 
@@ -163,6 +171,16 @@ class ControlAuthority:
         with self._lock:
             self._was_unheard = unheard or (self.state == "doubting" and self._was_unheard)
             self.fire("hear_doubtful")
+
+    def accepted(self, command: int) -> None:
+        """Note that heartbeats show from now on what a command (MAV_CMD) did."""
+        with self._lock:
+            self._accepted |= command in LEADS_TO.get(self._aim, ())
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether the last heartbeat has to be confirmed by another one."""
+        return 0 < self._against < OVERRIDDEN
 
     def hear(self, message: Message) -> None:
         """Take a heartbeat in that is believed."""
@@ -219,7 +237,7 @@ class ControlAuthority:
         if not now.armed:
             self.fire("hear_disarmed")
             return "", ""
-        if self._of_our_making(mode):
+        if not self._overridden(mode) and self._of_our_making(mode):
             self.fire("hear_ours")
             return "", ""
         alarmed = status == CRITICAL and mode in REFUGES
@@ -242,6 +260,15 @@ class ControlAuthority:
             broken_off = self._aim == "take_off" and mode == "hold" and where.on_ground is False
             return not broken_off or ends("take_off", self._height, mode, where)
         return any(ends(it, self._height, mode, where) for it in (self._aim, self._mode))
+
+    def _overridden(self, mode: str) -> bool:
+        """Count a heartbeat; return whether somebody chose another mode after ours was accepted."""
+        where = self._where()
+        if not self._accepted or mode == self._aim or ends(self._aim, self._height, mode, where):
+            self._against = 0
+        elif where.on_ground is False:
+            self._against += 1
+        return self._against >= OVERRIDDEN
 
     def _give_way(self, event: str, why: str) -> None:
         self._let_go()

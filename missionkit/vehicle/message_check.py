@@ -20,6 +20,8 @@ from missionkit.vehicle.time_sync import DoubleAnswers
 from missionkit.vehicle.vehicle_type import type_name
 
 MODE_COMMANDS = frozenset((20, 21, 22, 176, 400))  # MAV_CMD: what a heartbeat shows the effect of
+ACCEPTED = 0  # MAV_RESULT
+SETTLING = 0.3  # s of the vehicle after which a heartbeat shows what an accepted command did
 TWO_VEHICLES = "two_vehicles"  # the event
 ORDERED = "LOCAL_POSITION_NED"  # slow enough that a link keeps its order, mostly
 ASK_EVERY = 0.2  # s of the vehicle between two requests for a heartbeat, at least
@@ -36,6 +38,13 @@ class Judge(Protocol):
 
     def doubt(self) -> None:
         """Note that a heartbeat said something surprising."""
+
+    def accepted(self, command: int) -> None:
+        """Note that heartbeats show from now on what a command (MAV_CMD) did."""
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether the last heartbeat has to be confirmed by another one."""
 
     def replaced(self, by: str) -> None:
         """Note that another kind of vehicle answers now."""
@@ -71,6 +80,7 @@ class MessageCheck:
         self._contested = False
         self._due = False  # a heartbeat is to be asked for
         self._asked = -math.inf  # s of the vehicle, when one was asked for last
+        self._accepted: tuple[int, float] | None = None  # MAV_CMD, and when (s of the vehicle)
 
     @property
     def contested(self) -> bool:
@@ -97,13 +107,30 @@ class MessageCheck:
             self._cache.put(name, fields)
         if name == "TIMESYNC":
             self._answers.hear(fields)
-        if name == "COMMAND_ACK" and int(fields["command"]) in MODE_COMMANDS:
-            self._due = True  # what it did shows at once, and a pilot's next change as one
+        if name == "COMMAND_ACK":
+            self._acknowledged(int(fields["command"]), int(fields["result"]))
         self._ask_if_due()
         before, self._contested = self._contested, self.contested
         if self._contested and not before:
             self._tell(TWO_VEHICLES)
             self._note("two vehicles answer with one system id: give each an id of its own")
+
+    def _acknowledged(self, command: int, result: int) -> None:
+        """Ask for a heartbeat: what the command did shows at once, a pilot's next mode too."""
+        if command not in MODE_COMMANDS:
+            return
+        self._due = True
+        if result == ACCEPTED:
+            self._accepted = command, self._cache.wall() * self._pace
+
+    def _settle(self, judge: Judge) -> None:
+        """Say what was accepted long enough ago to show."""
+        if self._accepted is None:
+            return
+        command, at = self._accepted
+        if self._cache.wall() * self._pace - at >= SETTLING:
+            self._accepted = None
+            judge.accepted(command)
 
     def _heartbeat(self, fields: Fields) -> None:
         judge = self._judge
@@ -122,11 +149,13 @@ class MessageCheck:
             )
         if judge is None:
             return
+        self._settle(judge)
         if found.doubted is not None:
             judge.doubt()
             self._due = True
         elif found.fields is not None:
             judge.hear(Message("HEARTBEAT", found.fields, self._cache.wall()))
+            self._due |= judge.unsettled
         if found.stranger:
             judge.replaced(type_name(int(fields["type"])))
 

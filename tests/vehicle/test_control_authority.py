@@ -172,6 +172,34 @@ def test_an_order_that_is_refused_or_lost_takes_nothing_over():
     assert desk.hear("hold", "hold").authority.ours
 
 
+@pytest.mark.parametrize(("order", "command"), [("land", 21), ("land", 176), ("return", 20)])
+def test_an_order_that_was_accepted_and_shows_in_no_heartbeat_was_overridden(order, command):
+    desk = Desk().fly()
+    desk.authority.order("hold")
+    desk.hear("hold")
+    desk.where = Whereabouts(on_ground=False, height=4.0, from_home=20.0)
+    desk.authority.order(order)
+    desk.authority.accepted(400)
+    assert desk.hear("hold", "hold").authority.ours
+    desk.authority.accepted(command)
+    assert desk.hear("hold").authority.ours
+    assert desk.authority.unsettled
+    assert desk.hear("hold").authority.state == "pilot"
+    assert desk.told == ["let go", "pilot_takeover"]
+
+
+def test_an_accepted_order_is_not_overridden_on_the_ground_where_it_ended_or_once_it_shows():
+    for where, modes in ((GROUND, ("hold",) * 3), (AIR, ("hold", "land", "hold"))):
+        desk = Desk().fly()
+        desk.authority.order("hold")
+        desk.hear("hold")
+        desk.authority.order("land")
+        desk.where = where
+        desk.authority.accepted(21)
+        assert desk.hear(*modes[:2]).authority.ours
+        assert desk.hear(modes[2]).authority.ours is (where is GROUND)
+
+
 def test_the_climb_may_end_while_offboard_is_being_asked_for():
     desk = Desk()
     desk.authority.order("take_off", 5.0)

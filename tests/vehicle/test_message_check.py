@@ -45,6 +45,11 @@ class Autopilot:
     def doubt(self):
         self.judged.append("doubt")
 
+    unsettled = False
+
+    def accepted(self, command):
+        self.judged.append(command)
+
     def replaced(self, by):
         self.judged.append(by)
 
@@ -132,7 +137,7 @@ def test_heartbeats_are_asked_for_at_most_five_times_a_second(pace):
 def test_a_heartbeat_that_could_not_be_asked_for_yet_is_asked_for_a_little_later():
     autopilot = Autopilot().send(beat(), beat(HOLD))
     autopilot.now += 0.05
-    autopilot.check("COMMAND_ACK", {"command": 176})
+    autopilot.check("COMMAND_ACK", {"command": 176, "result": 0})
     assert autopilot.judged.count("asked") == 1
     autopilot.stamp(50.0, 0.1)
     assert autopilot.judged.count("asked") == 1
@@ -279,3 +284,13 @@ def test_two_answers_to_one_question_are_two_vehicles_however_close_their_clocks
     assert autopilot.told == ["two_vehicles"]
     answers(autopilot, 44, 10, 5_000)
     assert not autopilot.check.contested
+
+
+def test_an_accepted_command_counts_from_the_first_heartbeat_that_can_show_it():
+    it = Autopilot(lambda _: True)
+    it.check("COMMAND_ACK", {"command": 21, "result": 0})
+    it.check("HEARTBEAT", beat())
+    assert 21 not in it.judged
+    it.check("COMMAND_ACK", {"command": 20, "result": 4})
+    it.send(beat(), beat())
+    assert [each for each in it.judged if isinstance(each, int)] == [21]

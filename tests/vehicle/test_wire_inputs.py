@@ -114,7 +114,7 @@ SPRAYER = NORTH._replace(payload="sprayer")
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
 def test_the_payload_is_switched_off_when_a_pilot_takes_over(dialect, tmp_path):
     async def script(flight, autopilot):
-        await flight.take_off()
+        await flight.cruise(autopilot)
         await flight.until(lambda: autopilot.truth["payload"], SPRAYER)
         autopilot.ask(fault="pilot_mode")
         await flight.until(lambda: not flight.vehicle.in_control, SPRAYER)
