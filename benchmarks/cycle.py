@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, spread
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.flight import begin
 from missionkit.engine.tick import tick

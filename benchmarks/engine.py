@@ -12,8 +12,8 @@ from benchmarks.peers.fixture import Fixture, verified
 from benchmarks.peers.ring import Engine, ring
 from benchmarks.peers.turns import ROUNDS, SAMPLE, kept, medians
 from missionkit.chart.load import parse
-from missionkit.chart.model.contracts import unmet
-from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.semantics.chart_compiler import compile_mission
 
 PEERS = ("if_else", "pytransitions", "pyxstate", "pysismic", "pytrees", "pystatemachine")
 MISSIONKIT = own.ENGINES[0].name

@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.loop import Observer
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 

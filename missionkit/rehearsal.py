@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.checks.fence import outside
+from missionkit.chart.checks.geofence_violations import outside
 from missionkit.chart.load import load_model
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.sections import Success
+from missionkit.chart.model.mission_sections import Success
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan, prepare
 from missionkit.engine.keeping import now_and_then

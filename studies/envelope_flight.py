@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import rehearse, stage, world_of
 from missionkit.sim.faults import parse_fault

@@ -12,9 +12,9 @@ import numpy as np
 import yaml
 from typing_extensions import override
 
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.geometry import Mat
 from missionkit.messages import Estimate, Observation, Record, Verdict
 from missionkit.plugin import Guard

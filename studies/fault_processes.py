@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
+from missionkit.chart.plugin_catalogue import builtin
 from studies.fault_flights import Seen
 from studies.fuzz import checked
 from studies.fuzz_documents import FAMILIES, document

@@ -9,9 +9,9 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.loop import End
 from missionkit.rehearsal import Stage, rehearse, stage, world_of
 from missionkit.sim.faults import parse_fault

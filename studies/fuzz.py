@@ -25,10 +25,10 @@ from typing import NamedTuple
 
 from rich.progress import track
 
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load
-from missionkit.chart.model.contracts import unmet
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.cli.report import as_json, sources, text
 from missionkit.cli.sarif import sarif
 from missionkit.errors import FileError, Problem

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import rehearse, stage, world_of

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.engine.flight import prepare
 from missionkit.messages import Observation, Record

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Stage, stage

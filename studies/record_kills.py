@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.clock import RealTime, stopwatch
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder

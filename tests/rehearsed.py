@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of

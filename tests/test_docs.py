@@ -12,12 +12,12 @@ import yaml
 from documents import DOCS, ROOT, as_mission, blocks, defaults, document, table
 from typer.testing import CliRunner
 
-from missionkit.chart.catalogue import GROUPS, builtin
 from missionkit.chart.load import load_model, parse
 from missionkit.chart.model import mission as model
-from missionkit.chart.model.contracts import unmet
-from missionkit.chart.model.fields import keys_of
+from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.mission import GROUP_KIND
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import GROUPS, builtin
 from missionkit.cli.app import app
 from missionkit.control.controller import Control
 from missionkit.control.limits import Limits

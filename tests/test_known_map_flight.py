@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rehearsed import MISSIONS, flown, timeless
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.loop import End
 from missionkit.rehearsal import stage, world_of
 from missionkit.sim.world import Box

@@ -7,8 +7,8 @@ import math
 import pytest
 from rehearsed import MISSIONS, flown, precise, precise_stage, short, short_stage, timeless
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.scaffold import new
 from missionkit.engine.loop import End
 from missionkit.errors import UsageError

@@ -8,7 +8,7 @@ import pytest
 from rehearsed import flown, short, short_stage
 
 from missionkit.campaigns.ending import outcome, reason, succeeded
-from missionkit.chart.model.sections import Success
+from missionkit.chart.model.mission_sections import Success
 from missionkit.engine.passage import Failsafe, Passage, after
 from missionkit.engine.success import Truth, conditions, flaws
 from missionkit.errors import FileError

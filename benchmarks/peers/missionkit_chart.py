@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from benchmarks.peers.ring import Engine, Guards, Machine, Ring, Sky, views
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
-from missionkit.chart.model.contracts import unmet
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
 
 CATALOGUE = builtin()

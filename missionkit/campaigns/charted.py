@@ -9,11 +9,11 @@ from typing import NamedTuple
 from missionkit.campaigns.diary import way
 from missionkit.campaigns.plan import Campaign, digest_of
 from missionkit.campaigns.runs import loaded
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.drawing.marks import Way
-from missionkit.chart.model.contracts import fulfilled
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.errors import MissionkitError, UsageError
 
 

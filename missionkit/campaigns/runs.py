@@ -13,9 +13,9 @@ from typing import NamedTuple
 from missionkit.campaigns.diary import Diary
 from missionkit.campaigns.ending import outcome, reason
 from missionkit.campaigns.row import Case, Order, Row, unflown
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.loop import Observer
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.scenery import scenery_of

@@ -10,17 +10,17 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from missionkit.chart import known_map
-from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.model import named_guards, structure, variable_uses
+from missionkit.chart import map_loading
+from missionkit.chart.model import named_guards, structure_rules, variable_uses
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.part import Scope
-from missionkit.chart.model.problems import plain, problems_in
-from missionkit.chart.text.beside import MISSING, unfit
+from missionkit.chart.model.model_base import Scope
+from missionkit.chart.model.validation_problems import plain, problems_in
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.text.file_references import MISSING, unfit
 from missionkit.chart.text.includes import inlined
-from missionkit.chart.text.located import shown
-from missionkit.chart.text.parameters import Expanded, expand
-from missionkit.chart.text.reader import Document, read, read_file
+from missionkit.chart.text.located_data import shown
+from missionkit.chart.text.parameter_expansion import Expanded, expand
+from missionkit.chart.text.yaml_reader import Document, read, read_file
 from missionkit.errors import FileError, Problem, nearest
 
 M = TypeVar("M", bound=BaseModel)
@@ -90,13 +90,13 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
         raise _refusal(found, expanded) from error
     wrong = (
         *(*expanded.problems, *named_guards.problems_of(mission.guards)),
-        *(*structure.problems_of(mission), *variable_uses.problems_of(mission)),
+        *(*structure_rules.problems_of(mission), *variable_uses.problems_of(mission)),
     )
     if wrong:
         raise _refusal(wrong, expanded)
-    known, files = known_map.read(mission, Path(document.file).parent)
+    known, files = map_loading.read(mission, Path(document.file).parent)
     mission.with_files((*expanded.files, *files), known)
-    if unfit := list(known_map.problems_of(mission)):
+    if unfit := list(map_loading.problems_of(mission)):
         raise _refusal(unfit, expanded)
     return mission
 

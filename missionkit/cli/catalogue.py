@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from missionkit.chart.catalogue import Catalogue, builtin
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.errors import UsageError
 
 

@@ -6,7 +6,7 @@ import shutil
 import textwrap
 from collections.abc import Iterable
 
-from missionkit.chart.prose.explain_state import Sentences
+from missionkit.chart.prose.state_text import Sentences
 
 INDENT = 2
 BULLET = "- "

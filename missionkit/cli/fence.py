@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.chart.checks.fence import walls
+from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.catalogue import assemble, overrides

@@ -15,9 +15,9 @@ from missionkit.campaigns.plan import Campaign, digest_of, found
 from missionkit.campaigns.row import Row
 from missionkit.campaigns.tally import countable, tally
 from missionkit.campaigns.vary import name_of, variants
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.drawing.overlay import Overlay
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import UsageError
 
 

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import load
-from missionkit.chart.model.contracts import unmet
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli import report
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
@@ -129,7 +129,7 @@ def _for_programs(form: str, problems: Sequence[Problem]) -> str:
 
 def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> None:
     """Say a chart in plain sentences."""
-    from missionkit.chart.prose.explain import explained  # noqa: PLC0415
+    from missionkit.chart.prose.mission_text import explained  # noqa: PLC0415
     from missionkit.cli.explain import page, width  # noqa: PLC0415
 
     catalogue = assemble(plugins)
@@ -139,7 +139,7 @@ def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> Non
 
 def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
     """Print one schema, or write both into a folder."""
-    from missionkit.chart.model.schema import dumps, mission_schema, model_schema  # noqa: PLC0415
+    from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema  # noqa: PLC0415
     from missionkit.sim.world import World  # noqa: PLC0415
 
     catalogue = assemble(plugins)
@@ -174,7 +174,7 @@ def graph(
     from missionkit.chart.drawing.marks import marks  # noqa: PLC0415
     from missionkit.chart.drawing.overlay import NOTHING  # noqa: PLC0415
     from missionkit.chart.drawing.picture import svg  # noqa: PLC0415
-    from missionkit.chart.model.contracts import fulfilled  # noqa: PLC0415
+    from missionkit.chart.model.state_contracts import fulfilled  # noqa: PLC0415
 
     flights = None if campaign is None else _flown(campaign, path, settings)
     files = tuple(plugins) or (() if flights is None else flights.plugins)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from missionkit.chart.catalogue import GROUPS, Catalogue, source
+from missionkit.chart.plugin_catalogue import GROUPS, Catalogue, source
 from missionkit.cli.catalogue import assemble
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from missionkit.campaigns.ending import aborted, missing, succeeded
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.sections import Success
-from missionkit.chart.semantics.compiled import Chart
+from missionkit.chart.model.mission_sections import Success
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.cli.cockpit import cockpit
 from missionkit.cli.fly import fly_vehicle, share_of, vehicle_of
 from missionkit.cli.guarded import guarded

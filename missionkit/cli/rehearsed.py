@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli.cockpit import cockpit
 from missionkit.cli.guarded import guarded
 from missionkit.cli.order import Order

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load
-from missionkit.chart.model.contracts import unmet
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.keys import planned
 from missionkit.cli.order import Order

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from missionkit.chart.semantics.compiled import State
-from missionkit.chart.semantics.contain import Containment, is_foreign
+from missionkit.chart.semantics.compiled_chart import State
+from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
 from missionkit.control.holding import guidance_to
 from missionkit.control.limits import ZERO

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from typing_extensions import override
 
-from missionkit.chart.semantics.contain import Containment, is_foreign
+from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.errors import UsageError
 from missionkit.estimation.memory import NavState
 from missionkit.estimation.navigating import Navigates

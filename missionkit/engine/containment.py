@@ -1,6 +1,6 @@
 """Interrupting plug-ins that do not return.
 
-The tick itself contains what plug-ins raise or answer (`missionkit.chart.semantics.contain`).
+The tick itself contains what plug-ins raise or answer (`chart.semantics.plugin_containment`).
 This module adds the clock that the pure tick may not have.
 """
 
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from typing_extensions import override
 
-from missionkit.chart.semantics.contain import Containment, TooSlowError
+from missionkit.chart.semantics.plugin_containment import Containment, TooSlowError
 
 GRACE = 1.0  # s between two interruptions of a plug-in that swallows the first
 WAITING = "did not return; a plug-in must neither sleep nor wait"

@@ -5,9 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from missionkit.chart.model.variables import Value, Values
-from missionkit.chart.semantics.compiled import HISTORY, ROOT, Chart, Shape, Slot
-from missionkit.chart.semantics.memory import ChartMemory, begin
-from missionkit.chart.semantics.stance import stance
+from missionkit.chart.semantics.chart_memory import ChartMemory, begin
+from missionkit.chart.semantics.compiled_chart import (
+    HISTORY,
+    ROOT,
+    Chart,
+    GuardMemory,
+    Shape,
+)
+from missionkit.chart.semantics.configuration import configuration
 from missionkit.engine.keeping import Anew
 
 
@@ -39,7 +45,7 @@ def fitted(
         active=saved.active,
         entered=saved.entered,
         variables=_values(chart, saved),
-        pilot=stance(chart, saved.active).pilot,
+        pilot=configuration(chart, saved.active).pilot,
         started=True,
         ended=saved.ended,
     )
@@ -75,7 +81,7 @@ def _windows(chart: Chart, fresh: ChartMemory, saved: ChartMemory, gap: float) -
     )
 
 
-def _resumed(slot: Slot, new: Any, old: Any, gap: float) -> Any:
+def _resumed(slot: GuardMemory, new: Any, old: Any, gap: float) -> Any:
     """Return what a guard remembers after the gap; one that cannot say begins again."""
     try:
         return slot.resumed(old, gap)

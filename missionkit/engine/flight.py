@@ -8,12 +8,12 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.model.expressions import Use
+from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.compiled import Chart
-from missionkit.chart.semantics.memory import begin as begin_chart
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.chart_memory import begin as begin_chart
+from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.control.controller import Control
 from missionkit.engine.contained_navigator import contained
 from missionkit.engine.memory import Hands, Memory, Senses

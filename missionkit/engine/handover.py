@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from missionkit.chart.semantics.compiled import Chart
-from missionkit.chart.semantics.tree import Move
+from missionkit.chart.semantics.compiled_chart import Chart
+from missionkit.chart.semantics.entry_exit_sets import Move
 from missionkit.engine.memory import Hands, Paused
 
 

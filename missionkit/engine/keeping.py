@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any
 
-from missionkit.chart.semantics.compiled import Chart
+from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.engine.memory import Course, Hands, Memory, Paused
 from missionkit.messages import Record
 

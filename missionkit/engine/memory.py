@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from missionkit.chart.semantics.memory import ChartMemory
+from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.control.controller import ControlMemory
 from missionkit.control.holding import Held
 from missionkit.geometry import Vec3

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from missionkit.chart.semantics.compiled import Chart
+from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.messages import Fired, Record
 
 ENDING = frozenset(("hover", "return", "land"))  # kinds of state that a flight is given up in

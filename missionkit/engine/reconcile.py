@@ -13,8 +13,8 @@ from enum import Enum
 from typing import NamedTuple
 
 from missionkit.behaviors.take_off import TakeOff
-from missionkit.chart.semantics.memory import ChartMemory
-from missionkit.chart.semantics.stance import SAFETY, stance
+from missionkit.chart.semantics.chart_memory import ChartMemory
+from missionkit.chart.semantics.configuration import SAFETY, configuration
 from missionkit.chart.semantics.step import ABORT
 from missionkit.control.limits import Triple
 from missionkit.engine.fitting import fitted
@@ -159,7 +159,7 @@ def _facts(
     *,
     placed: bool,
 ) -> Facts:
-    here = stance(plan.chart, chart.active)
+    here = configuration(plan.chart, chart.active)
     behavior = plan.chart.states[chart.state].behavior
     health = plan.navigator.read(heard.senses.navigation).health
     return Facts(

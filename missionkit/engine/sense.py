@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.contained_navigator import ContainedNavigator
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Memory, Senses

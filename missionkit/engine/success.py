@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from missionkit.chart.model.sections import Success
+from missionkit.chart.model.mission_sections import Success
 from missionkit.engine.passage import Passage
 
 ESTIMATE_LIMIT = 3.0  # m, of the estimate from the truth in flight

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from missionkit.chart.semantics.arming import against_arming
-from missionkit.chart.semantics.contain import Containment
-from missionkit.chart.semantics.stance import stance
+from missionkit.chart.semantics.arming_check import against_arming
+from missionkit.chart.semantics.configuration import configuration
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.flight import Plan
@@ -73,7 +73,7 @@ def tick(
         now=seen.now,
         state=chart.state,
         active=chart.active,
-        mode=stance(plan.chart, chart.active).mode,
+        mode=configuration(plan.chart, chart.active).mode,
         verdicts=tuple(decision.answers.items()),
         fired=decision.fired,
         command=command,

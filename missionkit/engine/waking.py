@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight import Plan
 from missionkit.engine.memory import Course, Memory

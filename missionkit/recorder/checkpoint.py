@@ -23,7 +23,8 @@ from missionkit.errors import UsageError
 from missionkit.recorder import codec
 from missionkit.recorder.codec import NotReadableError
 
-HEADER = "missionkit checkpoint 2"
+KIND = "missionkit checkpoint "
+HEADER = f"{KIND}3"  # the version grows when a saved type is renamed, moved or changed
 NAME = re.compile("[a-z]+")  # of a journal
 NEWEST, BEFORE = "checkpoint.json", "checkpoint-before.json"
 
@@ -69,6 +70,8 @@ def opened(text: str) -> Any:
     """
     header, _, body = text.partition("\n")
     body = body.removesuffix("\n")
+    if header.startswith(KIND) and not header.startswith(f"{HEADER} "):
+        raise NotReadableError(f"another version of missionkit wrote it; this one reads '{HEADER}'")
     if not header.startswith(HEADER):
         raise NotReadableError("this is not a checkpoint of this missionkit")
     if header != f"{HEADER} sha256 {_digest(body)}":

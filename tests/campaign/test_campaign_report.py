@@ -21,8 +21,8 @@ from missionkit.campaigns.report import page as page_of
 from missionkit.campaigns.report_chart import drawable
 from missionkit.campaigns.statistics import wilson
 from missionkit.campaigns.wording import number, percent
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 
 PLAN = Campaign(mission="/m.yaml", name="m<1>", runs=20, digest="0" * 64)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.chart.catalogue import Catalogue, builtin
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 
 ROOT = Path(__file__).parents[2]
 

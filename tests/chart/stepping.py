@@ -7,11 +7,11 @@ from typing import Any, ClassVar
 from samples import calm
 from typing_extensions import override
 
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.load import parse
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.compiled import Chart
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.compiled_chart import Chart
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import Decision, begin, decide
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import ExitCode, FileError
 
 FOLDER = Path(__file__).parents[1] / "broken"

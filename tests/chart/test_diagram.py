@@ -6,15 +6,15 @@ from xml.etree import ElementTree as ET
 import pytest
 from documents import document
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import findings
 from missionkit.chart.drawing.diagram import mermaid
 from missionkit.chart.drawing.marks import marks
 from missionkit.chart.drawing.picture import svg
 from missionkit.chart.load import load, parse
-from missionkit.chart.model.contracts import fulfilled
-from missionkit.chart.model.expressions import All
+from missionkit.chart.model.guard_expressions import All
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Level, Place, Problem
 
 TEXT = """\

@@ -7,9 +7,9 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import FileError
 
 TEXT = (Path(__file__).parents[2] / "missions" / "precision_task.yaml").read_text()

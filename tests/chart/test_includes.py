@@ -9,7 +9,7 @@ from stepping import CATALOGUE, Walk
 
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.semantics.compile import compile_mission
+from missionkit.chart.semantics.chart_compiler import compile_mission
 
 PART = """\
 params: {pad: home, wait: 5.0}

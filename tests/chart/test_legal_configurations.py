@@ -12,12 +12,12 @@ from random_charts import COUNT, EVENTS, Data, lines, random_chart, walk
 from reference_scxml import Interpreter, UnsettledError
 from stepping import Walk
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.macrostep import MOST
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.entry_exit_sets import Move
+from missionkit.chart.semantics.macrostep import MOST_MICROSTEPS
 from missionkit.chart.semantics.step import ChartMemory, Decision
-from missionkit.chart.semantics.tree import Move
 
 CATALOGUE = builtin()
 TICKS = 12
@@ -66,7 +66,7 @@ def test_a_chart_goes_where_the_recommendation_says(pick):
     document = noted(random_chart(pick))
     stepped, decision = started(document)
     try:
-        reference = Interpreter(document, MOST)
+        reference = Interpreter(document, MOST_MICROSTEPS)
         compare(reference, stepped, decision)
         for _ in range(TICKS):
             events = heard(pick)

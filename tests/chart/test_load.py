@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import MAX_PROBLEMS, load, load_model, parse
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import FileError
 from missionkit.units import Metres, Point
 

@@ -6,11 +6,11 @@ import pytest
 from pydantic import ValidationError
 
 from missionkit.behaviors import GoTo, Hold
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.actions import Log, Raise
-from missionkit.chart.model.expressions import Named, Use
+from missionkit.chart.model.guard_expressions import Named, Use
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place
 from missionkit.guards import Done
 

@@ -7,7 +7,7 @@ from itertools import product
 import pytest
 from stepping import Walk, chart_of
 
-from missionkit.chart.semantics.macrostep import MOST
+from missionkit.chart.semantics.macrostep import MOST_MICROSTEPS
 from missionkit.chart.semantics.step import ABORT
 
 CHART = """\
@@ -99,7 +99,7 @@ def test_the_dwell_lets_one_guard_fire_in_a_tick():
 def test_a_chart_that_does_not_come_to_rest_is_stopped_and_told():
     walk = Walk(RING.format(dwell=0))
     decision = walk.tick("a", "b")
-    assert len(decision.fired) <= MOST
+    assert len(decision.fired) <= MOST_MICROSTEPS
     (told,) = walk.contain.take()
     assert told == "the chart does not come to rest: ... y -> z -> x -> y -> z -> x"
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stepping import TICK, Walk, chart_of
 from transitions import Machine
 
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
 
 INPUTS = ("a", "b", "c")

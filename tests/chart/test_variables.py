@@ -6,8 +6,8 @@ import pytest
 from stepping import Walk
 
 from missionkit.chart.model.variables import Variable
-from missionkit.chart.semantics.compiled import Output
-from missionkit.chart.semantics.outputs import assigned, in_words, matches
+from missionkit.chart.semantics.actions_and_events import assigned, in_words, matches
+from missionkit.chart.semantics.compiled_chart import Output
 
 CHART = """\
 initial: x

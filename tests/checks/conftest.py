@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.chart.catalogue import Catalogue, builtin
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 
 
 @pytest.fixture(scope="session")

@@ -10,9 +10,9 @@ import pytest
 from typing_extensions import override
 
 from missionkit.chart import checks
-from missionkit.chart.catalogue import Catalogue
-from missionkit.chart.checks import escapes, findings
+from missionkit.chart.checks import findings, landing_guarantee
 from missionkit.chart.load import load, parse
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import FileError, Level
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard
@@ -73,7 +73,7 @@ def test_guards_built_on_guards_do_not_explode(catalogue):
 
 
 def test_many_transitions_in_one_state_are_not_all_compared(catalogue, monkeypatch):
-    monkeypatch.setattr(checks.transitions, "MOST_COMPARED", 100)
+    monkeypatch.setattr(checks.shadowed_transitions, "MOST_COMPARED", 100)
     ways = ", ".join(
         f"{{to: land, when: {{use: within, of: t, radius: {n}}}}}" for n in range(1, 50)
     )
@@ -133,7 +133,7 @@ def test_mutated_missions_are_refused_or_checked(catalogue):
 def test_bounds_are_the_timers_on_the_way(catalogue):
     found = {
         (it.danger, it.state): it.seconds
-        for it in escapes.escapes(load(EXAMPLE, catalogue), catalogue)
+        for it in landing_guarantee.escapes(load(EXAMPLE, catalogue), catalogue)
     }
     assert found["link", "gps"] == 3.0
     assert found["position", "task"] == 1.0

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Problem
 
 ENDURANCE = 450.0  # s, that of the simulated vehicle

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from samples import calm
 from typing_extensions import override
 
-from missionkit.chart.catalogue import Catalogue, builtin
 from missionkit.chart.checks import findings
 from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
 from missionkit.messages import Battery, Estimate, Verdict
 from missionkit.plugin import Guard

@@ -7,8 +7,8 @@ from cli.conftest import HOP
 from documents import ROOT, document
 from samples import calm
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load, parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli import fly, vehicle_camera
 from missionkit.cli.on_vehicle import with_remarks
 from missionkit.errors import FileError, UsageError

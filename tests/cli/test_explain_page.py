@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.chart.prose.explain_state import item, said, topic
+from missionkit.chart.prose.state_text import item, said, topic
 from missionkit.cli.explain import page, width
 
 

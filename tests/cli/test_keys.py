@@ -7,8 +7,8 @@ import pty
 
 import pytest
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.keys import Keys, Planned, offered
 from missionkit.engine.loop import Operator
 from missionkit.errors import UsageError

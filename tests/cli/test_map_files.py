@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from rehearsed import MISSIONS
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.order import Order
 from missionkit.cli.origin import differences, origin_of, stamp
 from missionkit.recorder.checkpoint import opened, sealed

@@ -10,8 +10,8 @@ import tomllib
 
 import pytest
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load, load_model
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.scaffold import KINDS, behavior_files, guard_files, mission_files, new
 from missionkit.errors import UsageError
 from missionkit.sim.world import World

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from typing_extensions import override
 
-from missionkit.chart.catalogue import Catalogue, builtin
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.messages import Action, Estimate, Goal, Guidance, Step, Verdict
 from missionkit.plugin import Behavior, Guard
 

@@ -11,7 +11,7 @@ from misbehaving import with_odd_ones
 from rehearsed import short
 from samples import calm
 
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.act import act
 from missionkit.engine.flight import Plan, begin, prepare
 from missionkit.engine.memory import Hands

@@ -6,11 +6,11 @@ import pytest
 from samples import calm
 from typer.testing import CliRunner
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
-from missionkit.chart.semantics.arming import against_arming
-from missionkit.chart.semantics.compiled import Transition
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.arming_check import against_arming
+from missionkit.chart.semantics.compiled_chart import Transition
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.cli.app import app
 from missionkit.engine.flight import begin, prepare
 from missionkit.engine.loop import REFUSED, End

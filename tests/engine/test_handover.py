@@ -8,8 +8,8 @@ from rehearsed import short
 from samples import calm
 from typing_extensions import override
 
-from missionkit.chart.catalogue import builtin
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.flight import begin, prepare

@@ -9,8 +9,8 @@ import pytest
 from rehearsed import plain, short, short_stage
 from samples import calm
 
-from missionkit.chart.catalogue import builtin
-from missionkit.chart.semantics.memory import begin as begin_chart
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.chart_memory import begin as begin_chart
 from missionkit.chart.semantics.step import ABORT
 from missionkit.engine.fitting import stands
 from missionkit.engine.flight import Plan, begin, prepare

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rehearsed import precise, short
 
-from missionkit.chart.catalogue import builtin
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.flight import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
 from missionkit.estimation.memory import NavState

@@ -7,7 +7,7 @@ import pickle
 import pytest
 from rehearsed import Flight, plain, precise, timeless
 
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.flight import Plan, begin
 from missionkit.engine.memory import Memory
 from missionkit.engine.tick import tick

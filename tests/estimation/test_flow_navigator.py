@@ -10,8 +10,8 @@ import pytest
 from hovering import HERE, QUIET, observed, through
 from rehearsed import HEAD, flown
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.estimation import flow_alone
 from missionkit.estimation.flow_kalman import FlowKalman
 from missionkit.geometry import vec

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rehearsed import flown, short_stage
 
-from missionkit.chart.catalogue import builtin
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine import loop
 from missionkit.engine.containment import TimedContainment
 from missionkit.engine.loop import End

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from rehearsed import Flight, flown, short_stage
 
-from missionkit.chart.catalogue import Catalogue, builtin, source
+from missionkit.chart.plugin_catalogue import Catalogue, builtin, source
 from missionkit.cli.catalogue import assemble
 from missionkit.cli.scaffold import new
 from missionkit.engine.loop import End

@@ -51,7 +51,7 @@ def changed(text):
 
 
 def renewed(text):
-    return text.replace("checkpoint 2", "checkpoint 3")
+    return text.replace("checkpoint 3", "checkpoint 4")
 
 
 @pytest.mark.parametrize("damage", [cut, emptied, changed, renewed])
@@ -65,6 +65,14 @@ def test_a_damaged_one_is_named_and_the_one_before_is_used(tmp_path, damage):
     np.testing.assert_array_equal(found.journals["truth"], ROWS[:2])
     (wrong,) = found.wrong
     assert wrong.startswith(f"{tmp_path / NEWEST}: this checkpoint cannot be used: ")
+
+
+def test_a_checkpoint_of_another_version_is_refused_in_a_sentence(tmp_path):
+    saved(tmp_path, 2)
+    path = tmp_path / NEWEST
+    path.write_text(path.read_text().replace("checkpoint 3", "checkpoint 2"))
+    with pytest.raises(UsageError, match="another version of missionkit wrote it"):
+        load(tmp_path)
 
 
 def test_bytes_that_are_no_text_are_refused_in_a_sentence(tmp_path):

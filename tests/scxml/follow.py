@@ -9,11 +9,11 @@ from typing import Any
 from convert import SENT, Converted
 from samples import calm
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
-from missionkit.chart.semantics.compile import compile_mission
-from missionkit.chart.semantics.compiled import LEAVES
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.compiled_chart import LEAVES
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
 
 CATALOGUE = builtin()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rehearsed import MISSIONS, plain
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import load
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Action, Command, Setpoint
 from missionkit.recorder import codec
 from missionkit.rehearsal import world_of

@@ -7,7 +7,7 @@ import math
 import pytest
 from samples import calm
 
-from missionkit.chart.catalogue import builtin
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import from_euler, vec
 from missionkit.messages import Goal, Mode, Target
 from missionkit.states import KINDS

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from vehicle.flying import UNHURRIED
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.flight import prepare
 from missionkit.engine.loop import Flown

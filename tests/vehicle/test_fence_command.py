@@ -7,8 +7,8 @@ from samples import HOP
 from typer.testing import CliRunner
 from vehicle.flying import flying, sitl
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 from missionkit.cli.fence import Box, box_of
 from missionkit.errors import UsageError

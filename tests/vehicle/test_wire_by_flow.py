@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from vehicle.flying import sitl
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.flight import prepare
 from missionkit.engine.loop import End

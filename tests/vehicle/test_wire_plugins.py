@@ -10,7 +10,7 @@ from typing_extensions import override
 from vehicle.flying import sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
-from missionkit.chart.catalogue import builtin
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.loop import End
 from missionkit.messages import Estimate, Guidance, Step
 from missionkit.plugin import Behavior

@@ -8,8 +8,8 @@ import pytest
 from vehicle.flying import UNHURRIED, sitl
 from vehicle.on_a_mission import LIMIT, stay
 
-from missionkit.chart.catalogue import builtin
 from missionkit.chart.load import parse
+from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.flight import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle

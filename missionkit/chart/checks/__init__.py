@@ -5,39 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from missionkit.chart.catalogue import Catalogue
 from missionkit.chart.checks import (
-    defaults,
-    energy,
-    escapes,
-    fence,
-    latches,
-    loops,
-    needs,
-    places,
-    regions,
-    speed,
-    states,
-    transitions,
+    battery_reserve,
+    default_failsafes,
+    geofence_violations,
+    hysteresis,
+    implausible_goals,
+    landing_guarantee,
+    livelocks,
+    parallel_conflicts,
+    plugin_requirements,
+    reachability,
+    shadowed_transitions,
+    stopping_distance,
 )
-from missionkit.chart.checks.ways import Chart
-from missionkit.chart.model.contracts import fulfilled
+from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Problem
 
-CHECKS: tuple[Callable[[Chart], Iterator[Problem]], ...] = (
-    transitions.problems_of,
-    transitions.failsafes,
-    regions.overlaps,
-    states.unreachable,
-    states.traps,
-    loops.livelocks,
-    loops.oscillations,
-    latches.problems_of,
-    needs.problems_of,
-    escapes.problems_of,
-    fence.problems_of,
-    places.problems_of,
+CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
+    shadowed_transitions.problems_of,
+    shadowed_transitions.failsafes,
+    parallel_conflicts.overlaps,
+    reachability.unreachable,
+    reachability.traps,
+    livelocks.livelocks,
+    livelocks.oscillations,
+    hysteresis.problems_of,
+    plugin_requirements.problems_of,
+    landing_guarantee.problems_of,
+    geofence_violations.problems_of,
+    implausible_goals.problems_of,
 )
 
 
@@ -56,13 +56,13 @@ def findings(
         endurance: time (s) that the vehicle hovers on a full battery, if that is known.
         sight: how far (m) the scanner sees obstacles, if that is known.
     """
-    chart = Chart(fulfilled(mission, catalogue), catalogue)
+    chart = AnalysedChart(fulfilled(mission, catalogue), catalogue)
     found = [problem for check in CHECKS for problem in check(chart)]
-    found += defaults.problems_of(mission, catalogue)
+    found += default_failsafes.problems_of(mission, catalogue)
     if endurance is not None:
-        found += energy.problems_of(chart, endurance)
+        found += battery_reserve.problems_of(chart, endurance)
     if sight is not None:
-        found += speed.problems_of(chart, sight)
+        found += stopping_distance.problems_of(chart, sight)
     return sorted(_told_once(found), key=_order)
 
 

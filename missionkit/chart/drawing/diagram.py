@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from missionkit.chart.drawing.marks import UNMARKED, Marks, numbered
 from missionkit.chart.drawing.overlay import NO_NOTE, NOTHING, Overlay
-from missionkit.chart.model.expressions import text
+from missionkit.chart.model.guard_expressions import text
 from missionkit.chart.model.mission import Failsafe, Mission, Start, State, Transition
 
 COLOURS = {

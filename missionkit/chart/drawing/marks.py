@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import PurePath
 
-from missionkit.chart.model import expressions as ex
+from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.mission import Mission, State, Transition
-from missionkit.chart.model.part import Part
+from missionkit.chart.model.model_base import MissionPart
 from missionkit.errors import Place, Problem
 
 Way = tuple[str, int]  # a transition: its state's name, its number in the list
@@ -102,7 +102,7 @@ def _of_way(way: Transition) -> Iterator[Place]:
 _WAY_FIELDS = Transition.model_fields
 
 
-def _of_part(part: Part, keys: set[str]) -> Iterator[Place]:
+def _of_part(part: MissionPart, keys: set[str]) -> Iterator[Place]:
     if part.place().file:  # what a contract added stands nowhere
         yield part.place()
         yield from (part.place(key) for key in sorted(keys))

@@ -9,10 +9,10 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from missionkit.chart.model.part import Scope
+from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.variables import Value
-from missionkit.chart.text.located import Table, shown
-from missionkit.chart.text.sentence import sentence, sentences
+from missionkit.chart.text.located_data import Table, shown
+from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
 ORDERS = ("arm", "disarm", "hold", "land", "return")

@@ -17,32 +17,37 @@ from pydantic import (
 )
 
 from missionkit.chart.model.actions import Action
-from missionkit.chart.model.conditions import Condition
-from missionkit.chart.model.expressions import Use
-from missionkit.chart.model.part import (
-    Event,
-    GuardName,
-    KindName,
-    Name,
-    NodeName,
-    OneOrMore,
-    Part,
-    Plain,
-    Short,
-    StateName,
-    scope_of,
-)
-from missionkit.chart.model.references import Reference
-from missionkit.chart.model.sections import (
+from missionkit.chart.model.guard_expressions import Use
+from missionkit.chart.model.guard_parser import Condition
+from missionkit.chart.model.mission_sections import (
     Settings,
     Success,
     TargetPlace,
     Vehicle,
     one_or_more,
 )
+from missionkit.chart.model.model_base import (
+    Event,
+    GuardName,
+    KindName,
+    MissionPart,
+    Name,
+    NodeName,
+    OneOrMore,
+    Plain,
+    Short,
+    StateName,
+    scope_of,
+)
+from missionkit.chart.model.plugin_references import Reference
 from missionkit.chart.model.variables import Variable
-from missionkit.chart.text.located import Row, Table, Text, place_of
-from missionkit.chart.text.sentence import sentence, sentences
+from missionkit.chart.text.located_data import (
+    Row,
+    Table,
+    Text,
+    place_of,
+)
+from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.messages import Occupancy
 from missionkit.perception.camera import Camera
@@ -85,7 +90,7 @@ Events = Annotated[
 _NO_TIME = "'for' needs 'when': it says how long the guard must hold"
 
 
-class Transition(Part):
+class Transition(MissionPart):
     """A way out of a state: taken when all that it names is fulfilled."""
 
     model_config = ConfigDict(
@@ -122,7 +127,7 @@ class Transition(Part):
         return self.to or ()
 
 
-class Failsafe(Part):
+class Failsafe(MissionPart):
     """A transition out of every flying state, tried before the states' own."""
 
     name: Name
@@ -135,14 +140,14 @@ class Failsafe(Part):
     do: Actions = ()
 
 
-class Invariant(Part):
+class Invariant(MissionPart):
     """What must hold while the state is active, besides what its kind demands."""
 
     holds: Condition | None = None
     exit: StateName | None = Field(default=None, description="where to go when it is violated")
 
 
-class Start(Part):
+class Start(MissionPart):
     """Where a state begins: the name of a state inside it, or one for each region."""
 
     to: StateNames
@@ -159,7 +164,7 @@ class Start(Part):
 Begins = Annotated[Start, Short("the name of a state", tuple(_ONE_OR_MORE["anyOf"]))]
 
 
-class State(Part):
+class State(MissionPart):
     """One state: its kind's contract, what it does, the states inside it, the ways out of it."""
 
     kind: KindName
@@ -246,7 +251,7 @@ def _use(kind: str) -> Any:
     return {"use": kind}
 
 
-class Mission(Part):
+class Mission(MissionPart):
     """A mission file, version 1."""
 
     version: Literal[1] = Field(alias="missionkit", description="version of the file format")

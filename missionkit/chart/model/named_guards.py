@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 
-from missionkit.chart.model.expressions import Expression, names_in
+from missionkit.chart.model.guard_expressions import Expression, names_in
 from missionkit.errors import Problem
 
 MAX_DEPTH = 64

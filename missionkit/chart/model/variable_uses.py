@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from missionkit.chart.model import expressions as ex
+from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Assign
-from missionkit.chart.model.everything import actions_of, guards_of
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.traversal import actions_of, guards_of
 from missionkit.chart.model.variables import Variable, alike, is_number
 from missionkit.errors import Problem
 

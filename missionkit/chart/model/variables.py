@@ -8,9 +8,9 @@ from typing import Self, TypeGuard
 
 from pydantic import Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
 
-from missionkit.chart.model.part import Part
-from missionkit.chart.text.located import Table, place_of
-from missionkit.chart.text.sentence import sentence, sentences
+from missionkit.chart.model.model_base import MissionPart
+from missionkit.chart.text.located_data import Table, place_of
+from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.units import Number
 
 Value = bool | int | float | str
@@ -18,7 +18,7 @@ Values = Mapping[str, Value]
 LARGEST = 2**53  # whole numbers beyond are not exact as floating point
 
 
-class Variable(Part):
+class Variable(MissionPart):
     """A variable: its type is that of its first value, which it keeps for good."""
 
     initial: StrictBool | StrictInt | StrictFloat | StrictStr

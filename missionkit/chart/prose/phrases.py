@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from missionkit.chart.model import expressions as ex
+from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
 from missionkit.chart.model.mission import Transition
 

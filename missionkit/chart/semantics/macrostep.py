@@ -9,22 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from missionkit.chart.semantics import tree
-from missionkit.chart.semantics.asking import asked
-from missionkit.chart.semantics.compiled import (
+from missionkit.chart.semantics import entry_exit_sets
+from missionkit.chart.semantics.actions_and_events import assigned, in_words, matches
+from missionkit.chart.semantics.chart_memory import ChartMemory, Decision
+from missionkit.chart.semantics.compiled_chart import (
     ROOT,
     Chart,
+    GuardContext,
     Output,
-    Question,
+    TimedTransition,
     Transition,
-    Way,
 )
-from missionkit.chart.semantics.memory import ChartMemory, Decision
-from missionkit.chart.semantics.outputs import assigned, in_words, matches
-from missionkit.chart.semantics.stance import EPSILON, stance
+from missionkit.chart.semantics.configuration import EPSILON, configuration
+from missionkit.chart.semantics.guard_evaluation import evaluated
 from missionkit.messages import ABORT, Action, Fired, Verdict
 
-MOST = 1000  # microsteps in one tick: more is a chart that does not come to rest
+MOST_MICROSTEPS = 1000  # microsteps in one tick: more is a chart that does not come to rest
 ERROR = "error.execution"
 _new = tuple.__new__  # quicker than the class's own
 
@@ -38,7 +38,7 @@ class Macrostep:
     )
 
     def __init__(
-        self, chart: Chart, memory: ChartMemory, question: Question, problems: tuple[str, ...]
+        self, chart: Chart, memory: ChartMemory, question: GuardContext, problems: tuple[str, ...]
     ) -> None:
         self.chart = chart
         self.memory = memory
@@ -47,9 +47,9 @@ class Macrostep:
         self.first_answers = question.answers
         self.internal: list[str] = []
         self.external: list[str] = [each for each in question.seen.events if each != ABORT]
-        self.here = stance(chart, memory.active)
+        self.here = configuration(chart, memory.active)
         self.fired: list[Fired] = []
-        self.moves: list[tree.Move] = []
+        self.moves: list[entry_exit_sets.Move] = []
         self.orders: tuple[Action, ...] = ()
         self.problems = problems
         self.pilot_entered = False
@@ -77,7 +77,7 @@ class Macrostep:
                 chosen = self._heard()
             if not chosen or self.memory.ended:
                 break
-            if len(self.moves) >= MOST:
+            if len(self.moves) >= MOST_MICROSTEPS:
                 self._give_up()
                 break
             rests = self._microstep(chosen) or not self._moving()
@@ -99,7 +99,7 @@ class Macrostep:
         if self.memory.ended:
             return False
         self._refresh()
-        return asked(self.here, self.memory, self.question, {})
+        return evaluated(self.here, self.memory, self.question, {})
 
     def _heard(self) -> Sequence[Transition]:
         """Return what the next event that concerns anything leads to: internal ones first."""
@@ -116,7 +116,7 @@ class Macrostep:
 
     def _start(self) -> None:
         """Carry out the entry of the initial states, which are active already."""
-        move = tree.beginning(self.chart)
+        move = entry_exit_sets.beginning(self.chart)
         self.memory = self.memory._replace(started=True, ended=move.ended)
         self.moves.append(move)
         self.pilot_entered = True
@@ -130,7 +130,7 @@ class Macrostep:
             self.fired.append(self._explained(opening, said))
 
     def _selected(
-        self, ways: tuple[tuple[Way, ...], ...], event: str | None
+        self, ways: tuple[tuple[TimedTransition, ...], ...], event: str | None
     ) -> Sequence[Transition]:
         """Return the transitions to take together: selectTransitions."""
         if len(ways) == 1:
@@ -147,15 +147,17 @@ class Macrostep:
         found = tuple(enabled.values())
         if len(found) < 2:
             return found
-        return tree.without_conflicts(self.chart, self.memory.active, found, self.memory.history)
+        return entry_exit_sets.without_conflicts(
+            self.chart, self.memory.active, found, self.memory.history
+        )
 
-    def _first(self, ways: tuple[Way, ...], event: str | None) -> Sequence[Transition]:
+    def _first(self, ways: tuple[TimedTransition, ...], event: str | None) -> Sequence[Transition]:
         for way in ways:
             if self._enabled(way, event):
                 return (way.transition,)
         return ()
 
-    def _enabled(self, way: Way, event: str | None) -> bool:
+    def _enabled(self, way: TimedTransition, event: str | None) -> bool:
         transition, wait = way
         memory = self.memory
         if self.now - memory.entered[transition.source] < wait:
@@ -184,7 +186,7 @@ class Macrostep:
     def _microstep(self, chosen: Sequence[Transition]) -> bool:
         """Exit, act, enter; say whether the chart is sure to rest after that."""
         chart, source = self.chart, self.memory.state
-        move = tree.move(chart, self.memory.active, chosen, self.memory.history)
+        move = entry_exit_sets.move(chart, self.memory.active, chosen, self.memory.history)
         if move.exited or move.entries:
             self._stand(move)
         self.moves.append(move)
@@ -203,10 +205,10 @@ class Macrostep:
         self.stale = True
         return not move.kept and self.here.soonest > 0.0 and not move.ended
 
-    def _stand(self, move: tree.Move) -> None:
+    def _stand(self, move: entry_exit_sets.Move) -> None:
         """Put the memory where a move leads; timers of what was exited end."""
         memory = self.memory
-        here = self.here = stance(self.chart, move.active)
+        here = self.here = configuration(self.chart, move.active)
         if here.pilot != memory.pilot or memory.state in move.exited:
             self.pilot_entered = True
         entered = dict.fromkeys(move.active, self.now)

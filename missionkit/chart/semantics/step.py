@@ -11,12 +11,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from missionkit.chart.semantics.asking import asked, ready
-from missionkit.chart.semantics.compiled import ROOT, Chart, Question, Stance, State, Transition
-from missionkit.chart.semantics.contain import Containment
+from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, begin
+from missionkit.chart.semantics.compiled_chart import (
+    ROOT,
+    Chart,
+    Configuration,
+    GuardContext,
+    State,
+    Transition,
+)
+from missionkit.chart.semantics.configuration import EPSILON, SAFETY, configuration
+from missionkit.chart.semantics.guard_evaluation import evaluated, ready
 from missionkit.chart.semantics.macrostep import Macrostep
-from missionkit.chart.semantics.memory import ChartMemory, Decision, begin
-from missionkit.chart.semantics.stance import EPSILON, SAFETY, stance
+from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.messages import ABORT, Estimate, Verdict
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
@@ -29,8 +36,8 @@ def decide(
 ) -> tuple[ChartMemory, Decision]:
     """Advance the guards' windows, ask every guard, and take what is to be taken."""
     active, _, windows, variables, _, _, was_held, was_violated, started, ended = memory
-    here = chart.stances.get(active) or stance(chart, active)
-    question = Question(seen, windows, contain, active, variables)
+    here = chart.configurations.get(active) or configuration(chart, active)
+    question = GuardContext(seen, windows, contain, active, variables)
     if chart.slots:
         windows = _advanced(chart, question)
     held: dict[int, float] = {}
@@ -38,7 +45,7 @@ def decide(
     flying = _flying(seen, here)
     if ended or seen.events or flying:
         forced = _forced(chart, memory, here, question, held, flying=flying)
-    moving = not ended and asked(here, memory, question, held)
+    moving = not ended and evaluated(here, memory, question, held)
     violated = was_violated
     problems: tuple[str, ...] = ()
     if here.promising:
@@ -51,7 +58,7 @@ def decide(
     return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
 
 
-def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
+def _advanced(chart: Chart, question: GuardContext) -> tuple[Any, ...]:
     """Advance every memory; one that asks another guard finds it in a slot before its own."""
     question.windows = windows = list(question.windows)
     for index, slot in enumerate(chart.slots):
@@ -62,8 +69,8 @@ def _advanced(chart: Chart, question: Question) -> tuple[Any, ...]:
 def _forced(
     chart: Chart,
     memory: ChartMemory,
-    here: Stance,
-    question: Question,
+    here: Configuration,
+    question: GuardContext,
     held: dict[int, float],
     *,
     flying: bool,
@@ -81,7 +88,11 @@ def _forced(
 
 
 def _failsafe(
-    chart: Chart, memory: ChartMemory, here: Stance, question: Question, held: dict[int, float]
+    chart: Chart,
+    memory: ChartMemory,
+    here: Configuration,
+    question: GuardContext,
+    held: dict[int, float],
 ) -> Transition | None:
     """Ask every failsafe and return the first that may lead away.
 
@@ -107,7 +118,7 @@ def _in_air(seen: Estimate) -> bool:
     return seen.status is not None and seen.status.in_air
 
 
-def _flying(seen: Estimate, here: Stance) -> bool:
+def _flying(seen: Estimate, here: Configuration) -> bool:
     """Say whether failsafes act: in the air, and with rotors turning in a state that flies."""
     status = seen.status
     if status is None or (status.armed and not status.in_air):
@@ -116,7 +127,7 @@ def _flying(seen: Estimate, here: Stance) -> bool:
 
 
 def _invariants(
-    here: Stance, memory: ChartMemory, question: Question
+    here: Configuration, memory: ChartMemory, question: GuardContext
 ) -> tuple[Mapping[str, float], Transition | None, tuple[str, ...]]:
     """Return since when which invariants are broken, the first way out, and the news."""
     violated: dict[str, float] = {}
@@ -149,7 +160,7 @@ def _reason(verdict: Verdict) -> str:
     return f"{verdict.why} {verdict.value:.2f} against {verdict.threshold:g}".strip()
 
 
-def _broken(state: State, question: Question) -> tuple[str, Verdict | None]:
+def _broken(state: State, question: GuardContext) -> tuple[str, Verdict | None]:
     """Return the first of the kind's invariant and the mission's own that does not hold."""
     invariant = state.kind.invariant
     if invariant is not None:

@@ -14,11 +14,17 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-from missionkit.chart.text.beside import unfit
-from missionkit.chart.text.located import Row, Table, Text, place_of, shown
-from missionkit.chart.text.parameters import Expanded, filled
-from missionkit.chart.text.reader import Document, read_file
-from missionkit.chart.text.renaming import Renaming
+from missionkit.chart.text.file_references import unfit
+from missionkit.chart.text.include_renaming import Renaming
+from missionkit.chart.text.located_data import (
+    Row,
+    Table,
+    Text,
+    place_of,
+    shown,
+)
+from missionkit.chart.text.parameter_expansion import Expanded, filled
+from missionkit.chart.text.yaml_reader import Document, read_file
 from missionkit.errors import FileError, Place, Problem
 
 KEY, WITH = "include", "with"

@@ -1,0 +1,46 @@
+"""Places that no flight means: below the ground, or far out of any vehicle's range."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from missionkit.chart.checks.guarded_transitions import AnalysedChart
+from missionkit.chart.checks.planned_legs import Point3, legs
+from missionkit.errors import Level, Place, Problem
+
+FARTHEST = 5_000.0  # m, level, from the take-off point
+HIGHEST = 500.0  # m above it
+
+
+def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield a warning for each target and each goal that is below the ground or out of range."""
+    for name, target in chart.mission.targets.items():
+        yield from _problems(f"target {name!r}", target.position, target.place("position"))
+    places = {target.position for target in chart.mission.targets.values()}
+    for leg in legs(chart):
+        if leg.end not in places:
+            yield from _problems(f"state {leg.state!r}: its goal", leg.end, leg.place)
+
+
+def _problems(what: str, point: Point3, place: Place) -> Iterator[Problem]:
+    north, east, down = point
+    where = f"[{north:g}, {east:g}, {down:g}]"
+    if down > 0.0:
+        yield Problem(
+            place,
+            f"{what} is at {where}, {down:g} m below the take-off point: positions are "
+            "[north, east, down]",
+            Level.WARNING,
+            "below-ground",
+            f"{down:g} m above the ground is [{north:g}, {east:g}, {-down:g}]",
+        )
+    if math.hypot(north, east) > FARTHEST or -down > HIGHEST:
+        yield Problem(
+            place,
+            f"{what} is at {where}, {math.hypot(north, east):.0f} m away and {-down:.0f} m up: "
+            f"more than {FARTHEST:g} m or {HIGHEST:g} m",
+            Level.WARNING,
+            "out-of-range",
+            "positions are metres from the take-off point, not degrees or millimetres",
+        )

@@ -1,0 +1,52 @@
+"""What may be lost in the air, as situations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from missionkit.chart.checks.guarded_transitions import AnalysedChart
+from missionkit.guards.battery import CHARGE
+from missionkit.guards.camera import MISSED
+from missionkit.guards.confidence import confidence_of
+from missionkit.guards.converged import GOAL_AGE
+from missionkit.guards.estimate import FIX_AGE, POSITION_SD
+from missionkit.guards.link import SILENCE
+from missionkit.guards.plugins import FAILING
+from missionkit.guards.target import time_since_seen, time_without
+from missionkit.messages.region import NO, YES, Box, Interval, Quantity
+
+FOR_EVER = Interval.at_least(1e9)  # of whatever grows while something is lost
+
+
+class Loss(NamedTuple):
+    """Something that is lost, and for good."""
+
+    name: str
+    says: str
+    box: Box
+    remedy: str
+
+
+def losses(chart: AnalysedChart) -> Iterator[Loss]:
+    """Yield what may be lost in a mission."""
+    failsafe = "failsafes: [{{name: {}, when: {{use: {}}}, to: ...}}]".format
+    yield Loss("link", "link lost", {SILENCE: FOR_EVER}, failsafe("link", "link_lost"))
+    yield Loss(
+        "battery", "battery empty", {CHARGE: NO}, failsafe("battery", "battery_below, floor: 0.2")
+    )
+    lost: Box = {POSITION_SD: FOR_EVER, FIX_AGE: FOR_EVER}
+    yield Loss("position", "position lost", lost, failsafe("lost", "estimate_bad"))
+    if chart.mission.perception and chart.mission.camera.use != "none":
+        yield Loss("camera", "camera lost", _blind(chart), failsafe("camera", "camera_silent"))
+    yield Loss("plug-in", "a plug-in fails", {FAILING: YES}, "")
+
+
+def _blind(chart: AnalysedChart) -> Box:
+    box: dict[Quantity, Interval | None] = {MISSED: FOR_EVER, GOAL_AGE: FOR_EVER}
+    for detector in chart.mission.perception:
+        target = str(getattr(detector.plugin, "target", ""))
+        box[confidence_of(target)] = NO
+        box[time_since_seen(target)] = FOR_EVER
+        box[time_without(target)] = FOR_EVER
+    return box

@@ -1,0 +1,66 @@
+"""What guards and behaviours need and the mission does not provide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from missionkit.chart.checks.guard_regions import region_of
+from missionkit.chart.checks.guarded_transitions import AnalysedChart
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.errors import Level, Place, Problem
+
+SEEING = ("servo", "inject", "spiral")  # behaviours that work on what the camera sees
+
+
+def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield everything that waits for a marker that no detector looks for, or for no camera."""
+    detected = _detected(chart)
+    camera = chart.mission.camera.use != "none"
+    for what, target, place in (*_guards(chart), *_behaviors(chart)):
+        if target not in detected:
+            yield Problem(
+                place,
+                f"{what} needs to see {target!r}, but 'perception' has no marker of it: it is "
+                "never seen",
+                Level.ERROR,
+                "no-detector",
+                f"perception: [{{use: aruco, target: {target}, id: ..., size: ...}}]",
+            )
+        elif not camera:
+            yield Problem(
+                place,
+                f"{what} needs to see {target!r}, but 'camera' says 'use: none': nothing is ever "
+                "seen",
+                Level.ERROR,
+                "no-camera",
+                "camera: {use: rendered}",
+            )
+
+
+def _detected(chart: AnalysedChart) -> frozenset[str]:
+    return frozenset(
+        str(getattr(detector.plugin, "target", "")) for detector in chart.mission.perception
+    )
+
+
+def _guards(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:
+    """Yield each guard that needs to see a target, once for each place where it is written."""
+    waiting = [guard for _, guard in chart.tree.guards()]
+    opened: set[str] = set()
+    while waiting:
+        for part in ex.parts_of(waiting.pop()):
+            if isinstance(part, ex.Named) and part.name not in opened:
+                opened.add(part.name)
+                waiting.append(chart.mission.guards[part.name])
+            if isinstance(part, ex.Use) and part.place.file:
+                region = region_of(part.plugin)
+                boxes = () if region is None else region.may
+                for target in sorted({q.sees for box in boxes for q in box if q.sees}):
+                    yield f"guard {part.kind!r}", target, part.place
+
+
+def _behaviors(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:
+    for _, state, _ in chart.tree.states.values():
+        if state.behavior is not None and state.behavior.kind in SEEING:
+            for target in state.behavior.plugin.targets():
+                yield f"behaviour {state.behavior.kind!r}", target, state.behavior.place

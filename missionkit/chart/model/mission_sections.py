@@ -1,0 +1,71 @@
+"""Sections of a mission file that stand by themselves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from missionkit.chart.model.model_base import MissionPart, StateName, TargetName
+from missionkit.chart.text.located_data import Row, Table
+from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
+
+Place3 = Annotated[Point, Field(strict=False)]
+
+
+class Vehicle(MissionPart):
+    """What flies; `--vehicle` replaces it."""
+
+    use: Literal["sim"] = "sim"
+
+
+class TargetPlace(MissionPart):
+    """Where a target is, as surveyed: north, east, down of the take-off point."""
+
+    position: Place3
+    position_sd: Metres = Field(default=1.0, ge=0, description="standard deviation, one axis")
+    facing_deg: Degrees | None = Field(
+        default=None, description="compass direction in which its marker looks"
+    )
+
+
+class Settings(MissionPart):
+    """How the mission is run."""
+
+    rate: Hertz = Field(default=20.0, ge=5, le=100, description="ticks per second")
+    time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
+
+
+class Success(MissionPart):
+    """One condition of success, graded against the truth where it is known."""
+
+    visit: StateName | None = Field(default=None, description="must have been entered")
+    target: TargetName | None = Field(default=None, description="to stand before on entry")
+    standoff: Place3 = (0.0, 0.0, 0.0)
+    position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
+    yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
+    done: StateName | None = Field(default=None, description="its behaviour must have finished")
+    clearance: Metres | None = Field(
+        default=None, ge=0, description="least distance of its surface from obstacles in flight"
+    )
+    failsafes: int | None = Field(default=None, ge=0, description="at most so many may be taken")
+
+    @model_validator(mode="after")
+    def _asks_for_something(self) -> Self:
+        if (self.visit, self.done, self.clearance, self.failsafes) == (None, None, None, None):
+            wanted = "'visit', 'done', 'clearance', 'failsafes'"
+            raise sentences(sentence(f"needs at least one of {wanted}"))
+        goal = {"target", "standoff", "position", "yaw_deg"} & self.model_fields_set
+        if self.visit is None and goal:
+            raise sentences(sentence(f"'{min(goal)}' needs 'visit': the state it is measured in"))
+        return self
+
+
+def one_or_more(data: object) -> object:
+    """Return a list of conditions; one alone may be written without the list."""
+    if not isinstance(data, Table):
+        return data
+    row = Row(data.place)
+    row.put(data, data.place)
+    return row

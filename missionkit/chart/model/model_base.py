@@ -1,0 +1,206 @@
+"""What the models of a mission file have in common, and what their validators may ask."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from typing import Annotated, Any, Self, cast
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
+from typing_extensions import override
+
+from missionkit.chart.model.validation_problems import plain
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.text.located_data import NOWHERE, Table
+from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.errors import Place
+
+HOME = "home"  # the place of arming, a target that every mission has
+NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
+INNER_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*(/[A-Za-z][A-Za-z0-9_-]*)*$"  # a/b: b of a's included file
+EVENT_PATTERN = r"^(\*|[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*(\.\*|\.)?)$"
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The names that one document defines, and the catalogue it may draw on."""
+
+    catalogue: Catalogue
+    states: frozenset[str]
+    targets: frozenset[str]
+    guards: frozenset[str]
+    variables: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any], catalogue: Catalogue) -> Scope:
+        """Collect the names that a document defines."""
+        named = (_names(data.get(key)) for key in ("targets", "guards", "variables"))
+        return cls(catalogue, _states(data.get("states")), *named)
+
+
+class _Unreadable(frozenset[str]):
+    """The names of a section that cannot be read: no name can be called unknown."""
+
+    @override
+    def __contains__(self, name: object) -> bool:
+        return True
+
+    @override
+    def __or__(self, other: AbstractSet[Any]) -> frozenset[Any]:
+        return self
+
+
+def _names(section: object) -> frozenset[str]:
+    if section is None:
+        return frozenset()
+    return frozenset(section) if isinstance(section, Table) else _Unreadable()
+
+
+def _states(section: object) -> frozenset[str]:
+    """Return the names of all states, those inside others too."""
+    names = _names(section)
+    if not isinstance(section, Table):
+        return names
+    inner = [_states(state["states"]) for state in section.values() if _has_states(state)]
+    unreadable = next((each for each in inner if isinstance(each, _Unreadable)), None)
+    return names.union(*inner) if unreadable is None else unreadable
+
+
+def _has_states(state: object) -> bool:
+    return isinstance(state, Table) and state.get("states") is not None
+
+
+def scope_of(info: ValidationInfo) -> Scope:
+    """Return the scope that a document is validated in."""
+    return cast(Scope, info.context)
+
+
+class MissionPart(BaseModel):
+    """A mapping in a mission file, which knows where it stands."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    _source: Table | None = PrivateAttr(default=None)
+
+    def place(self, key: str | None = None) -> Place:
+        """Return where this part stands in its file, or the value of one of its keys."""
+        if self._source is None:
+            return NOWHERE
+        return self._source.place if key is None else self._source.place_of(key)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _locate(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        part = handler(data)
+        if isinstance(data, Table):
+            part._source = data  # noqa: SLF001  its own class
+        return part
+
+
+class Plain:
+    """Marks a field whose model belongs to another layer: validated as strictly as JSON."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: type[BaseModel], handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Validate by `plain`, keep the model's own schema for documentation."""
+
+        def validate(data: object, _: object) -> BaseModel:
+            return plain(source, data)
+
+        return core_schema.no_info_wrap_validator_function(validate, handler(source))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Short:
+    """Marks a model that may be written shorter: what it is called then, and the schemas."""
+
+    says: str
+    forms: tuple[dict[str, Any], ...]
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Allow the short forms beside the long one."""
+        return {"anyOf": [*self.forms, handler(schema)]}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OneOrMore:
+    """Marks a list of mappings of which one alone may be written without the list."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Allow the single mapping beside the list."""
+        whole = handler(schema)
+        return {"anyOf": [whole["items"], whole]}
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Marks a text that must name something: a state, a target, a state kind."""
+
+    what: str
+    names: Callable[[Scope], Collection[str]]
+
+    @property
+    def says(self) -> str:
+        """What a value is, for messages."""
+        return f"the name of a {self.what}"
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Refuse a name that is not known, with the nearest."""
+
+        def validate(name: str, info: core_schema.ValidationInfo[Any]) -> str:
+            known = self.names(info.context)
+            if name not in known:
+                raise sentences(sentence(f"unknown {self.what} {name!r}", word=name, known=known))
+            return name
+
+        return core_schema.with_info_after_validator_function(validate, handler(source))
+
+
+def _patterned(pattern: str, what: str) -> Any:
+    def check(text: str) -> str:
+        if not re.match(pattern, text):
+            raise sentences(sentence(f"{text!r} is no {what}"))
+        return text
+
+    return AfterValidator(check)
+
+
+_LETTERS = "name: a letter, then letters, digits, '-' and '_'"
+_SCHEMA = Field(json_schema_extra={"pattern": NAME_PATTERN})
+Name = Annotated[str, _patterned(NAME_PATTERN, _LETTERS), _SCHEMA]
+NodeName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
+GuardName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
+Event = Annotated[
+    str,
+    _patterned(EVENT_PATTERN, "event: words joined by '.', or '*'"),
+    Field(json_schema_extra={"pattern": EVENT_PATTERN}),
+]
+StateName = Annotated[str, Known("state", lambda scope: scope.states)]
+TargetName = Annotated[str, Known("target", lambda scope: scope.targets)]
+KindName = Annotated[
+    str,
+    Known("kind of state", lambda scope: scope.catalogue.kinds),
+    Field(json_schema_extra={"x-enum": "kinds"}),
+]

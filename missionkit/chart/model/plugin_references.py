@@ -1,0 +1,105 @@
+"""`use:`: from what a mission file writes to a plug-in with validated parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, InitErrorDetails, core_schema
+
+from missionkit.chart.model.field_descriptions import keys_of
+from missionkit.chart.model.guard_expressions import Use
+from missionkit.chart.model.model_base import HOME, Scope
+from missionkit.chart.model.validation_problems import plain
+from missionkit.chart.text.located_data import Table, place_of, shown
+from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.plugin import Behavior, Plugin
+
+WORDS = {
+    "guards": "guard",
+    "behaviors": "behaviour",
+    "navigators": "navigator",
+    "detectors": "detector",
+    "planners": "planner",
+}
+NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """Marks a field that holds a plug-in of one group of the catalogue."""
+
+    group: str
+    optional: bool = False
+
+    @property
+    def says(self) -> str:
+        """What a value is, for messages."""
+        return f"a {WORDS[self.group]}, {{use: ...}}"
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Resolve the plug-in."""
+
+        def validate(data: object, info: core_schema.ValidationInfo[Any]) -> Use[Plugin] | None:
+            if self.optional and data == NONE:
+                return None
+            return resolve(data, self.group, info.context)
+
+        return core_schema.with_info_plain_validator_function(validate)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Leave a mark for `json_schema.mission_schema`: the catalogue is not known here."""
+        return {"x-plugin": self.group, "x-optional": self.optional}
+
+
+def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
+    """Return the plug-in that `{use: kind, ...}`, or the bare kind, stands for.
+
+    Raises:
+        ValidationError: it is none, or its parameters are wrong, in sentences.
+    """
+    word, known = WORDS[group], scope.catalogue.group(group)
+    if not isinstance(data, dict):
+        if not isinstance(data, str):
+            raise sentences(sentence(f"expected a {word}, {{use: ...}}, got {shown(data)}"))
+        data = Table(place_of(data)).extended("use", data, place_of(data))
+    if "use" not in data:
+        missing = f"missing key 'use': the kind of {word}"
+        raise sentences(sentence(missing, word="", known=known))
+    kind = data["use"]
+    if (why := scope.catalogue.broken.get((group, str(kind)))) and str(kind) not in known:
+        raise sentences(sentence(f"{word} {shown(kind)} cannot be used: {why}", "use"))
+    if not isinstance(kind, str) or kind not in known:
+        unknown = f"unknown {word} {shown(kind)}"
+        raise sentences(sentence(unknown, "use", word=str(kind), known=known))
+    plugin = plain(known[kind], {key: value for key, value in data.items() if key != "use"})
+    if errors := unknown_targets(plugin, scope):
+        raise sentences(*errors)
+    return Use(kind, plugin, place_of(data))
+
+
+def needs_parameters(plugin: type[Plugin]) -> bool:
+    """Say whether a plug-in has parameters without a default."""
+    return any(field.is_required() for field in plugin.model_fields.values())
+
+
+def unknown_targets(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
+    """Return an error for each target that the mission does not define."""
+    needed = plugin.targets() if isinstance(plugin, Behavior) else (HOME,)
+    known = scope.targets if HOME in needed else scope.targets | {HOME}
+    named = {key: getattr(plugin, key) for key in ("target", "of") if key in keys_of(type(plugin))}
+    errors = [
+        sentence(f"unknown target {name!r}", key, word=name, known=known)
+        for key, name in named.items()
+        if isinstance(name, str) and name not in known
+    ]
+    return errors + [
+        sentence(f"needs the unknown target {name!r}", word=name, known=known)
+        for name in needed
+        if name not in known and name not in {HOME, *named.values()}
+    ]

@@ -1,0 +1,265 @@
+"""From the model of a mission to the chart that the tick steps."""
+
+from __future__ import annotations
+
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
+from missionkit.chart.model.mission import GROUP_KIND, Failsafe, Mission, Placed, around, firsts
+from missionkit.chart.model.mission import Start as StartModel
+from missionkit.chart.model.mission import State as StateModel
+from missionkit.chart.model.mission import Transition as TransitionModel
+from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.compiled_chart import (
+    ROOT,
+    Chart,
+    DefaultEntry,
+    GuardFunction,
+    Output,
+    Shape,
+    State,
+    Transition,
+)
+from missionkit.chart.semantics.guard_compiler import GuardCompiler
+from missionkit.errors import Place
+
+NOWHERE = Place("", 0, 0)
+PLUGIN_FAILURE_TOLERANCE = 3.0  # s a plug-in may misbehave before the vehicle goes home
+STUCK_FOR_GOOD = 6.0  # s before it lands
+
+
+def compile_mission(mission: Mission, catalogue: Catalogue) -> Chart:
+    """Compile a mission that was loaded without problems.
+
+    The contracts of the state kinds are carried out first: default failsafes and, where one of
+    them needs it, a hover state.
+    """
+    mission = fulfilled(mission, catalogue)
+    return _Compiler(mission, catalogue).chart()
+
+
+class _Compiler:
+    def __init__(self, mission: Mission, catalogue: Catalogue) -> None:
+        self.mission = mission
+        self.catalogue = catalogue
+        self.placed = {placed.name: placed for placed in mission.walk()}
+        self.asker = GuardCompiler(dict(mission.guards))
+        self.with_history = {
+            placed.parent for placed in self.placed.values() if placed.state.history is not None
+        }
+        self.firsts = firsts(self.placed)
+        self.count = 0
+
+    def chart(self) -> Chart:
+        states = {ROOT: self._root()}
+        for order, placed in enumerate(self.placed.values(), 1):
+            states[placed.name] = self._state(placed, order)
+        land = self.firsts.get("land", "")
+        failsafes = (
+            *map(self._failsafe, self.mission.failsafes),
+            *self._touched(land),
+            *self._stuck(land),
+        )
+        return Chart(
+            initial=self.mission.initial.to[0],
+            states=states,
+            failsafes=failsafes,
+            slots=tuple(self.asker.slots),
+            land=land,
+            variables=self.mission.variables,
+            configurations={},
+            moves={},
+        )
+
+    def _root(self) -> State:
+        return State(
+            name=ROOT,
+            kind=self.catalogue.kinds[GROUP_KIND],
+            behavior=None,
+            target=None,
+            dwell=0.0,
+            shape=Shape.COMPOUND,
+            children=tuple(self.mission.states),
+            initial=_start(self.mission.initial),
+        )
+
+    def _state(self, placed: Placed, order: int) -> State:
+        name, state, parent = placed
+        kind = self.catalogue.kinds[state.kind]
+        behavior = None if state.behavior is None else state.behavior.plugin
+        targets = () if behavior is None else behavior.targets()
+        promise = state.invariant.holds
+        ancestors = (*around(self.placed, parent), ROOT)
+        return State(
+            name=name,
+            kind=kind,
+            behavior=behavior,
+            target=targets[0] if targets else None,
+            dwell=self.mission.dwell if state.dwell is None else state.dwell,
+            transitions=tuple([self._transition(one, placed) for one in state.transitions]),
+            entry=_outputs(state.entry),
+            exit=_outputs(state.exit),
+            violated_to=state.invariant.exit,
+            tolerated=kind.invariant.tolerated if kind.invariant is not None else 0.0,
+            promise=None if promise is None else self.asker.ask(promise),
+            shape=_shape(state),
+            order=order,
+            parent=parent or ROOT,
+            ancestors=ancestors,
+            children=tuple(state.states),
+            initial=_start(state.initial or state.default),
+            remembered=not self.with_history.isdisjoint((name, *ancestors)),
+        )
+
+    def _transition(self, model: TransitionModel, source: Placed) -> Transition:
+        when = None if model.when is None else _of_source(model.when, source)
+        return Transition(
+            number=self._next(),
+            to=model.targets,
+            text=_text(model, when),
+            source=source.name,
+            ask=None if when is None else self.asker.ask(when),
+            hold=model.for_,
+            after=model.after,
+            events=tuple(map(_descriptor, model.event or ())),
+            outputs=_outputs(model.do),
+            patient=not (model.emergency or model.event),
+            internal=model.internal,
+            reads=() if when is None else self._names(when),
+            check=None if when is None else self.asker.check(when),
+            default=model.name is not None and not model.place().file,
+        )
+
+    def _failsafe(self, model: Failsafe) -> Transition:
+        return Transition(
+            number=self._next(),
+            to=(model.to,),
+            text=f"failsafe {model.name}",
+            ask=self.asker.ask(model.when),
+            hold=model.for_,
+            outputs=_outputs(model.do),
+            unknown_takes=model.unknown == "take",
+            reads=self._names(model.when),
+        )
+
+    def _touched(self, land: str) -> tuple[Transition, ...]:
+        """Return what happens when the ground is touched outside landing and take-off."""
+        guard: ex.Expression = ex.Use(
+            "ground_touched", self.catalogue.guards["ground_touched"](), NOWHERE
+        )
+        touched = Transition(
+            number=self._next(),
+            to=(land,),
+            text="failsafe ground touched",
+            ask=self.asker.ask(guard),
+            reads=self._names(guard),
+        )
+        return (touched,) if land else ()
+
+    def _stuck(self, land: str) -> tuple[Transition, ...]:
+        """Return what happens when plug-ins keep failing, after the mission's own failsafes."""
+        plugin = self.catalogue.guards["plugin_failed"]()
+        guard: ex.Expression = ex.Use("plugin_failed", plugin, NOWHERE)
+        ask: GuardFunction = self.asker.ask(guard)
+        home = self.firsts.get("return", land)
+        return tuple(
+            Transition(
+                number=self._next(),
+                to=(to,),
+                text="failsafe plug-in failed",
+                ask=ask,
+                hold=hold,
+                reads=self._names(guard),
+            )
+            for to, hold in ((home, PLUGIN_FAILURE_TOLERANCE), (land, STUCK_FOR_GOOD))
+            if to
+        )
+
+    def _next(self) -> int:
+        self.count += 1
+        return self.count
+
+    def _names(self, expression: ex.Expression) -> tuple[str, ...]:
+        """Return what the record calls the guards that an expression asks."""
+        match expression:
+            case ex.All(parts=parts) | ex.Any(parts=parts):
+                return tuple(dict.fromkeys(name for part in parts for name in self._names(part)))
+            case ex.Not(part=part):
+                return self._names(part)
+            case _:
+                return (self.asker.name(expression),)
+
+
+def _of_source(when: ex.Expression, source: Placed) -> ex.Expression:
+    """Return a guard in which `done` means the states inside `source`, if it has any."""
+    if not source.state.states:
+        return when
+
+    def replaced(expression: ex.Expression) -> ex.Expression:
+        match expression:
+            case ex.Use(kind="done", place=place):
+                return ex.Finished(source.name, _finals(source.state), place)
+            case ex.All(parts=parts, place=place):
+                return ex.All(tuple(map(replaced, parts)), place)
+            case ex.Any(parts=parts, place=place):
+                return ex.Any(tuple(map(replaced, parts)), place)
+            case ex.Not(part=part, place=place):
+                return ex.Not(replaced(part), place)
+            case _:
+                return expression
+
+    return replaced(when)
+
+
+def _finals(state: StateModel) -> tuple[tuple[str, ...], ...]:
+    """Return groups of final states: the state is done when one of each group is active."""
+    if not state.parallel:
+        return (tuple([name for name, inner in state.states.items() if inner.final]),)
+    regions = (inner for inner in state.states.values() if inner.history is None)
+    return tuple([group for region in regions for group in _finals(region)])
+
+
+def _shape(state: StateModel) -> Shape:
+    if state.history is not None:
+        return Shape.SHALLOW if state.history == "shallow" else Shape.DEEP
+    if state.final:
+        return Shape.FINAL
+    if not state.states:
+        return Shape.ATOMIC
+    return Shape.PARALLEL if state.parallel else Shape.COMPOUND
+
+
+def _start(model: StartModel | None) -> DefaultEntry:
+    return DefaultEntry() if model is None else DefaultEntry(model.to, _outputs(model.do))
+
+
+def _descriptor(event: str) -> str:
+    return event if event == "*" else event.removesuffix("*").removesuffix(".")
+
+
+def _outputs(actions: tuple[Act, ...]) -> tuple[Output, ...]:
+    return tuple(map(_output, actions))
+
+
+def _output(action: Act) -> Output:
+    match action:
+        case Log(text=text):
+            return Output("log", str(text))
+        case Raise(event=event):
+            return Output("raise", str(event))
+        case Order(action=word):
+            return Output("vehicle", str(word))
+        case Assign(variable=variable, operation=operation, operand=operand):
+            return Output("assign", str(variable), operation, operand)
+
+
+def _text(model: TransitionModel, when: ex.Expression | None) -> str:
+    parts = [] if model.name is None else [model.name]
+    if when is not None:
+        held = f" for {model.for_:g} s" if model.for_ else ""
+        parts.append(f"when {ex.text(when)}{held}")
+    if model.after is not None:
+        parts.append(f"after {model.after:g} s")
+    if model.event is not None:
+        parts.append(f"on {' or '.join(model.event)}")
+    return ", ".join(parts) or "always"

@@ -1,0 +1,104 @@
+"""What a configuration means for the tick: whom to ask, who commands, how safe it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+from missionkit.chart.semantics.compiled_chart import (
+    LEAVES,
+    Chart,
+    Configuration,
+    DirectGuard,
+    GuardFunction,
+    State,
+    TimedTransition,
+    Transition,
+)
+from missionkit.messages import Mode
+
+MOST_CONFIGURATIONS = 4096  # configurations remembered
+SAFETY = {"land": 2, "return": 1}
+EPSILON = 1e-9  # s; ticks are multiples of the period, up to rounding
+
+
+def configuration(chart: Chart, active: tuple[str, ...]) -> Configuration:
+    """Return what a configuration means for the tick."""
+    known = chart.configurations.get(active)
+    if known is None:
+        if len(chart.configurations) >= MOST_CONFIGURATIONS:
+            chart.configurations.clear()
+        known = chart.configurations[active] = _stance(chart, active)
+    return known
+
+
+def _stance(chart: Chart, active: tuple[str, ...]) -> Configuration:
+    states = tuple([chart.states[name] for name in active])
+    ways = [_ways(chart, state) for state in states if state.shape in LEAVES]
+    every = tuple({way.transition.number: way for each in ways for way in each}.values())
+    pilots = [state for state in states if state.behavior is not None]
+    pilot = max(pilots, key=lambda state: len(state.ancestors), default=None)
+    direct, plain = _asks(every)
+    mode = Mode.GPS if pilot is None else pilot.kind.mode
+    return Configuration(
+        direct=tuple(direct),
+        plain=tuple(plain),
+        timed=tuple([way.transition for way in every if way.transition.hold]),
+        timers=tuple([_timer(way) for way in every if _is_timer(way.transition)]),
+        ways=tuple([tuple([way for way in each if not way.transition.events]) for each in ways]),
+        heard=tuple([tuple([way for way in each if way.transition.events]) for each in ways]),
+        soonest=min([way.wait for way in every if not way.transition.events], default=inf),
+        promising=tuple([state for state in states if _promises(state)]),
+        pilot="" if pilot is None else pilot.name,
+        mode=mode,
+        mode_text=f"mode {mode}",
+        flying=any(state.kind.flying for state in states),
+        safety=max((SAFETY.get(state.kind.name, 0) for state in states), default=0),
+    )
+
+
+def _ways(chart: Chart, leaf: State) -> list[TimedTransition]:
+    around = (chart.states[name] for name in leaf.ancestors)
+    return [
+        TimedTransition(transition, _wait(state, transition))
+        for state in (leaf, *around)
+        for transition in state.transitions
+    ]
+
+
+def _wait(state: State, transition: Transition) -> float:
+    dwell = state.dwell if transition.patient else 0.0
+    return max(dwell, transition.after or 0.0) - EPSILON
+
+
+def _asks(
+    ways: Sequence[TimedTransition],
+) -> tuple[list[DirectGuard], list[tuple[GuardFunction, float, str]]]:
+    """Return the guards that can be asked without ado, each once, and the rest.
+
+    One with an event is asked for the record only.
+    """
+    direct: dict[str, DirectGuard] = {}
+    plain: list[tuple[GuardFunction, float, str]] = []
+    for transition, wait in ways:
+        if transition.ask is None or transition.hold:
+            continue
+        least, source = inf if transition.events else wait, transition.source
+        name = transition.reads[0]
+        if transition.check is not None and name not in direct:
+            direct[name] = DirectGuard(name, transition.check, least, source)
+        else:
+            plain.append((transition.ask, least, source))
+    return list(direct.values()), plain
+
+
+def _is_timer(transition: Transition) -> bool:
+    return transition.ask is None and not transition.events
+
+
+def _timer(way: TimedTransition) -> tuple[float, str]:
+    return way.wait, way.transition.source
+
+
+def _promises(state: State) -> bool:
+    return state.kind.invariant is not None or state.promise is not None

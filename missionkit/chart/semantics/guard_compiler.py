@@ -1,0 +1,275 @@
+"""Guard expressions compiled to closures, in three-valued logic (Kleene)."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any as Anything
+from typing import cast
+
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.model.variables import is_number
+from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
+from missionkit.chart.semantics.plugin_containment import is_foreign
+from missionkit.chart.semantics.verdict_validation import is_sound, trusted
+from missionkit.messages import Estimate, Verdict
+from missionkit.plugin import Guard, Plugin, WindowGuard
+
+Check = Callable[[Estimate], Verdict]
+YES, NO = Verdict(holds=True), Verdict(holds=False)
+_COMPARED: dict[str, Callable[[float, float], bool]] = {
+    "equals": operator.eq,
+    "below": operator.lt,
+    "above": operator.gt,
+    "at_least": operator.ge,
+    "at_most": operator.le,
+}
+
+
+class GuardCompiler:
+    """Compiles the guards of one mission; guards that remember share their slots by name."""
+
+    def __init__(self, named: dict[str, ex.Expression]) -> None:
+        self._named = named
+        self._compiled: dict[str, GuardFunction] = {}
+        self._meanings: dict[str, object] = {name: name for name in named}
+        self.slots: list[GuardMemory] = []
+
+    def ask(self, expression: ex.Expression) -> GuardFunction:
+        """Return the closure that answers `expression`."""
+        match expression:
+            case ex.Named():
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._guard(name))
+            case ex.Use():
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._plugin(name, expression.plugin))
+            case ex.All(parts=parts) | ex.Any(parts=parts):
+                joined = _all if isinstance(expression, ex.All) else _any
+                return joined(tuple(self.ask(part) for part in parts))
+            case ex.Not(part=part):
+                return _not(self.ask(part))
+            case ex.Hysteresis():
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._latch(name, expression))
+            case ex.Variable() | ex.In() | ex.Finished():
+                name = self.name(expression)
+                return self._remembered(name, lambda: _answered(name, of_chart(expression)))
+
+    def check(self, expression: ex.Expression) -> Check | None:
+        """Return what to ask if `expression` is one guard of the package that remembers nothing."""
+        if isinstance(expression, ex.Named):
+            expression = self._named[expression.name]
+        if not isinstance(expression, ex.Use) or not isinstance(expression.plugin, Guard):
+            return None
+        return None if is_foreign(expression.plugin) else expression.plugin.check
+
+    def name(self, expression: ex.Expression) -> str:
+        """Return what the record calls a guard: its text, numbered where two read the same."""
+        said, count = str(ex.text(expression)), 1
+        meaning: object
+        match expression:
+            case ex.Use():
+                meaning = expression.plugin
+            case ex.Hysteresis(part=part, enter=enter, exit=leave):
+                meaning = (self.name(part), enter, leave)
+            case ex.Variable(name=of, op=op, value=value):
+                meaning = (of, op, value)
+            case ex.In(state=state) | ex.Finished(state=state):
+                meaning = (type(expression), state)
+            case _:
+                return said
+        name = said
+        while self._meanings.setdefault(name, meaning) != meaning:
+            count += 1
+            name = f"{said} ({count})"
+        return name
+
+    def _remembered(self, name: str, compile_it: Callable[[], GuardFunction]) -> GuardFunction:
+        if name not in self._compiled:
+            self._compiled[name] = compile_it()
+        return self._compiled[name]
+
+    def _guard(self, name: str) -> GuardFunction:
+        expression = self._named[name]
+        if isinstance(expression, ex.Use):
+            return self._plugin(name, expression.plugin)
+        return _answered(name, self.ask(expression))
+
+    def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
+        foreign = is_foreign(plugin)
+        if isinstance(plugin, WindowGuard):
+            advance = _advancing(name, plugin, foreign=foreign)
+            slot = self._slot(GuardMemory(name, plugin.begin, advance, plugin.resumed))
+            return _answered(name, _window(name, plugin, slot, foreign=foreign))
+        if not foreign:
+            return _trusting(name, cast(Guard, plugin))
+        return _answered(name, _simple(name, cast(Guard, plugin)))
+
+    def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
+        inner = self.ask(latch.part)
+        slot = self._slot(GuardMemory(name, lambda: False, _latching(inner, latch)))
+
+        def ask(question: GuardContext) -> Verdict:
+            verdict, on = inner(question), question.windows[slot]
+            if verdict.value is None:
+                return Verdict.unknown(verdict.why or "the guard gives no value")
+            threshold = latch.exit if on else latch.enter
+            sign = 1.0 if latch.enter >= latch.exit else -1.0
+            margin = sign * (verdict.value - threshold)
+            return Verdict(on, verdict.why, verdict.value, threshold, margin)
+
+        return _answered(name, ask)
+
+    def _slot(self, slot: GuardMemory) -> int:
+        self.slots.append(slot)
+        return len(self.slots) - 1
+
+
+def _answered(name: str, ask: GuardFunction) -> GuardFunction:
+    """Ask once a tick and keep the answer for the record."""
+
+    def once(question: GuardContext) -> Verdict:
+        known = question.answers.get(name)
+        if known is None:
+            known = question.answers[name] = ask(question)
+        return known
+
+    return once
+
+
+def _simple(name: str, guard: Guard) -> GuardFunction:
+    check = guard.check
+
+    def ask(question: GuardContext) -> Verdict:
+        boxed = question.contain.call(name, check, question.seen)
+        return trusted(name, boxed, question)
+
+    return ask
+
+
+def _trusting(name: str, guard: Guard) -> GuardFunction:
+    """Ask a guard of the package once a tick; its types are known, so only odd numbers are slow.
+
+    This is the innermost of the tick: one closure instead of three.
+    """
+    check = guard.check
+
+    def ask(question: GuardContext) -> Verdict:
+        answers = question.answers
+        if name in answers:
+            return answers[name]
+        try:
+            verdict = check(question.seen)
+        except Exception as error:  # noqa: BLE001 - even our own guards must not end a flight
+            question.contain.note(f"{name} raised {type(error).__name__}: {error}")
+            verdict = Verdict.unknown("the guard failed")
+        if not is_sound(verdict):
+            verdict = trusted(name, (verdict,), question)
+        answers[name] = verdict
+        return verdict
+
+    return ask
+
+
+def _window(name: str, guard: WindowGuard, slot: int, *, foreign: bool) -> GuardFunction:
+    check = guard.check
+
+    def ask(question: GuardContext) -> Verdict:
+        memory = question.windows[slot]
+        boxed = question.contain.call(name, check, memory, question.seen, foreign=foreign)
+        return trusted(name, boxed, question)
+
+    return ask
+
+
+def _advancing(
+    name: str, guard: WindowGuard, *, foreign: bool
+) -> Callable[[Anything, GuardContext], Anything]:
+    step = guard.advance
+
+    def advance(memory: Anything, question: GuardContext) -> Anything:
+        boxed = question.contain.call(name, step, memory, question.seen, foreign=foreign)
+        return memory if boxed is None else boxed[0]
+
+    return advance
+
+
+def _latching(
+    inner: GuardFunction, latch: ex.Hysteresis
+) -> Callable[[Anything, GuardContext], bool]:
+    rising = latch.enter >= latch.exit
+
+    def advance(on: Anything, question: GuardContext) -> bool:
+        value = inner(question).value
+        if value is None:
+            return bool(on)
+        threshold = latch.exit if on else latch.enter
+        return value >= threshold if rising else value <= threshold
+
+    return advance
+
+
+def _all(parts: tuple[GuardFunction, ...]) -> GuardFunction:
+    def ask(question: GuardContext) -> Verdict:
+        verdicts = [part(question) for part in parts]
+        return _first(verdicts, holds=False) or _first(verdicts, holds=None) or Verdict(holds=True)
+
+    return ask
+
+
+def _any(parts: tuple[GuardFunction, ...]) -> GuardFunction:
+    def ask(question: GuardContext) -> Verdict:
+        verdicts = [part(question) for part in parts]
+        return _first(verdicts, holds=True) or _first(verdicts, holds=None) or Verdict(holds=False)
+
+    return ask
+
+
+def _not(part: GuardFunction) -> GuardFunction:
+    def ask(question: GuardContext) -> Verdict:
+        verdict = part(question)
+        holds = None if verdict.holds is None else not verdict.holds
+        margin = None if verdict.margin is None else -verdict.margin
+        return verdict._replace(holds=holds, margin=margin)
+
+    return ask
+
+
+def _first(verdicts: list[Verdict], *, holds: bool | None) -> Verdict | None:
+    return next((verdict for verdict in verdicts if verdict.holds is holds), None)
+
+
+def of_chart(expression: ex.Variable | ex.In | ex.Finished) -> GuardFunction:
+    """Return the closure that answers a guard about the chart."""
+    match expression:
+        case ex.Variable(name=name, op="equals", value=value) if not is_number(value):
+            return lambda question: YES if question.variables[name] == value else NO
+        case ex.Variable(name=name, op=op, value=value):
+            return _compared(name, op, float(value))
+        case ex.In(state=state):
+            return lambda question: YES if state in question.active else NO
+        case ex.Finished(groups=groups):
+            return _finished(groups)
+
+
+def _compared(name: str, op: str, threshold: float) -> GuardFunction:
+    compare = _COMPARED[op]
+    sign = -1.0 if op in {"below", "at_most"} else 1.0
+
+    def ask(question: GuardContext) -> Verdict:
+        value = float(question.variables[name])
+        gap = value - threshold
+        margin = -abs(gap) if op == "equals" else sign * gap
+        return Verdict(compare(value, threshold), "", value, threshold, margin)
+
+    return ask
+
+
+def _finished(groups: tuple[tuple[str, ...], ...]) -> GuardFunction:
+    def ask(question: GuardContext) -> Verdict:
+        active = question.active
+        done = all(any(name in active for name in group) for group in groups)
+        return YES if done else NO
+
+    return ask

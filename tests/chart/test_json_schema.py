@@ -1,0 +1,89 @@
+"""The committed schemas are those of the models, and fit the missions.
+
+After a change: `make schema`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.text.yaml_reader import read, read_file
+from missionkit.sim.world import World
+
+ROOT = Path(__file__).parents[2]
+MISSIONS = sorted((ROOT / "missions").glob("*.yaml"))
+WORLDS = sorted((ROOT / "missions" / "worlds").glob("*.yaml"))
+REFUSED_BY_SCHEMA = (
+    "01-misspelt-key",
+    "02-unknown-state-kind",
+    "03-unknown-guard-plugin",
+    "04-unknown-guard-parameter",
+    "05-wrong-type",
+    "06-out-of-range",
+    "07-missing-to",
+    "17-state-not-mapping",
+    "19-unknown-dictionary",
+    "20-version-2",
+    "23-list-for-mapping",
+    "29-missing-sections",
+    "31-vector-too-short",
+    "32-two-forms-of-guard",
+    "33-behavior-missing",
+    "36-unknown-action",
+)
+
+
+def validator(name: str) -> Any:
+    schema = json.loads((ROOT / "schemas" / name).read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+@pytest.fixture(scope="module")
+def missions() -> Any:
+    return validator("mission.schema.json")
+
+
+def test_the_mission_schema_has_not_drifted(catalogue: Catalogue):
+    committed = (ROOT / "schemas" / "mission.schema.json").read_text()
+    assert committed == dumps(mission_schema(catalogue))
+
+
+def test_the_world_schema_has_not_drifted():
+    committed = (ROOT / "schemas" / "world.schema.json").read_text()
+    assert committed == dumps(model_schema(World))
+
+
+@pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
+def test_missions_fit(path: Path, missions: Any):
+    missions.validate(read_file(path).data)
+
+
+@pytest.mark.parametrize("path", WORLDS, ids=lambda path: path.stem)
+def test_worlds_fit(path: Path):
+    validator("world.schema.json").validate(read_file(path).data)
+
+
+@pytest.mark.parametrize("name", REFUSED_BY_SCHEMA)
+def test_editors_see_mistakes(name: str, missions: Any):
+    path = ROOT / "tests" / "broken" / f"{name}.yaml"
+    assert not missions.is_valid(read_file(path).data)
+
+
+def test_parameters_may_stand_for_values(missions: Any, example: Path):
+    text = example.read_text().replace("after: 120", "after: $patience")
+    missions.validate(read(text, "m.yaml").data)
+    assert not missions.is_valid(read(text.replace("$patience", "patience"), "m.yaml").data)
+
+
+def test_units_are_told(catalogue: Catalogue):
+    radius = mission_schema(catalogue)["$defs"]["guards.within"]["properties"]["radius"]
+    assert radius["unit"] == "m"
+    assert radius["description"] == "m"
