@@ -149,7 +149,7 @@ def _commanded(
     )
     if step.stop:  # what comes to rest does so by what the vehicle can do: no comfort limit
         setpoint, control = (
-            Setpoint(np.zeros(3), setpoint.yaw_rate),
+            Setpoint(np.zeros(3) if step.retreat is None else step.retreat, setpoint.yaw_rate),
             control._replace(velocity=ZERO),
         )
     setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)

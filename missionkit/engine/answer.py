@@ -25,6 +25,7 @@ def fault_of(answer: object) -> str:
         "note": isinstance(answer.note, str),
         "events": _events(answer.events),
         "stop": isinstance(answer.stop, bool),
+        "retreat": answer.retreat is None or _vector(answer.retreat),
         "bound": _bounds(answer.bound),
         "takes_over": isinstance(answer.takes_over, bool),
     }

@@ -95,5 +95,6 @@ class Step(NamedTuple):
     memory: Any = None  # given back to the behaviour at the next tick
     events: tuple[str, ...] = ()  # for the chart, heard at the next tick
     stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance
+    retreat: Vec3 | None = None  # (3,), m/s, NED, flown instead of zero while it stops
     bound: HalfSpace | None = None  # never to be left, also while it holds still
     takes_over: bool = False  # fly the guidance though the state leaves flying to the autopilot

@@ -205,3 +205,38 @@ def test_with_a_diverged_estimate_it_brakes_for_a_while_however_fast_it_seems():
 def test_an_autopilot_that_flies_by_itself_is_told_to_land_at_once(mode):
     (step,) = play(Land(), [flying(mode, **FAST)])
     assert step.action is Action.LAND
+
+
+WALL = np.array([[1.2, y, -2.0] for y in np.linspace(-2.0, 2.0, 9)])
+
+
+def beside_a_wall(now, position_sd=5.0, **changes):
+    health = calm().health._replace(position_sd=position_sd)
+    return flying(now=now, health=health, position=vec(0.0, 0.0, -2.0), **changes)
+
+
+def test_without_a_position_it_makes_room_before_it_lands_where_it_may_drift():
+    story = [beside_a_wall(10.0, obstacles=WALL), beside_a_wall(11.0, obstacles=WALL + 1.0)]
+    first, then = play(Land(), story)
+    assert (first.stop, first.action) == (True, None)
+    np.testing.assert_allclose(first.retreat, vec(-1.0, 0.0, 0.0), atol=1e-12)
+    assert (then.retreat, then.action) == (None, Action.LAND)
+
+
+@pytest.mark.parametrize(
+    "seen",
+    [
+        beside_a_wall(10.0, position_sd=0.5, obstacles=WALL),
+        beside_a_wall(10.0),
+        beside_a_wall(10.0, mode="land", obstacles=WALL),
+    ],
+    ids=["known", "nothing seen", "lands already"],
+)
+def test_otherwise_it_lands_right_here(seen):
+    (step,) = play(Land(), [seen])
+    assert step.action is Action.LAND
+
+
+def test_it_makes_room_for_a_while_only():
+    steps = play(Land(), [beside_a_wall(10.0 + 4.0 * n, obstacles=WALL) for n in range(5)])
+    assert [step.retreat is not None for step in steps] == [True] * 4 + [False]
