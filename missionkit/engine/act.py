@@ -14,6 +14,7 @@ from missionkit.control.holding import guidance_to
 from missionkit.control.limits import ZERO
 from missionkit.engine.answer import fault_of, push_fault
 from missionkit.engine.flight import Plan
+from missionkit.engine.ground_floor import above_floor
 from missionkit.engine.memory import Hands
 from missionkit.engine.obstacle_brake import blind, braked, scanned
 from missionkit.engine.standing import standing
@@ -153,6 +154,7 @@ def _commanded(
             control._replace(velocity=ZERO),
         )
     setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)
+    setpoint = above_floor(setpoint, seen, plan.floor, plan.control.limits)
     command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
     return command, control, avoidance
 

@@ -16,6 +16,7 @@ from missionkit.chart.semantics.chart_memory import begin as begin_chart
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.control.controller import Control
 from missionkit.engine.contained_navigator import contained
+from missionkit.engine.ground_floor import floor_of
 from missionkit.engine.memory import Hands, Memory, Senses
 from missionkit.errors import UsageError
 from missionkit.estimation.navigating import Navigates, Navigation
@@ -44,6 +45,7 @@ class Plan(NamedTuple):
     period: float = 0.05  # s
     map: Occupancy | None = None
     brake: PotentialField | None = None  # before obstacles, whoever plans the way past them
+    floor: float = math.inf  # m, NED, how far down guidance may lead
     arm_anyway: bool = False  # although a failsafe holds on the ground already
 
 
@@ -67,9 +69,10 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         if target.facing_deg is not None
     }
     navigation = mission.navigation
+    chart = compile_mission(mission, catalogue)
     markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
     return Plan(
-        chart=compile_mission(mission, catalogue),
+        chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
         eye=Eye(camera, markers),
         camera=camera,
@@ -78,6 +81,10 @@ def prepare(mission: Mission, catalogue: Catalogue) -> Plan:
         facing=turned,
         period=1.0 / mission.settings.rate,
         map=mission.known,
+        floor=floor_of(
+            [state.behavior for state in chart.states.values()],
+            {name: target.position[2] for name, target in mission.targets.items()},
+        ),
         brake=None if mission.avoid is None else _brake(mission.avoid),
     )
 
