@@ -7,6 +7,7 @@ simulated autopilot knows to be true; what the program says is compared with it.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -31,15 +32,39 @@ def good(row: Row, seen: Seen) -> bool:
     return seen.outcome in row.declared and not seen.lied
 
 
-def seen_of(rows: Sequence[Row], seeds: Sequence[int], workers: int) -> Iterator[tuple[Row, Seen]]:
-    """Bring every fault about with every seed; with one worker in this process."""
-    orders = [(row, seed) for row in rows for seed in seeds]
-    names, numbers = [row.name for row, _ in orders], [seed for _, seed in orders]
+def seen_of(orders: Sequence[tuple[str, int]], workers: int) -> Iterator[Seen]:
+    """Bring faults about, each by its name and seed; with one worker in this process."""
+    names, seeds = [name for name, _ in orders], [seed for _, seed in orders]
     if workers == 1:
-        yield from zip((row for row, _ in orders), map(once, names, numbers), strict=True)
+        yield from map(once, names, seeds)
         return
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from zip((row for row, _ in orders), pool.map(once, names, numbers), strict=True)
+        yield from pool.map(once, names, seeds)
+
+
+def known_from(kept: Path | None) -> dict[tuple[str, int], Seen]:
+    """Return what a file of results holds."""
+    lines = [] if kept is None or not kept.exists() else kept.read_text().splitlines()
+    each = [(name, Seen(*seen)) for name, seen in map(json.loads, lines)]
+    return {(name, seen.seed): seen for name, seen in each}
+
+
+def gathered(
+    rows: Sequence[Row], seeds: Sequence[int], workers: int, kept: Path | None
+) -> list[tuple[Row, Seen]]:
+    """Bring every fault about with every seed; what `kept` holds is not done again."""
+    known = known_from(kept)
+    for group, many in ((FLIGHTS, workers), (PROCESSES, 1 if workers == 1 else WAITING)):
+        some = [row.name for row in rows if row in group]
+        new = [order for name in some for seed in seeds if (order := (name, seed)) not in known]
+        quiet = not sys.stderr.isatty()
+        every = track(seen_of(new, many), "faults", len(new), disable=quiet)
+        for order, seen in zip(new, every, strict=True):
+            known[order] = seen
+            if kept is not None:
+                with kept.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps([order[0], seen]) + "\n")
+    return [(row, known[row.name, seed]) for row in rows for seed in seeds]
 
 
 def line(row: Row, all_seen: Sequence[Seen]) -> list[str]:
@@ -110,19 +135,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=100, metavar="SEED")
     parser.add_argument("--only", action="append", default=[], metavar="FAULT")
     parser.add_argument("--workers", type=int, default=2, help="processes that compute")
+    parser.add_argument("--kept", type=Path, help="file of results, to go on after a break")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
     seeds = range(chosen.first, chosen.first + chosen.seeds)
     rows = chosen_rows(chosen.only)
-    results: list[tuple[Row, Seen]] = []
-    for group, workers in ((FLIGHTS, chosen.workers), (PROCESSES, WAITING)):
-        some = [row for row in rows if row in group]
-        many = 1 if chosen.workers == 1 else workers
-        count, quiet = len(some) * chosen.seeds, not sys.stderr.isatty()
-        for row, seen in track(seen_of(some, seeds, many), "faults", count, disable=quiet):
-            results.append((row, seen))
-            if not good(row, seen):
-                print(f"{row.name}, seed {seen.seed}: {seen.outcome}, {seen.told}", flush=True)  # noqa: T201
+    results = gathered(rows, seeds, chosen.workers, chosen.kept)
     command = f"python -m studies.faults --seeds {chosen.seeds} --first {chosen.first}"
     (chosen.out / "faults.md").write_text(page(results, command), encoding="utf-8")
     bad = [seen for _, seen in results if seen.lied or seen.outcome in {"crashed", "hit something"}]
