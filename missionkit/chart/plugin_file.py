@@ -9,6 +9,7 @@ import traceback
 from pathlib import Path
 from types import ModuleType
 
+from missionkit.chart.text.regular_file import irregular
 from missionkit.errors import FileError, Place, Problem
 from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
 
@@ -44,7 +45,8 @@ def _imported(path: Path) -> ModuleType:
     name = f"missionkit_plugin_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None or not path.is_file():
-        reason = "not a Python file" if path.exists() else "no such file"
+        other = f"it is {kind}, not a file" if (kind := irregular(path)) else "not a Python file"
+        reason = other if path.exists() else "no such file"
         raise FileError([Problem(Place(str(path), 1, 1), f"cannot be read: {reason}")])
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # pydantic resolves annotations through it

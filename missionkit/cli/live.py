@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Self, TextIO
 from missionkit.errors import printable
 from missionkit.geometry import norm
 from missionkit.messages import Fired, Record
+from missionkit.recorder import problem_log
+from missionkit.recorder.problem_log import Noted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -58,6 +60,8 @@ def log_lines(at: float, fired: Fired) -> list[str]:
 class LineView:
     """Writes a line per transition, log entry and problem, and the status every 5 s of flight.
 
+    A problem that comes up again gets one more line, at the end, with a count.
+
     Args:
         out: where the lines go.
         logs_only: write the mission's `log:` lines and nothing else.
@@ -67,7 +71,8 @@ class LineView:
         self._out = out
         self._logs_only = logs_only
         self._next_status = 0.0
-        self._problems: tuple[str, ...] = ()
+        self._problems: list[Noted] = []
+        self._before = 0.0
 
     def __enter__(self) -> Self:
         return self
@@ -78,7 +83,10 @@ class LineView:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the lines as they are."""
+        """Say which problems came up more than once."""
+        for it in self._problems:
+            if it.times > 1:
+                self._say(f"{it.last:7.1f} s  problem, {it.times} times so far: {it.says}")
 
     def update(self, record: Record) -> None:
         """Show one tick."""
@@ -91,10 +99,9 @@ class LineView:
             self._show_state(record)
 
     def _show_state(self, record: Record) -> None:
-        for problem in record.problems:
-            if problem not in self._problems:
-                self._say(f"{record.now:7.1f} s  problem: {problem}")
-        self._problems = record.problems
+        for new in problem_log.note(self._problems, record.problems, record.now, self._before):
+            self._say(f"{record.now:7.1f} s  problem: {new.says}")
+        self._before = record.now
         if record.now >= self._next_status - 1e-6:
             late = record.now - self._next_status  # a resumed flight begins late
             self._next_status += STATUS * (1 + (late + 1e-6) // STATUS)
@@ -120,7 +127,8 @@ class PageView:
         self._console = console
         self._wall = wall
         self._title = title
-        self._events: list[tuple[float, Fired | str]] = []
+        self._events: list[tuple[float, Fired | Noted]] = []
+        self._problems: list[Noted] = []
         self._last: Record | None = None
         self._drawn = float("-inf")
         self._live: Live | None = None
@@ -145,11 +153,10 @@ class PageView:
 
     def update(self, record: Record) -> None:
         """Show one tick, unless the page was drawn a moment ago."""
+        before = record.now if self._last is None else self._last.now
         self._last = record
         self._events += [(record.now, fired) for fired in record.fired]
-        for problem in record.problems:
-            if problem not in [event for _, event in self._events[-2:]]:
-                self._events.append((record.now, problem))
+        problem_log.note(self._problems, record.problems, record.now, before)
         if self._wall() - self._drawn >= REFRESH:
             self._draw()
 
@@ -160,8 +167,13 @@ class PageView:
             return
         self._drawn = self._wall()
         width, height = self._console.size
-        shown = page(self._last, self._events, self._title, width=width, height=height)
+        events = sorted((*self._events, *((it.last, it) for it in self._problems)), key=_when)
+        shown = page(self._last, events, self._title, width=width, height=height)
         self._live.update(shown, refresh=True)
+
+
+def _when(event: tuple[float, Fired | Noted]) -> float:
+    return event[0]
 
 
 LiveView = LineView | PageView

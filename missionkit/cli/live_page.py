@@ -12,6 +12,7 @@ from rich.text import Text
 from missionkit.errors import printable
 from missionkit.geometry import norm
 from missionkit.messages import Cycle, Estimate, Fired, Record, Verdict
+from missionkit.recorder.problem_log import Noted
 
 BUDGET = 0.050  # s, P1 section 9.1
 BAR = 12  # letters
@@ -22,8 +23,8 @@ ECHO = 2  # letters kept free: a terminal writes ^C there, and would begin a new
 
 HOLDS = {True: ("●", "green"), False: ("○", "bright_black"), None: ("?", "yellow")}
 
-Event = tuple[float, Fired | str]
-"""When (s), and the transition that was taken or the problem that came up."""
+Event = tuple[float, Fired | Noted]
+"""When (s), and the transition that was taken or the problem that came up, the last time."""
 
 
 def page(
@@ -169,8 +170,8 @@ def _rows(events: Sequence[Event]) -> list[tuple[str, Text]]:
     """Return time and text of each event, and of what a transition logged below it."""
     rows = []
     for at, event in events:
-        texts = [_problem(event)] if isinstance(event, str) else [_transition(event)]
-        texts += [] if isinstance(event, str) else map(_logged, event.logged)
+        texts = [_problem(event)] if isinstance(event, Noted) else [_transition(event)]
+        texts += [] if isinstance(event, Noted) else map(_logged, event.logged)
         rows += [(f"{at:.1f} s", text) for text in texts]
     return rows
 
@@ -184,8 +185,9 @@ def _events(rows: Sequence[tuple[str, Text]]) -> Table:
     return table
 
 
-def _problem(problem: str) -> Text:
-    return _line((f"! {printable(problem)}", "red"))
+def _problem(problem: Noted) -> Text:
+    again = f" ({problem.times} times)" if problem.times > 1 else ""
+    return _line((f"! {printable(problem.says)}{again}", "red"))
 
 
 def _logged(text: str) -> Text:

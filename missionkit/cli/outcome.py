@@ -11,7 +11,7 @@ from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
 from missionkit.errors import ExitCode, printable
 from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.summary import Summary, summarise
+from missionkit.recorder.summary import Summary, said, summarise
 from missionkit.rehearsal import Rehearsal
 
 
@@ -62,7 +62,7 @@ def report(order: Order, summary: Summary, folder: Path) -> None:
     if order.as_json:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return
-    print(printable(f"{summary.outcome}: {numbers(summary)}"))  # noqa: T201
+    print(printable(f"{said(summary.outcome)}: {numbers(summary)}"))  # noqa: T201
     for line in lines(summary):
         print(printable(line))  # noqa: T201
     print(printable(str(folder)))  # noqa: T201

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from unicodedata import combining, east_asian_width
 
+from missionkit.chart.text.regular_file import read_bytes
 from missionkit.errors import Level, Problem, printable
 
 SHOWN = 100  # characters of a source line
@@ -27,8 +28,7 @@ def sources(problems: Sequence[Problem]) -> dict[str, Sequence[str]]:
 
 def _lines(path: Path) -> Sequence[str]:
     try:
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_BYTES)
+        raw = read_bytes(path, MAX_BYTES)
     except (OSError, ValueError):
         return ()
     return _BREAKS.split(raw.decode("utf-8-sig", errors="replace"))

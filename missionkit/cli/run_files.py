@@ -27,7 +27,7 @@ from missionkit.recorder.folder import free_name, held, keep_mission, run_folder
 from missionkit.recorder.plot import draw
 from missionkit.recorder.scenery import Scenery
 from missionkit.recorder.sink import Reports, Sink
-from missionkit.recorder.summary import Summary, write_summary
+from missionkit.recorder.summary import Summary, said, write_summary
 from missionkit.recorder.track import Track
 
 
@@ -84,7 +84,7 @@ class Folder(NamedTuple):
             reports: of what failed, in flight and here.
             forget: removes the checkpoints.
         """
-        title = f"{summary.mission}: {summary.outcome}"
+        title = f"{summary.mission}: {said(summary.outcome)}"
         steps: dict[str, Callable[[], object]] = {
             "origin.json": lambda: forget_origin(self.path),
             "checkpoints": forget,

@@ -15,6 +15,7 @@ from typing import NamedTuple, Self
 from missionkit.messages import CameraModel, Frame, Record
 from missionkit.recorder import encode, track, wire
 from missionkit.recorder.channels import Channels
+from missionkit.recorder.problem_log import unsaid
 from missionkit.recorder.scenery import Scenery, scene_update
 from missionkit.recorder.sink import Job, Sink
 from missionkit.recorder.track import Track, Truth
@@ -181,7 +182,7 @@ class FlightRecorder:
             for output in fired.outputs:
                 self._channels.publish("/log", at, encode.log(stamp, INFO, output))
         if record.problems != before.problems:
-            for problem in record.problems:
+            for problem in unsaid(record.problems, before.problems):
                 self._channels.publish("/log", at, encode.log(stamp, WARNING, problem))
 
     def _diagnostics(self, record: Record, at: int, stamp: str) -> None:

@@ -17,6 +17,15 @@ from missionkit.recorder.track import Track
 Outcome = Literal["success", "ended_safely", "crash"]
 
 
+def said(outcome: str) -> str:
+    """Return an outcome as a person would say it.
+
+    >>> said("ended_safely")
+    'ended safely'
+    """
+    return outcome.replace("_", " ")
+
+
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -128,7 +137,7 @@ def summarise(
             Change(at=at, source=it.source, to=it.to, reason=it.reason)
             for at, it in track.transitions
         ),
-        problems=tuple(f"{at:.2f} s: {what}" for at, what in track.problems),
+        problems=tuple(it.line() for it in track.problems),
         grade=dict(grade or {}),
         conditions=tuple(
             Condition(condition=says, met=met, figure=figure) for says, met, figure in conditions

@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from missionkit.geometry import Quat, Vec3
 from missionkit.messages import Cycle, Fired, Goal, Record
+from missionkit.recorder import problem_log
+from missionkit.recorder.problem_log import Noted
 
 Place = tuple[float, float, float]
 
@@ -51,7 +53,7 @@ class Track(NamedTuple):
     visits: list[Visit]
     guards: dict[str, list[Span]]
     transitions: list[tuple[float, Fired]]
-    problems: list[tuple[float, str]]
+    problems: list[Noted]
     goals: list[Goal]  # of each state, the last one
 
 
@@ -104,9 +106,7 @@ def add(track: Track, record: Record, truth: Truth | None) -> None:
     if record.cycle.total > 0.0:
         track.cycles.append(record.cycle)
     track.transitions.extend((now, fired) for fired in record.fired)
-    if record.problems:
-        known = {what for _, what in track.problems}
-        track.problems.extend((now, what) for what in record.problems if what not in known)
+    problem_log.note(track.problems, record.problems, now, before)
     _visit(track, record.state, now)
     _goal(track, seen.goal)
     _answers(track, record, before)

@@ -16,9 +16,11 @@ def _on_goal(seen: Estimate, _: str | None) -> Verdict:
         return Verdict.unknown("the behaviour has no goal yet")
     error = norm(seen.position - seen.goal.position)
     if error > POSITION or seen.goal.yaw is None:
-        return Verdict.at_most(error, POSITION, "position error, m")
+        far = f"{error:.2f} m from its goal, more than {POSITION:g} m"
+        return Verdict.at_most(error, POSITION, far if error > POSITION else "")
     turned = math.degrees(abs(wrap(seen.goal.yaw - seen.yaw)))
-    return Verdict.at_most(turned, YAW, "yaw error, deg")
+    aside = f"turned {turned:.1f} deg from its goal's heading, more than {YAW:g} deg"
+    return Verdict.at_most(turned, YAW, aside if turned > YAW else "")
 
 
 PUSHED = Failsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)

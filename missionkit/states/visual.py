@@ -18,7 +18,9 @@ def _locked(seen: Estimate, target: str | None) -> Verdict:
     found = seen.targets.get(target)
     if found is None or found.seen_at is None:
         return Verdict(holds=False, why=f"{target} was never seen")
-    return Verdict.at_most(seen.now - found.seen_at, SURE_WITHIN, f"{target} last seen, s ago")
+    ago = seen.now - found.seen_at
+    late = f"{target} was last seen {ago:.2f} s ago, more than {SURE_WITHIN:g} s"
+    return Verdict.at_most(ago, SURE_WITHIN, late if ago > SURE_WITHIN else "")
 
 
 VISUAL = StateKind(

@@ -23,9 +23,7 @@ def test_a_violation_is_told_once_and_leads_away_when_it_lasts():
     walk = Walk(GPS, targets=KNOWN)
     walk.run(0.5)
     walk.run(2.0, targets={})
-    assert walk.problems == [
-        (0.55, "invariant of out broken: gps_target ≠ ∅; where t is, is not known")
-    ]
+    assert walk.problems == [(0.55, "state 'out': where t is, is not known")]
     assert walk.trace == [(1.55, "out", "hover", "invariant broken for 1 s")]
 
 
@@ -68,7 +66,7 @@ def test_what_the_mission_demands_is_told_and_left_at_once_if_it_says_where_to(w
     walk = Walk(OWN % way_out)
     walk.run(0.25, "a")
     walk.run(0.5, "b")
-    assert walk.problems == [(0.3, "invariant of x broken: the mission's own")]
+    assert walk.problems == [(0.3, "state 'x': its invariant does not hold")]
     assert walk.went() == went
 
 
@@ -97,3 +95,4 @@ def test_a_task_without_a_goal_yet_is_not_off_its_goal():
     goal = Goal(vec(0.0, 0.2, -5.0), 0.0, 3.0)
     walk.run(6.0, goal=goal)
     assert walk.trace == [(5.05, "x", "v", "invariant broken for 2 s")]
+    assert walk.problems[:1] == [(3.05, "state 'x': 0.20 m from its goal, more than 0.1 m")]

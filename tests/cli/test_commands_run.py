@@ -69,7 +69,10 @@ def test_a_run_for_programs(call, tmp_path):
 def test_a_run_without_success_says_why(call, hop, change, arguments, code, reason):
     out = "  out: {kind: hover, transitions: [{to: land, after: 5}]}\n"
     targets = "targets:\n  pole: {position: [9, 0, -2]}\n"
-    hop.write_text(hop.read_text() + out + targets + change)
+    targets += "perception: [{use: aruco, target: pole, id: 5, size: 0.4}]\n"
+    ways = "{to: land, when: done}"
+    text = hop.read_text().replace(ways, f"{ways}, {{to: out, event: go}}")
+    hop.write_text(text + out + targets + change)
     result = call("run", "hop.yaml", "--headless", *arguments)
     assert result.exit_code == code
     assert reason in result.stdout

@@ -21,6 +21,7 @@ from missionkit.messages import (
     Target,
     Verdict,
 )
+from missionkit.recorder.problem_log import Noted
 
 SURE = ("marker-sure", Verdict.at_least(0.8, 0.7))
 UNSURE = ("marker-sure", Verdict.unknown("no frame for 0.4 s"))
@@ -151,7 +152,7 @@ def test_a_target_says_how_long_ago_it_was_seen():
 
 def test_problems_stand_among_the_last_transitions():
     events = [(float(k), LOCKED._replace(reason=f"reason {k}")) for k in range(9)]
-    text = shown(tick(9.0), [*events, (9.0, "gps: height is not kept")])
+    text = shown(tick(9.0), [*events, (9.0, Noted(9.0, "gps: height is not kept", 9.0))])
     assert "9.0 s ! gps: height is not kept" in text
     assert "reason 8" in text
     assert "reason 4" not in text
@@ -202,6 +203,32 @@ def test_a_problem_that_lasts_is_told_once(monkeypatch):
     assert out.getvalue().rpartition("gps")[2].count("drifting") == 1
 
 
+def late(k):
+    """A problem with a new figure at every tick, three times for 0.2 s."""
+    return (f"state 'low': pad was last seen {0.5 + 0.05 * (k % 10):.2f} s ago",) * (k % 10 > 5)
+
+
+def test_a_problem_that_comes_again_with_other_figures_is_one_line_with_a_count():
+    out = io.StringIO()
+    with LineView(out) as view:
+        for k in range(30):
+            view.update(tick(0.05 * k, problems=late(k)))
+    assert [line for line in out.getvalue().splitlines() if "problem" in line] == [
+        "    0.3 s  problem: state 'low': pad was last seen 0.80 s ago",
+        "    1.5 s  problem, 3 times so far: state 'low': pad was last seen 0.80 s ago",
+    ]
+
+
+def test_the_page_counts_a_problem_that_comes_again():
+    out = Terminal()
+    with PageView(Console(file=out, force_terminal=True, width=100), lambda: 0.0, "m") as view:
+        for k in range(30):
+            view.update(tick(0.05 * k, problems=late(k)))
+    last = out.getvalue().rpartition("battery")[2]
+    assert last.count("pad was last seen") == 1
+    assert "0.80 s ago (3 times)" in last
+
+
 def test_the_page_is_drawn_ten_times_a_second_and_once_at_the_end(monkeypatch):
     out, wall, drawn = Terminal(), [0.0], []
     console = Console(file=out, force_terminal=True, width=100)
@@ -238,7 +265,7 @@ def test_neither_view_passes_on_what_moves_a_cursor_or_turns_the_text():
     out = io.StringIO()
     LineView(out).update(record)
     console = Console(file=io.StringIO(), force_terminal=False, width=120)
-    console.print(page(record, [(1.0, evil)], f"{evil} [/b]"))
+    console.print(page(record, [(1.0, Noted(1.0, evil, 1.0))], f"{evil} [/b]"))
     for said in (out.getvalue(), console.file.getvalue()):
         assert "\ufffd[2J\ufffdgone" in said
         assert not {"\x1b", "\u202e"} & set(said)

@@ -34,7 +34,21 @@ def test_a_problem_that_lasts_is_kept_once(flight):
     track = tracks.begin()
     for record, truth in flight(35.0):
         tracks.add(track, record, truth)
-    assert track.problems == [(pytest.approx(27.05), "search: height above 2 m is not kept")]
+    (it,) = track.problems
+    assert (it.at, it.says) == (pytest.approx(27.05), "search: height above 2 m is not kept")
+    assert (it.last, it.times) == (pytest.approx(27.95), 1)
+
+
+def test_a_problem_that_comes_again_with_other_figures_is_one_line_of_the_summary(flight):
+    track = tracks.begin()
+    for k, (record, _) in enumerate(flight(3.0)):
+        said = (f"pad was last seen {0.01 * k:.2f} s ago", f"marker {k // 30}: odd") * (k % 10 > 4)
+        tracks.add(track, record._replace(problems=said), None)
+    assert [it.line() for it in track.problems] == [
+        "0.25 s: pad was last seen 0.05 s ago (6 times until 2.95 s)",
+        "0.25 s: marker 0: odd (3 times until 1.45 s)",
+        "1.75 s: marker 1: odd (3 times until 2.95 s)",
+    ]
 
 
 def test_without_truth_the_track_has_none(flight):

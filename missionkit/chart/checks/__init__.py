@@ -17,7 +17,9 @@ from missionkit.chart.checks import (
     plugin_requirements,
     reachability,
     shadowed_transitions,
+    standoffs,
     stopping_distance,
+    success_conditions,
 )
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.mission import Mission
@@ -38,6 +40,8 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     landing_guarantee.problems_of,
     geofence_violations.problems_of,
     implausible_goals.problems_of,
+    standoffs.problems_of,
+    success_conditions.problems_of,
 )
 
 

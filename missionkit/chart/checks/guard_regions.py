@@ -73,7 +73,7 @@ class RegionReader:
     def _leaf(self, guard: ex.Expression, source: str) -> GuardRegion:
         match guard:
             case ex.Use(kind="done") if source:
-                return self._done(source)
+                return self.done(source)
             case ex.Use(plugin=plugin):
                 return _declared(guard, region_of(plugin))
             case ex.Hysteresis():
@@ -86,7 +86,8 @@ class RegionReader:
             case _:
                 return _declared(guard, None)
 
-    def _done(self, source: str) -> GuardRegion:
+    def done(self, source: str) -> GuardRegion:
+        """Return where a state's behaviour, or the states inside it, have finished."""
         state = self.tree.states[source].state
         if state.states:
             finals = self.tree.finals(source)

@@ -14,10 +14,10 @@ SEEING = ("servo", "inject", "spiral")  # behaviours that work on what the camer
 
 def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield everything that waits for a marker that no detector looks for, or for no camera."""
-    detected = _detected(chart)
+    seen = looked_for(chart)
     camera = chart.mission.camera.use != "none"
     for what, target, place in (*_guards(chart), *_behaviors(chart)):
-        if target not in detected:
+        if target not in seen:
             yield Problem(
                 place,
                 f"{what} needs to see {target!r}, but 'perception' has no marker of it: it is "
@@ -37,7 +37,8 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             )
 
 
-def _detected(chart: AnalysedChart) -> frozenset[str]:
+def looked_for(chart: AnalysedChart) -> frozenset[str]:
+    """Return the targets that a detector of the mission looks for."""
     return frozenset(
         str(getattr(detector.plugin, "target", "")) for detector in chart.mission.perception
     )

@@ -17,7 +17,7 @@ FOR_EVER = Interval.at_least(1e9)  # s
 
 def unreachable(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield every state that nothing leads to, the outermost of several."""
-    reached = _reached(chart)
+    reached = reachable(chart)
     tree = chart.tree
     for name, (_, state, parent) in tree.states.items():
         place = tree.place(name)
@@ -44,7 +44,8 @@ def _no_way(chart: AnalysedChart, name: str, reached: set[str]) -> str:
     return "no transition, failsafe or invariant leads to it"
 
 
-def _reached(chart: AnalysedChart) -> set[str]:
+def reachable(chart: AnalysedChart) -> set[str]:
+    """Return every state that something can lead to."""
     tree = chart.tree
     reached: set[str] = set()
     waiting = list(chart.mission.initial.to)

@@ -135,13 +135,12 @@ def _invariants(
     problems: list[str] = []
     now = question.seen.now
     for state in here.promising:
-        says, verdict = _broken(state, question)
+        verdict = _broken(state, question)
         if verdict is None:
             continue
         since = violated[state.name] = memory.violated.get(state.name, now)
         if state.name not in memory.violated:
-            news = f"invariant of {state.name} broken: {says}; {_reason(verdict)}"
-            problems.append(news.rstrip("; "))
+            problems.append(f"state {state.name!r}: {_reason(verdict)}")
         overdue = now - since >= state.tolerated - EPSILON
         if state.violated_to is not None and overdue and escape is None:
             escape = _escape(state, state.violated_to)
@@ -155,21 +154,21 @@ def _escape(state: State, to: str) -> Transition:
 
 
 def _reason(verdict: Verdict) -> str:
-    if verdict.value is None or verdict.threshold is None:
-        return verdict.why
-    return f"{verdict.why} {verdict.value:.2f} against {verdict.threshold:g}".strip()
+    if verdict.why or verdict.value is None or verdict.threshold is None:
+        return verdict.why or "its invariant does not hold"
+    return f"its invariant does not hold: {verdict.value:.2f}, the limit is {verdict.threshold:g}"
 
 
-def _broken(state: State, question: GuardContext) -> tuple[str, Verdict | None]:
+def _broken(state: State, question: GuardContext) -> Verdict | None:
     """Return the first of the kind's invariant and the mission's own that does not hold."""
     invariant = state.kind.invariant
     if invariant is not None:
         verdict = invariant.check(question.seen, state.target)
         question.answers[f"I({state.name})"] = verdict
         if verdict.holds is False:
-            return invariant.says, verdict
+            return verdict
     if state.promise is not None:
         verdict = state.promise(question)
         if verdict.holds is False:
-            return "the mission's own", verdict
-    return "", None
+            return verdict
+    return None

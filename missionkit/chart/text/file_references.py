@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from missionkit.chart.text.regular_file import irregular
+
 MISSING = "no such file beside the mission"
 
 
@@ -16,9 +18,9 @@ def unfit(root: Path, path: Path) -> str:
     """
     try:
         inside = path.resolve().is_relative_to(root.resolve())
-        there = path.is_file()
+        there, other = path.is_file(), irregular(path)
     except (OSError, RuntimeError, ValueError):  # links in a circle, or no name of a file
         return "not the name of a file that can be read"
     if not inside:
         return "outside the folder of the mission"
-    return "" if there else MISSING
+    return "" if there else f"it is {other}, not a file" if other else MISSING

@@ -21,6 +21,7 @@ from missionkit.chart.text.located_data import (
     Text,
     shown,
 )
+from missionkit.chart.text.regular_file import read_bytes
 from missionkit.chart.text.yaml_errors import syntax_problem
 from missionkit.chart.text.yaml_scalars import Scalar, resolve
 from missionkit.errors import FileError, Place, Problem
@@ -73,8 +74,7 @@ def read_file(path: Path, inside: str = "") -> Document:
     """
     start = Place(str(path), 1, 1)
     try:
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_BYTES + 1)
+        raw = read_bytes(path, MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise FileError([Problem(start, f"cannot be read: {reason.lower()}")]) from error
