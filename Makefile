@@ -5,7 +5,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
-.PHONY: run test lint types layers unit bench studies schema clean
+.PHONY: run test lint types layers unit bench studies schema picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
@@ -39,6 +39,11 @@ studies: .venv/ready
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults
+
+picture: .venv/ready
+	rm -rf build/picture
+	$(BIN)/missionkit run missions/precision_task.yaml --seed 0 --headless --out build/picture
+	cp build/picture/precision-task-seed0/track.png docs/images/precision_task.png
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas

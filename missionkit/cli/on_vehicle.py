@@ -77,7 +77,7 @@ class Ready(NamedTuple):
 
 def _flown(order: Order, ready: Ready) -> Summary:
     mission, world, plan, vehicle, folder, past = ready
-    scenery, speed = scenery_of(world), order.speed or 1.0
+    scenery, speed = scenery_of(world, mission), order.speed or 1.0
     sinks = background()
     recorder = folder.recorder(plan, scenery, past, sinks.record)
     save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)

@@ -67,7 +67,7 @@ def fault_of(text: str, mission: Mission, world: World) -> Fault:
 
 
 def _flown(order: Order, ready: Stage, folder: Folder, past: Since | None) -> Summary:
-    scenery = scenery_of(ready.world)
+    scenery = scenery_of(ready.world, ready.mission)
     sinks = inline()
     recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
     again = None if past is None else past.again

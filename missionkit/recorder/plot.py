@@ -1,4 +1,4 @@
-"""`track.png`: a run on one page: the map, the height, what each guard said, why it switched.
+"""`track.png`: a run on one page: map, height, states, what each guard said, why it switched.
 
 Drawn with matplotlib's objects and without its global state, so that runs can be drawn side by
 side in one process.
@@ -8,28 +8,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpecFromSubplotSpec
 
-from missionkit.messages import Goal
-from missionkit.recorder.palette import INK, MUTED, RULE, colours
+from missionkit.recorder.palette import INK, MUTED, RULE, Style, styles
+from missionkit.recorder.plot_close_up import draw_close_up, last_goal
+from missionkit.recorder.plot_ground import Flown, Scene
 from missionkit.recorder.plot_guards import draw_guards
 from missionkit.recorder.plot_list import draw_list
-from missionkit.recorder.plot_map import draw_close_up, draw_map, seen_from_above
+from missionkit.recorder.plot_map import draw_map, view_of
+from missionkit.recorder.plot_page import DPI, WIDE, page_of
+from missionkit.recorder.plot_states import draw_states
+from missionkit.recorder.plot_text import Font, Ruler
 from missionkit.recorder.scenery import Scenery
-from missionkit.recorder.track import Track, Visit
+from missionkit.recorder.track import Track
 
-LETTER = 8.5  # px, width of a bold one
+CROWDED = 40  # transitions above which lines over time hide more than they show
+MARGIN = 56.0  # px
+TITLE, SUBTITLE = Font(20.0, "bold"), Font(11.5)
 STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
     "text.color": INK,
+    "text.parse_math": False,
     "axes.edgecolor": "#B8C0CA",
     "axes.labelcolor": MUTED,
     "axes.titlesize": 13,
@@ -44,128 +49,82 @@ STYLE: Any = {
 }
 
 
-class Page(NamedTuple):
-    """The panels of the picture."""
-
-    map: Axes
-    close_up: Axes | None
-    height: Axes
-    guards: Axes
-    transitions: Axes
-    letters: int  # of a transition's reason that fit into a line
-
-
 def draw(path: Path, track: Track, scenery: Scenery, title: str, subtitle: str = "") -> None:
-    """Draw a run into a PNG of 1400 x 1600 px.
+    """Draw a run into a PNG, 1400 px wide and as high as its states and transitions ask for.
 
     Args:
         path: of the picture.
         track: as the flight recorder kept it.
-        scenery: obstacles and markers; an empty one when unknown.
+        scenery: obstacles, markers, targets and fences; an empty one when unknown.
         title: mission and outcome.
-        subtitle: the numbers of the run in one line.
+        subtitle: the numbers of the run.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(14.0, 16.0), dpi=100, facecolor="white")
-        FigureCanvasAgg(figure)
-        figure.text(0.04, 0.968, title, fontsize=22, fontweight="bold", va="center")
-        figure.text(0.04, 0.942, subtitle, fontsize=12.5, color=MUTED, va="center")
-        goal = _last_target(track)
-        page = _page(figure, track, close=goal is not None)
-        shades = colours(it.state for it in track.visits)
-        draw_map(page.map, track, scenery, shades)
-        if goal is not None and page.close_up is not None:
-            draw_close_up(page.close_up, track, scenery, shades, goal)
-        _draw_height(page.height, track, shades)
-        draw_guards(page.guards, track)
-        draw_list(page.transitions, track, shades, page.letters)
-        _share_time(track, (page.height, page.guards))
-        figure.savefig(path, format="png")
+        picture(track, scenery, title, subtitle).savefig(path, format="png")
 
 
-def _page(figure: Figure, track: Track, *, close: bool) -> Page:
-    """Lay out the panels: a flight along north gets a tall map on the left, others a wide one."""
-    ground = seen_from_above(track.true or track.estimated)
-    east, north = np.ptp(ground, axis=0) if len(ground) else (1.0, 1.0)
-    if north > 1.5 * east:
-        columns = figure.add_gridspec(
-            1, 2, width_ratios=[5, 7], wspace=0.32, left=0.06, right=0.97, top=0.9, bottom=0.045
-        )
-        shares = [7, 3] if close else [1]
-        left = _stack(
-            figure, columns[0].subgridspec(len(shares), 1, hspace=0.16, height_ratios=shares)
-        )
-        right = _stack(figure, columns[1].subgridspec(3, 1, hspace=0.24, height_ratios=[4, 5, 5]))
-        return Page(left[0], left[1] if close else None, right[0], right[1], right[2], 50)
-    rows = figure.add_gridspec(
-        4,
-        1,
-        height_ratios=[10, 3.4, 4.6, 4],
-        hspace=0.42,
-        left=0.13,
-        right=0.97,
-        top=0.9,
-        bottom=0.03,
-    )
-    shares = [7, 4] if close else [1]
-    top = _stack(figure, rows[0].subgridspec(1, len(shares), wspace=0.2, width_ratios=shares))
-    below = [figure.add_subplot(rows[row]) for row in (1, 2, 3)]
-    return Page(top[0], top[1] if close else None, below[0], below[1], below[2], 112)
+def picture(track: Track, scenery: Scenery, title: str, subtitle: str = "") -> Figure:
+    """Return the page that `draw` saves, laid out and not yet rendered."""
+    figure = Figure(dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    flown, goal = Flown.of(track), last_goal(track)
+    view = view_of(flown, scenery)
+    page = page_of(figure, track, tall=view.tall, close=goal is not None)
+    ruler = Ruler(figure)
+    _head(figure, ruler, title, subtitle)
+    looks = styles(it.state for it in track.visits)
+    scene = Scene(ruler, flown, scenery, looks)
+    draw_map(page.map, scene, view)
+    if goal is not None and page.close_up is not None:
+        draw_close_up(page.close_up, scene, goal)
+    _draw_height(page.height, track, looks)
+    draw_states(page.states, ruler, track, looks)
+    draw_guards(page.guards, ruler, track)
+    draw_list(page.transitions, ruler, track, looks, page.lines)
+    _share_time(track, (page.height, page.states, page.guards))
+    return figure
 
 
-def _stack(figure: Figure, grid: GridSpecFromSubplotSpec) -> list[Axes]:
-    """Fill a grid of one row or one column with panels."""
-    return [figure.add_subplot(grid[cell]) for cell in range(grid.nrows * grid.ncols)]
+def _head(figure: Figure, ruler: Ruler, title: str, subtitle: str) -> None:
+    high = figure.bbox.height
+    room = WIDE - 2.0 * MARGIN
+    title = ruler.cut(title, TITLE, room)
+    lines = ruler.lines(subtitle, SUBTITLE, room, 2)
+    left = MARGIN / WIDE
+    figure.text(left, 1.0 - 44.0 / high, title, va="center", **TITLE.keywords)
+    below = "\n".join(lines)
+    figure.text(left, 1.0 - 66.0 / high, below, va="top", color=MUTED, **SUBTITLE.keywords)
 
 
-def _last_target(track: Track) -> Goal | None:
-    """Return the last goal at a target other than home, which deserves a close look."""
-    aims = [goal for goal in track.goals if goal.target not in {None, "home"}]
-    return aims[-1] if aims else None
-
-
-def _draw_height(axes: Axes, track: Track, shades: dict[str, str]) -> None:
+def _draw_height(axes: Axes, track: Track, looks: dict[str, Style]) -> None:
     """Draw the height of truth and estimate over time, on a background of states."""
-    axes.set_title("Height above the take-off point", pad=26)
+    axes.set_title("Height above the take-off point", pad=10)
     axes.set_ylabel("m")
     axes.grid(axis="y")
     for visit in track.visits:
-        axes.axvspan(visit.start, visit.end, color=shades[visit.state], alpha=0.16, lw=0)
-    _name_states(axes, track.visits, shades)
+        axes.axvspan(visit.start, visit.end, color=looks[visit.state].colour, alpha=0.16, lw=0)
     heights = [-down for _, _, down in track.estimated]
     axes.plot(track.times, heights, color=INK, lw=0.8, label="estimate", zorder=3)
     if track.true:
         heights = [-down for _, _, down in track.true]
         axes.plot(track.times, heights, color="#0072B2", lw=2.0, label="truth", zorder=2.5)
     low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 0.0), high + 0.1 * (high - low))
-    axes.legend(loc="lower center", framealpha=0.85, edgecolor=RULE, ncols=2, fontsize=10)
-
-
-def _name_states(axes: Axes, visits: Sequence[Visit], shades: dict[str, str]) -> None:
-    """Write each state above its stretch of time if it fits."""
-    letters = axes.get_window_extent().width / LETTER
-    whole = max(visits[-1].end - visits[0].start, 1e-9) if visits else 1.0
-    for visit in visits:
-        if letters * (visit.end - visit.start) / whole < len(visit.state):
-            continue
-        axes.text(
-            0.5 * (visit.start + visit.end),
-            1.02,
-            visit.state,
-            transform=axes.get_xaxis_transform(),
-            ha="center",
-            va="bottom",
-            color=shades[visit.state],
-            fontweight="bold",
-            fontsize=10,
-        )
+    axes.set_ylim(min(low, 0.0), high)
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        frameon=False,
+        ncols=2,
+        fontsize=9.5,
+        handlelength=1.4,
+        borderaxespad=0.2,
+    )
 
 
 def _share_time(track: Track, panels: Sequence[Axes]) -> None:
     """Put transitions and the same limits of time on every panel over time."""
     for axes in panels:
-        for at, _ in track.transitions:
+        for at, _ in track.transitions if len(track.transitions) <= CROWDED else ():
             axes.axvline(at, color=MUTED, lw=0.8, ls=(0, (2, 2)), zorder=1)
         if len(track.times) > 1:
             axes.set_xlim(track.times[0], track.times[-1])

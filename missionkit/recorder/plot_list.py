@@ -2,52 +2,109 @@
 
 from __future__ import annotations
 
-import textwrap
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from matplotlib.axes import Axes
 
-from missionkit.recorder.palette import INK, MUTED
-from missionkit.recorder.plot_map import number
+from missionkit.messages import Fired
+from missionkit.recorder.palette import INK, MUTED, OTHER, Style, disc, letters_on
+from missionkit.recorder.plot_text import Font, Ruler
 from missionkit.recorder.track import Track
 
-MOST = 12  # rows; the rest is in summary.json
-TWO_LINES = 25.0  # px, height of a row that takes them
+MOST, LAST = 24, 8  # rows; those of the end of the flight among them if there are more
+ROWS = {1: 23.0, 2: 35.0}  # px, height of a row whose reason takes so many lines
+GAP, WIDEST = 20.0, 0.46  # px between columns; share of the panel that states take
+BOLD, PLAIN, SMALL, NUMBER = Font(10.0, "bold"), Font(10.0), Font(9.0), Font(9.0, "bold")
+
+Numbered = tuple[int, float, Fired]
 
 
-def draw_list(axes: Axes, track: Track, shades: dict[str, str], letters: int) -> None:
+class Columns(NamedTuple):
+    """Where columns are, px from the left: middle of numbers, end of times, other beginnings."""
+
+    number: float
+    time: float
+    states: float
+    reason: float
+
+
+def list_height(track: Track, lines: int) -> float:
+    """Return how high (px) the list is whose reasons take so many lines (1 or 2)."""
+    return ROWS[lines] * max(min(len(track.transitions), MOST + 2), 4)
+
+
+def draw_list(axes: Axes, ruler: Ruler, track: Track, looks: dict[str, Style], lines: int) -> None:
     """Write each transition with its number on the map, its time and its reason.
 
+    Of more than `MOST` + 2 the first and the last are written; a last line says which are not.
+
     Args:
-        axes: an empty panel.
+        axes: an empty panel, `list_height` high.
+        ruler: of the figure.
         track: of the run.
-        shades: colour of each state.
-        letters: how many letters of the reason fit into a line; in high rows it takes two.
+        looks: style of each state.
+        lines: that a reason may take, 1 or 2.
     """
-    axes.set_title("Transitions", pad=10)
+    axes.set_title("Transitions", pad=8)
     axes.set_axis_off()
-    rows = max(len(track.transitions[:MOST]), 6) + 0.6
-    axes.set_xlim(0.0, letters + 36.0)
-    axes.set_ylim(rows, 0.0)
-    lines = 2 if axes.get_window_extent().height / rows >= TWO_LINES else 1
-    for index, (at, fired) in enumerate(track.transitions[:MOST], 1):
-        row = index - 0.5
-        number(axes, (1.2, row), index, shades.get(fired.to, MUTED))
-        reason = textwrap.wrap(
-            fired.reason, letters, max_lines=lines, placeholder=" …", break_on_hyphens=False
-        )
-        axes.text(11.0, row, f"{at:.1f} s", color=MUTED, ha="right", va="center")
+    panel, high = axes.get_window_extent(), ROWS[lines]
+    axes.set_xlim(0.0, panel.width)  # px
+    axes.set_ylim(panel.height, 0.0)
+    rows, left_out = _shown(track)
+    columns = _columns(ruler, rows, panel.width)
+    for place, (number, at, fired) in enumerate(rows):
+        y = high * (place + 0.5 + (left_out > 0 and place >= MOST - LAST))
         axes.text(
-            13.0, row, f"{fired.source} → {fired.to}", color=INK, fontweight="bold", va="center"
-        )
-        axes.text(
-            36.0,
-            row,
-            "\n".join(reason),
-            color=MUTED,
+            columns.number,
+            y,
+            str(number),
+            ha="center",
             va="center",
-            fontsize=9.5,
-            linespacing=1.1,
+            color=letters_on(looks.get(fired.to, OTHER).colour),
+            bbox=disc(looks.get(fired.to, OTHER).colour),
+            **NUMBER.keywords,
         )
-    more = len(track.transitions) - MOST
-    if more > 0:
-        axes.text(13.0, rows - 0.2, f"and {more} more", color=MUTED, va="center")
+        axes.text(
+            columns.time, y, _time(at), color=MUTED, ha="right", va="center", **PLAIN.keywords
+        )
+        states = ruler.cut(_states(fired), BOLD, columns.reason - GAP - columns.states)
+        axes.text(columns.states, y, states, color=INK, va="center", **BOLD.keywords)
+        reason = "\n".join(ruler.lines(fired.reason, SMALL, panel.width - columns.reason, lines))
+        axes.text(columns.reason, y, reason, color=MUTED, va="center", **SMALL.keywords)
+    if left_out:
+        first = MOST - LAST + 1
+        _tell(axes, columns.states, high * (first - 0.5), "…")
+        words = f"{left_out} of {len(track.transitions)} are left out, {first} to "
+        words += f"{first + left_out - 1}: see transitions in summary.json"
+        _tell(axes, columns.states, high * (MOST + 1.5), words)
+
+
+def _shown(track: Track) -> tuple[list[Numbered], int]:
+    """Return the transitions that are written, with their numbers, and how many are not."""
+    rows = [(number, at, fired) for number, (at, fired) in enumerate(track.transitions, 1)]
+    if len(rows) <= MOST + 2:
+        return rows, 0
+    return [*rows[: MOST - LAST], *rows[-LAST:]], len(rows) - MOST
+
+
+def _columns(ruler: Ruler, rows: Sequence[Numbered], room: float) -> Columns:
+    """Return where the columns are, as wide as what stands in them."""
+    number = max((ruler.width(str(it), NUMBER) for it, _, _ in rows), default=0.0)
+    time = max((ruler.width(_time(at), PLAIN) for _, at, _ in rows), default=0.0)
+    states = max((ruler.width(_states(it), BOLD) for _, _, it in rows), default=0.0)
+    ends = number + GAP, number + GAP + time + GAP
+    begin = ends[1] + 0.7 * GAP
+    return Columns(0.5 * number + 8.0, ends[1], begin, begin + min(states, WIDEST * room) + GAP)
+
+
+def _time(at: float) -> str:
+    return f"{at:.1f} s"
+
+
+def _states(fired: Fired) -> str:
+    return f"{fired.source} → {fired.to}"
+
+
+def _tell(axes: Axes, x: float, y: float, words: str) -> None:
+    axes.text(x, y, words, color=MUTED, va="center", **PLAIN.keywords)

@@ -2,60 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import NamedTuple
 
-import matplotlib.patheffects as effects
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
 
-from missionkit.messages import Goal
-from missionkit.recorder.palette import INK, MUTED, WOOD, WOOD_EDGE
-from missionkit.recorder.scenery import Ground, Marker, Scenery
-from missionkit.recorder.track import Place, Track
+from missionkit.recorder.palette import FENCE, FENCE_DASHES, INK, MUTED
+from missionkit.recorder.plot_ground import Flown, Goals, Scene, draw_goals, draw_ground
+from missionkit.recorder.plot_map_labels import dots, label_map
+from missionkit.recorder.scenery import Fence, Ground, Scenery
 
-HALO = [effects.withStroke(linewidth=3.0, foreground="white")]
-
-
-CLOSE = 4.0  # m, half the height of the close-up
+SHRUNK = 1.8  # how much smaller all may be drawn for a fence to be seen whole
 
 
-def draw_map(axes: Axes, track: Track, scenery: Scenery, shades: dict[str, str]) -> None:
-    """Draw the ground seen from above: what stands there, where it flew, where it switched."""
+class View(NamedTuple):
+    """Limits of a map (m)."""
+
+    west: float
+    east: float
+    south: float
+    north: float
+    hidden: tuple[Fence, ...] = ()  # that go beyond these limits
+
+    @property
+    def tall(self) -> float:
+        """How much longer it is along north than along east."""
+        return (self.north - self.south) / (self.east - self.west)
+
+
+def view_of(flown: Flown, scenery: Scenery) -> View:
+    """Return what the map shows: the flight, what stands there, and fences not too far off."""
+    places = [flown.path, np.zeros((1, 2)), *(it.footprint()[:, ::-1] for it in scenery.obstacles)]
+    places += [np.array([it.position[1::-1]]) for it in scenery.markers]
+    places += [np.array([it.at[::-1]]) for it in scenery.targets]
+    low, high = _limits(np.vstack(places))
+    hidden = []
+    for fence in scenery.fences:
+        wider = _limits(np.vstack([low, high, fence.outline()[:, ::-1]]), share=0.03)
+        if max(wider[1] - wider[0]) > SHRUNK * max(high - low):
+            hidden.append(fence)
+        else:
+            low, high = wider
+    return View(low[0], high[0], low[1], high[1], tuple(hidden))
+
+
+def draw_map(axes: Axes, scene: Scene, view: View) -> None:
+    """Draw the ground seen from above: what stands there, where it flew, where it switched.
+
+    Args:
+        axes: an empty panel.
+        scene: what to draw.
+        view: limits.
+    """
     axes.set_title("Map", pad=10)
-    _draw_ground(axes, track, scenery, shades)
-    axes.autoscale_view()
-    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
-    room = 2.0 + 0.03 * max(east - west, north - south)
-    _frame(axes, (west - room, east + room), (south - room, north + room))
-    _legend(axes, track, shades)
+    frame(axes, (view.west, view.east), (view.south, view.north))
+    draw_ground(axes, scene)
+    dots(axes, scene)
+    goals = draw_goals(axes, scene.flown)
+    _key(axes, scene, goals)
+    _tell_hidden(axes, view.hidden)
+    label_map(axes, scene, [*goals.reached, *goals.left])
 
 
-def draw_close_up(
-    axes: Axes, track: Track, scenery: Scenery, shades: dict[str, str], goal: Goal
-) -> None:
-    """Draw the map again, a few metres around `goal`."""
-    axes.set_title(f"Close-up of {goal.target}", pad=10)
-    _draw_ground(axes, track, scenery, shades)
-    north, east, _ = goal.position.tolist()
-    _frame(axes, (east, east), (north - CLOSE, north + CLOSE))
-
-
-def _draw_ground(axes: Axes, track: Track, scenery: Scenery, shades: dict[str, str]) -> None:
-    axes.set_xlabel("east, m")
-    axes.set_ylabel("north, m")
-    axes.grid(visible=True)
-    for obstacle in scenery.obstacles:
-        outline = obstacle.footprint()[:, ::-1]
-        axes.add_patch(Polygon(outline, facecolor=WOOD, edgecolor=WOOD_EDGE, lw=1.0, zorder=2))
-        axes.update_datalim(outline)
-    _draw_paths(axes, track, shades)
-    _draw_places(axes, track, scenery.markers)
-    _draw_transitions(axes, track, shades)
-
-
-def _frame(axes: Axes, across: tuple[float, float], along: tuple[float, float]) -> None:
+def frame(axes: Axes, across: tuple[float, float], along: tuple[float, float]) -> None:
     """Show at least these limits (m), with a metre as long across as along."""
     panel = axes.get_window_extent()
     span = max((across[1] - across[0]) / panel.width, (along[1] - along[0]) / panel.height)
@@ -64,83 +74,51 @@ def _frame(axes: Axes, across: tuple[float, float], along: tuple[float, float]) 
     axes.set_ylim(centre - 0.5 * span * panel.height, centre + 0.5 * span * panel.height)
 
 
-def number(axes: Axes, at: tuple[float, float], index: int, shade: str) -> None:
-    """Write a numbered disc at `at` (data coordinates), as map and list of transitions share."""
-    axes.annotate(
-        str(index),
-        at,
-        ha="center",
-        va="center",
-        fontsize=9.5,
-        fontweight="bold",
-        color="white",
-        bbox={"boxstyle": "circle,pad=0.25", "facecolor": shade, "edgecolor": "white", "lw": 1.2},
-        zorder=8,
-        annotation_clip=True,
-    )
+def _limits(places: Ground, share: float = 0.06) -> tuple[Ground, Ground]:
+    """Return the least and the greatest east and north (m), with some room around."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = max(share * float(np.max(high - low)), 1.0)
+    return low - room, high + room
 
 
-def seen_from_above(places: Sequence[Place]) -> Ground:
-    """Return (N, 2), m, east and north of positions in NED."""
-    return np.array(places).reshape(-1, 3)[:, 1::-1]
-
-
-def _draw_paths(axes: Axes, track: Track, shades: dict[str, str]) -> None:
-    """Draw the truth in the colours of the states and the estimate as a thin line over it."""
-    estimated = seen_from_above(track.estimated)
-    path = seen_from_above(track.true) if track.true else estimated
-    times = np.array(track.times)
-    for visit in track.visits:
-        first, last = np.searchsorted(times, (visit.start, visit.end))
-        part = path[first : last + 1]
-        axes.plot(*part.T, color=shades[visit.state], lw=3.2, solid_capstyle="round", zorder=4)
-    if track.true:
-        axes.plot(*estimated.T, color=INK, lw=0.7, alpha=0.75, zorder=5)
-
-
-def _draw_places(axes: Axes, track: Track, markers: Sequence[Marker]) -> None:
-    """Draw home, goals, and the markers with the way they face."""
-    if track.estimated:
-        axes.plot(0.0, 0.0, "o", ms=13, mfc="white", mec=INK, mew=1.8, zorder=6)
-        axes.text(0.0, 0.0, "H", ha="center", va="center", fontsize=8.5, zorder=7, clip_on=True)
-    for goal in track.goals:
-        axes.plot(goal.position[1], goal.position[0], "x", color=INK, ms=9, mew=2.0, zorder=6)
-    for marker in markers:
-        north, east, _ = marker.position
-        out = 26.0 * marker.normal
-        axes.plot(east, north, "s", ms=6, mfc=INK, mec="white", zorder=6)
-        axes.annotate(
-            "",
-            (east, north),
-            (out[1], out[0]),
-            textcoords="offset points",
-            arrowprops={"arrowstyle": "<-", "color": INK, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
-            zorder=6,
-        )
-        axes.annotate(
-            marker.name,
-            (east, north),
-            (8, 8),
-            textcoords="offset points",
-            fontsize=10,
-            path_effects=HALO,
-            zorder=7,
-            annotation_clip=True,
-        )
-
-
-def _draw_transitions(axes: Axes, track: Track, shades: dict[str, str]) -> None:
-    """Number the places where the chart switched."""
-    path = seen_from_above(track.true or track.estimated)
-    for index, (at, fired) in enumerate(track.transitions, 1):
-        tick = min(int(np.searchsorted(track.times, at)), len(path) - 1)
-        east, north = path[tick]
-        number(axes, (float(east), float(north)), index, shades.get(fired.to, MUTED))
-
-
-def _legend(axes: Axes, track: Track, shades: dict[str, str]) -> None:
-    lines = [Line2D([], [], color=shade, lw=3.2, label=name) for name, shade in shades.items()]
-    if track.true:
+def _key(axes: Axes, scene: Scene, goals: Goals) -> None:
+    lines = []
+    if scene.flown.track.true:
         lines.append(Line2D([], [], color=INK, lw=0.9, label="estimate"))
-    lines.append(Line2D([], [], color=INK, marker="x", mew=2.0, lw=0, label="goal"))
-    axes.legend(handles=lines, loc="best", framealpha=0.92, edgecolor="#E4E7EB", fontsize=10.5)
+    if goals.reached:
+        lines.append(Line2D([], [], color=INK, marker="x", mew=2.0, lw=0, label="goal"))
+    if goals.left:
+        lines.append(
+            Line2D([], [], color=MUTED, marker="x", mew=1.2, lw=0, label="goal, not reached")
+        )
+    if scene.scenery.fences:
+        lines.append(Line2D([], [], color=FENCE, lw=1.4, ls=FENCE_DASHES, label="fence"))
+    if lines:
+        axes.legend(
+            handles=lines,
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=len(lines),
+            frameon=False,
+            fontsize=9.5,
+            handlelength=1.4,
+            columnspacing=1.1,
+            handletextpad=0.5,
+            borderaxespad=0.2,
+        )
+
+
+def _tell_hidden(axes: Axes, fences: tuple[Fence, ...]) -> None:
+    """Write the limits of fences that are not seen whole."""
+    for number, fence in enumerate(fences):
+        (south, north), (west, east) = fence.north, fence.east
+        axes.annotate(
+            f"fence: north {south:g} to {north:g} m, east {west:g} to {east:g} m",
+            (1.0, 0.0),
+            (-6, 6 + 14 * number),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            ha="right",
+            color=FENCE,
+            fontsize=9.5,
+        )

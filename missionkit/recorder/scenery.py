@@ -1,4 +1,4 @@
-"""What stands around: obstacles and markers, for the picture and the 3D view."""
+"""What stands around: obstacles, markers, targets, fences, for the picture and the 3D view."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from missionkit.chart.checks.fence import walls
+from missionkit.chart.model.mission import Mission
 from missionkit.geometry import IDENTITY, Quat, Vec3, rotate, vec
 from missionkit.recorder import wire
 
@@ -61,26 +63,52 @@ class Marker(NamedTuple):
         return rotate(self.attitude, vec(0.0, 0.0, 1.0))
 
 
+class Target(NamedTuple):
+    """Where the mission file says that a target is."""
+
+    name: str
+    at: Spot
+
+
+class Fence(NamedTuple):
+    """Limits (m) at which a failsafe acts: south and north, west and east."""
+
+    north: tuple[float, float]
+    east: tuple[float, float]
+
+    def outline(self) -> Ground:
+        """Return the corners (4, 2), m, north and east."""
+        (south, north), (west, east) = self.north, self.east
+        return np.array([(south, west), (north, west), (north, east), (south, east)])
+
+
 class Scenery(NamedTuple):
-    """Everything that stands in the world."""
+    """Everything that stands in the world, and what the mission says about places in it."""
 
     obstacles: tuple[Round | Box, ...] = ()
     markers: tuple[Marker, ...] = ()
+    targets: tuple[Target, ...] = ()
+    fences: tuple[Fence, ...] = ()
 
 
-def scenery_of(world: Any) -> Scenery:
-    """Read obstacles and markers from a simulator's world.
+def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
+    """Read obstacles and markers from a simulator's world, targets and fences from a mission.
 
     Args:
         world: has `obstacles`, each with `use` (cylinder, box or sphere) and its measures, and
             `markers`, each with `id`, `size`, `position` and `attitude`.
+        mission: with the targets and the failsafes that keep fences.
     """
+    targets = {} if mission is None else mission.targets
+    fences = () if mission is None else walls(mission)
     return Scenery(
         tuple(map(_obstacle, world.obstacles)),
         tuple(
             Marker(f"marker {it.id}", vec(*it.position), it.attitude, it.size)
             for it in world.markers
         ),
+        tuple(Target(name, it.position[:2]) for name, it in targets.items()),
+        tuple(dict.fromkeys(Fence(it.north, it.east) for it in fences)),
     )
 
 
