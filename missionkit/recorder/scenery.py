@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.chart.checks.fence import walls
+from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.model.mission import Mission
 from missionkit.geometry import IDENTITY, Quat, Vec3, rotate, vec
 from missionkit.recorder import wire
