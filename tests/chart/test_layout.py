@@ -52,3 +52,10 @@ def test_the_initial_state_stands_on_top():
     placed = layout([box] * 3, [Link(0, 1, box), Link(2, 0, box), Link(1, 2, box)], 2)
     heights = [y for _, y in placed.states]
     assert heights[2] < heights[0] < heights[1]
+
+
+def test_the_ends_of_a_loop_do_not_cross():
+    links = [Link(0, 1, Box(90, 20)), Link(0, 0, Box(50, 20)), Link(0, 2, Box(60, 20))]
+    begin, down, _, up, end = layout([Box(120, 48)] * 3, links, 0).routes[1]
+    assert begin[0] < end[0]
+    assert down[0] < up[0]

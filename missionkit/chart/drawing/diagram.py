@@ -58,7 +58,8 @@ def shape_text(state: State) -> str:
     if state.final:
         return "final"
     if state.states:
-        return f"{len(state.states)} states {'together' if state.parallel else 'inside'}"
+        count = "1 state" if len(state.states) == 1 else f"{len(state.states)} states"
+        return f"{count} {'together' if state.parallel else 'inside'}"
     return "waits"
 
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 SWEEPS = 24
 GAP_X = 26.0  # px between neighbours
 GAP_Y = 28.0  # px between layers
+LOOP = 14.0  # px, half the width of a loop where it turns behind its label
 
 Point = tuple[float, float]
 
@@ -210,6 +211,9 @@ def _routes(
             (x, y), half = centres[vertex], rows[graph.ranks[vertex]].half
             points += [(x, y - half), (x, y + half)]
         looped = link.source == link.target
+        if looped:
+            (x, y), wide = centres[chain[1]], min(LOOP, graph.boxes[chain[1]].width / 4)
+            points[1:] = [(x - wide, y), (x, y), (x + wide, y)]
         points.append(_port(graph, centres, number, 1, below=looped))
         routes.append(tuple(points if chain[0] == link.source else points[::-1]))
     return tuple(routes)
