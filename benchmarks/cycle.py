@@ -11,7 +11,7 @@ from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, spread
 from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.clock import stopwatch
-from missionkit.engine.flight import begin
+from missionkit.engine.prepared_mission import begin
 from missionkit.engine.tick import tick
 
 SEEDS = range(1, 4)
@@ -59,7 +59,7 @@ def _parts(seed: int) -> npt.NDArray[np.float64]:
         done = tick(at.plan, memory, observation, contain, clocks)
         at.vehicle.apply(done.command)
         memory = done.memory
-        landed = done.record.state == "land" and memory.hands.done
+        landed = done.record.state == "land" and memory.acting.done
     marks = np.array(clocks.marks).reshape(count, 4, 2)
     return np.diff(marks, axis=1)
 

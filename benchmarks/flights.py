@@ -10,7 +10,7 @@ from typing import Literal
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.loop import Observer
+from missionkit.engine.flight_loop import Observer
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 
 MISSION = Path("missions/precision_task.yaml")

@@ -14,11 +14,10 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.engine.clock import Pace
-from missionkit.engine.flight import Plan, prepare
-from missionkit.engine.keeping import now_and_then
-from missionkit.engine.loop import (
-    End,
-    Flown,
+from missionkit.engine.flight_history import FlightHistory, passed
+from missionkit.engine.flight_loop import (
+    FlightEnd,
+    FlownFlight,
     Keeper,
     Observer,
     Operator,
@@ -26,10 +25,16 @@ from missionkit.engine.loop import (
     keep_nothing,
     no_reports,
 )
-from missionkit.engine.memory import Course
-from missionkit.engine.passage import Passage, passed
-from missionkit.engine.success import Condition, Truth, conditions, flaws
-from missionkit.engine.waking import Resumption
+from missionkit.engine.flight_state import FlightState
+from missionkit.engine.mission_success import (
+    Condition,
+    TruthSummary,
+    conditions,
+    flaws,
+)
+from missionkit.engine.prepared_mission import PreparedMission, prepare
+from missionkit.engine.resume.checkpoint_policy import now_and_then
+from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError
 from missionkit.geometry import Mat, norm
 from missionkit.messages import Observation, Record
@@ -47,7 +52,7 @@ class Stage(NamedTuple):
     """Everything set up for one flight."""
 
     mission: Mission
-    plan: Plan
+    plan: PreparedMission
     world: World
     vehicle: SimulatedVehicle
 
@@ -55,25 +60,25 @@ class Stage(NamedTuple):
 class Rehearsal(NamedTuple):
     """One flight, and what it was worth by ground truth."""
 
-    flown: Flown
+    flown: FlownFlight
     grade: Grade
     conditions: tuple[Condition, ...] = ()  # of the mission's success
     flaws: tuple[str, ...] = ()  # what makes it no success whatever the mission asks for
-    passage: Passage = Passage()
+    passage: FlightHistory = FlightHistory()
 
     @property
     def succeeded(self) -> bool:
         """Landed by itself, unhurt, as it believed, and all that the mission asks for was met."""
-        landed = self.flown.end is End.LANDED and not self.flown.aborted and self.grade.landed
+        landed = self.flown.end is FlightEnd.LANDED and not self.flown.aborted and self.grade.landed
         return landed and not self.flaws and all(it.met for it in self.conditions)
 
 
 class Kept(NamedTuple):
     """A flight under way, with the simulated vehicle that flies it; fit to be saved."""
 
-    course: Course
+    course: FlightState
     vehicle: Snapshot  # without its track
-    passage: Passage
+    passage: FlightHistory
     estimate_error: float  # m, largest so far
     lost: tuple[str, ...]  # what could not be saved, a sentence each
 
@@ -148,7 +153,7 @@ def rehearse(
     visits = _Witness(ready)
     resume = None if again is None else _restored(ready, visits, again)
     keeper = keep_nothing if save is None else _keeping(ready, visits, save)
-    flown: list[Flown] = []
+    flown: list[FlownFlight] = []
 
     async def flight() -> None:  # returns nothing: asyncio would write it all out as text
         flown.append(
@@ -183,7 +188,7 @@ def _restored(ready: Stage, visits: _Witness, again: Again) -> Resumption:
 def _keeping(ready: Stage, visits: _Witness, save: Callable[[Kept], None]) -> Keeper:
     """Return what saves it together with the simulated vehicle."""
 
-    def keep(course: Course, lost: tuple[str, ...]) -> None:
+    def keep(course: FlightState, lost: tuple[str, ...]) -> None:
         save(Kept(course, taken(ready.vehicle), visits.passage, visits.estimate_error, lost))
 
     return now_and_then(ready.plan.chart, is_plain, keep)
@@ -193,7 +198,7 @@ class _Witness:
     """Tells the simulator which state the chart is in, and keeps what the flight went through."""
 
     def __init__(self, ready: Stage) -> None:
-        self.passage = Passage()
+        self.passage = FlightHistory()
         self.estimate_error = 0.0  # m
         self._chart = ready.plan.chart
         self._vehicle = ready.vehicle
@@ -210,7 +215,7 @@ class _Witness:
             self.estimate_error = max(self.estimate_error, error)
 
 
-def _graded(ready: Stage, flown: Flown, seen: _Witness) -> Rehearsal:
+def _graded(ready: Stage, flown: FlownFlight, seen: _Witness) -> Rehearsal:
     rows, wanted, passage = ready.vehicle.track.rows, ready.mission.success, seen.passage
     visits = {
         one.visit: _visit(ready, one, one.target, passage.spans.get(one.visit))
@@ -233,7 +238,7 @@ def _graded(ready: Stage, flown: Flown, seen: _Witness) -> Rehearsal:
         )
         for state, visit in visits.items()
     }
-    truth = Truth(
+    truth = TruthSummary(
         errors,
         graded.clearance,
         graded.touched_at,

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.rehearsal import Stage, rehearse, stage, world_of
 from missionkit.sim.faults import parse_fault
 from missionkit.sim.grade import Grade
@@ -45,7 +45,7 @@ class Run(NamedTuple):
     """One flight in plain values, small enough to come back from a worker."""
 
     order: Order
-    end: End
+    end: FlightEnd
     succeeded: bool
     grade: Grade
     passed: float  # m, least clearance from obstacles on the way, see `on_the_way`

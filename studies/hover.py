@@ -13,7 +13,7 @@ import numpy as np
 from rich.progress import track
 from scipy.stats import chi2
 
-from missionkit.estimation.flow_axis import run
+from missionkit.estimation.optical_flow.axis_filter import run
 from missionkit.geometry import Mat
 from missionkit.sim.parameters import Sensors
 from missionkit.sim.world import World

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.estimation import flow_alone
-from missionkit.estimation.flow_alone import Reckoning
-from missionkit.estimation.flow_kalman import FlowKalman
-from missionkit.estimation.navigating import Navigates
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.navigator import Navigator
+from missionkit.estimation.optical_flow import dead_reckoning
+from missionkit.estimation.optical_flow.dead_reckoning import Reckoning
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, vec
 from missionkit.messages import Action, Command, Observation
 from missionkit.perception.camera import Camera
@@ -72,7 +73,7 @@ def hover(order: tuple[int, float]) -> Hover:
         truth = vehicle.truth
         if reckoned is None and seen.now > SETTLED - 0.5 * PERIOD:
             place = truth.position[:2]
-            reckoned = _Reckoned(place, seen.now, np.zeros(2), flow_alone.begin(place, 0.0))
+            reckoned = _Reckoned(place, seen.now, np.zeros(2), dead_reckoning.begin(place, 0.0))
         elif reckoned is not None:
             reckoned = _summed(reckoned, memories[BIASED].measured, seen)
         if reckoned is not None:
@@ -85,9 +86,9 @@ def hover(order: tuple[int, float]) -> Hover:
     return _judged(seed, np.array(places), np.array(speeds), ends)
 
 
-def _navigators() -> list[Navigates]:
+def _navigators() -> list[Navigator]:
     still = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
-    return [settings.build({}, still) for settings in (PRINTED, ESTIMATING, EKF)]
+    return [build(settings, {}, still) for settings in (PRINTED, ESTIMATING, EKF)]
 
 
 def _observed(vehicle: SimulatedVehicle, tick: int) -> Observation:
@@ -100,7 +101,7 @@ def _observed(vehicle: SimulatedVehicle, tick: int) -> Observation:
 
 
 def _summed(known: _Reckoned, measured: Vec3 | None, seen: Observation) -> _Reckoned:
-    alone = flow_alone.reckoned(known.alone, seen)
+    alone = dead_reckoning.reckoned(known.alone, seen)
     if measured is None:
         return known._replace(alone=alone)
     place = known.summed + (seen.now - known.at) * measured

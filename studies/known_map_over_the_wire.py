@@ -16,7 +16,7 @@ import numpy as np
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle, vehicle_of
-from missionkit.engine.flight import prepare
+from missionkit.engine.prepared_mission import prepare
 from missionkit.messages import Observation, Record
 from studies.markdown import table
 from studies.over_the_wire import Autopilot, free_port, sitl

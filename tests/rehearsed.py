@@ -13,7 +13,7 @@ import numpy as np
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
-from missionkit.engine.loop import Operator
+from missionkit.engine.flight_loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.faults import parse_fault

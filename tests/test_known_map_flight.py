@@ -10,7 +10,7 @@ from rehearsed import MISSIONS, flown, timeless
 
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.rehearsal import stage, world_of
 from missionkit.sim.world import Box
 
@@ -87,7 +87,7 @@ def test_a_closed_door_ends_on_the_ground_unhurt():
     wall = Box(use="box", min=(5.4, -2.0), max=(5.6, 2.1), height=3.0)
     flight = known("modified", 1, wall)
     assert "path.none" in events(flight)
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
     assert flight.result.grade.landed
     assert in_the_air(flight)[:, 19].min() > 0.4
     assert not flight.result.succeeded

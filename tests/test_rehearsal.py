@@ -10,7 +10,7 @@ from rehearsed import MISSIONS, flown, precise, precise_stage, short, short_stag
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.scaffold import new
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.errors import UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Record
@@ -86,7 +86,7 @@ def test_a_sagging_battery_leads_home_and_down():
     flight = precise("battery_sag=0.8@15")
     assert flight.went()[1:] == [("return", "failsafe battery"), ("land", "when done")]
     assert flight.entered("return") == pytest.approx(15.0, abs=1.1)  # a reading a second
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
     assert flight.result.grade.landed
     assert not flight.result.succeeded
     assert norm(flight.ready.vehicle.truth.position) < 3.0
@@ -96,7 +96,7 @@ def test_a_lost_link_lands_where_it_is():
     flight = precise("link_lost@15")
     assert flight.went()[1:] == [("land", "failsafe link")]
     assert flight.entered("land") == pytest.approx(18.0, abs=0.3)
-    assert flight.result.flown.end is End.SILENT
+    assert flight.result.flown.end is FlightEnd.SILENT
     assert flight.result.grade.landed
 
 
@@ -104,7 +104,7 @@ def test_without_satellites_the_flight_ends_on_the_ground_unhurt():
     flight = precise("gnss_lost@15")
     assert flight.result.grade.landed
     assert not flight.result.grade.crashed
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
 
 
 def test_a_camera_that_dies_is_searched_for_then_given_up():

@@ -9,8 +9,8 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import Vec3, norm, vec
+from missionkit.goal_pose import goal_of
 from missionkit.messages import Estimate, Goal, Guidance, Step
-from missionkit.perception.goal import goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point
 

@@ -9,8 +9,8 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import Vec3, norm, rotate, vec
+from missionkit.goal_pose import bound_of, goal_of
 from missionkit.messages import Estimate, Guidance, Step, Target
-from missionkit.perception.goal import bound_of, goal_of
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.campaigns.diary import Diary
-from missionkit.campaigns.ending import outcome, reason
 from missionkit.campaigns.row import Case, Order, Row, unflown
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
-from missionkit.engine.loop import Observer
+from missionkit.engine.flight_loop import Observer
+from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of

@@ -15,8 +15,8 @@ from missionkit.behaviors import ALL as BEHAVIORS
 from missionkit.chart.plugin_check import wrong_with
 from missionkit.chart.plugin_file import plugins_of
 from missionkit.errors import UsageError
-from missionkit.estimation.flow_kalman import FlowKalman
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.guards import ALL as GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.potential_field import PotentialField

@@ -5,6 +5,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.perception.aruco import Aruco
 from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
 
@@ -19,6 +21,7 @@ METHODS: Mapping[str, Mapping[str, int]] = {  # name -> number of arguments
     "navigators": {"build": 2},  # estimation.navigating.Navigation
     "planners": {"begin": 0, "step": 4},  # planning.avoiding.Avoids
 }
+BUILT_HERE = (VisualInertialEkf, FlowKalman)  # by `estimation.builder`
 
 
 def wrong_with(group: str, plugin: object) -> str:
@@ -31,6 +34,8 @@ def wrong_with(group: str, plugin: object) -> str:
         return f"{plugin.__name__} has no `kind`, the name that mission files use"
     if missing := sorted(getattr(plugin, "__abstractmethods__", ())):
         return f"{plugin.__name__} lacks the method {', '.join(missing)}"
+    if issubclass(plugin, BUILT_HERE):
+        return ""
     wrong = (_lacks(plugin, name, count) for name, count in METHODS.get(group, {}).items())
     return next(filter(None, wrong), "")
 

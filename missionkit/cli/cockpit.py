@@ -14,7 +14,7 @@ from missionkit.cli.keys import Keys, Planned, offered
 from missionkit.cli.live import LineView, LiveView, live_view
 from missionkit.cli.order import Order
 from missionkit.engine.clock import stopwatch
-from missionkit.engine.loop import Observer, Operator
+from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.sink import RECORD, Sink, Sinks, contained

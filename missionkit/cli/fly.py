@@ -9,11 +9,18 @@ from pathlib import Path
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.vehicle_camera import camera_of
 from missionkit.engine.clock import RealTime
-from missionkit.engine.flight import Plan
-from missionkit.engine.loop import Flown, Keeper, Observer, Operator, fly, keep_nothing
-from missionkit.engine.waking import Resumption
+from missionkit.engine.flight_loop import (
+    FlownFlight,
+    Keeper,
+    Observer,
+    Operator,
+    fly,
+    keep_nothing,
+)
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError, nearest
-from missionkit.estimation.flow_kalman import FlowKalman
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
@@ -100,7 +107,7 @@ def share_of(texts: Sequence[str], mission: Mission) -> Share:
 
 
 def fly_vehicle(
-    plan: Plan,
+    plan: PreparedMission,
     vehicle: MavsdkVehicle,
     observers: Sequence[Observer] = (),
     *,
@@ -111,7 +118,7 @@ def fly_vehicle(
     reports: Reports | None = None,
     resume: Callable[[], Resumption] | None = None,
     look_first: bool = False,
-) -> Flown:
+) -> FlownFlight:
     """Fly a mission with a vehicle on MAVLink, tied to the wall clock.
 
     Nothing that observers or the keeper raise ends the flight; `reports` takes it.
@@ -135,7 +142,7 @@ def fly_vehicle(
     reports, operator = reports or Reports(), operator or Operator()
     tell = contained("what the vehicle is told", vehicle.tell, reports)
 
-    async def flight() -> Flown:
+    async def flight() -> FlownFlight:
         if look_first:
             await _fit(vehicle, operator, speed)
         return await fly(

@@ -14,7 +14,7 @@ from typing import Any, Self, TextIO
 from missionkit.chart.model.actions import Raise
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.traversal import actions_of
-from missionkit.engine.loop import Operator
+from missionkit.engine.flight_loop import Operator
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record, is_event
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from missionkit.campaigns.ending import aborted, missing, succeeded
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.plugin_catalogue import Catalogue
@@ -17,13 +16,14 @@ from missionkit.cli.order import Order
 from missionkit.cli.origin import Origin
 from missionkit.cli.resume_vehicle import Before, Saving, before, woken
 from missionkit.cli.run_files import Folder, folder_of
-from missionkit.engine.flight import Plan, prepare
-from missionkit.engine.keeping import now_and_then
-from missionkit.engine.loop import End, Flown, Observer
-from missionkit.engine.passage import Passage, after, passed
-from missionkit.engine.success import conditions, flaws
+from missionkit.engine.flight_history import FlightHistory, after, passed
+from missionkit.engine.flight_loop import FlightEnd, FlownFlight, Observer
+from missionkit.engine.mission_success import conditions, flaws
+from missionkit.engine.prepared_mission import PreparedMission, prepare
+from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.errors import ExitCode, UsageError
 from missionkit.messages import Observation, Record
+from missionkit.outcome import aborted, missing, succeeded
 from missionkit.recorder.codec import is_plain
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import background
@@ -69,7 +69,7 @@ class Ready(NamedTuple):
 
     mission: Mission
     world: World
-    plan: Plan
+    plan: PreparedMission
     vehicle: MavsdkVehicle
     folder: Folder
     past: Before | None  # what it goes on from
@@ -114,7 +114,7 @@ class _Log:
 
     def __init__(self, chart: Chart, past: Before | None) -> None:
         visits = () if past is None else past.track.visits
-        self.passage = Passage({it.state: (it.start, it.end) for it in reversed(visits)})
+        self.passage = FlightHistory({it.state: (it.start, it.end) for it in reversed(visits)})
         for at, fired in () if past is None else past.track.transitions:
             self.passage = after(self.passage, fired, at, chart)
         self._chart = chart
@@ -138,20 +138,24 @@ def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Obser
     return told
 
 
-def _outcome(flown: Flown, passage: Passage, wanted: tuple[Success, ...]) -> Outcome:
-    if flown.end in {End.SILENT, End.OUT_OF_TIME}:
+def _outcome(flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...]) -> Outcome:
+    if flown.end in {FlightEnd.SILENT, FlightEnd.OUT_OF_TIME}:
         return "crash"
     return "ended_safely" if _missed(flown, passage, wanted, asked=False) else "success"
 
 
-def _reason(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:
+def _reason(
+    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
+) -> str:
     missed = _missed(flown, passage, wanted, asked=asked)
     return missed or f"{succeeded(passage)}, by the vehicle's own account"
 
 
-def _missed(flown: Flown, passage: Passage, wanted: tuple[Success, ...], *, asked: bool) -> str:
+def _missed(
+    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
+) -> str:
     """Say what success lacks; how near the goal was, only a simulator's truth can tell."""
-    if flown.end is not End.LANDED:
+    if flown.end is not FlightEnd.LANDED:
         return flown.says
     if flown.aborted:
         return aborted(asked=asked)

@@ -6,10 +6,10 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from missionkit.campaigns.ending import outcome, reason
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
 from missionkit.errors import ExitCode, printable
+from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.summary import Summary, said, summarise
 from missionkit.rehearsal import Rehearsal

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.engine.clock import date
-from missionkit.engine.memory import Course
-from missionkit.engine.waking import Resumption
+from missionkit.engine.flight_state import FlightState
+from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError
 from missionkit.recorder import track
 from missionkit.recorder.checkpoint import Checkpoints, Loaded, load
@@ -21,7 +21,7 @@ from missionkit.vehicle.observation import Datum
 class Afield(NamedTuple):
     """What a checkpoint of a flight with a vehicle holds."""
 
-    course: Course
+    course: FlightState
     date: float  # s since 1970, when it was written
     datum: Datum
     lost: tuple[str, ...]  # what could not be saved, a sentence each
@@ -85,7 +85,7 @@ class Saving:
         self._stamp = stamp
         self._sink = sink
 
-    def __call__(self, course: Course, lost: tuple[str, ...]) -> None:
+    def __call__(self, course: FlightState, lost: tuple[str, ...]) -> None:
         """Write one."""
         seen, datum = self._recorder.track, self._vehicle.observer.datum
         ticks = len(seen.times)

@@ -19,7 +19,7 @@ from missionkit.cli.origin import (
     stamp,
 )
 from missionkit.cli.outcome import numbers
-from missionkit.engine.flight import Plan
+from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import printable
 from missionkit.recorder.checkpoint import Loaded
 from missionkit.recorder.flight import FlightRecorder
@@ -53,7 +53,7 @@ class Folder(NamedTuple):
     stamp: str  # of what the flight stands on
 
     def recorder(
-        self, plan: Plan, scenery: Scenery, past: Past | None, sink: Sink
+        self, plan: PreparedMission, scenery: Scenery, past: Past | None, sink: Sink
     ) -> FlightRecorder:
         """Return what records the flight, beside the records that are there already."""
         return FlightRecorder(

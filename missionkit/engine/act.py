@@ -10,14 +10,14 @@ import numpy as np
 from missionkit.chart.semantics.compiled_chart import State
 from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
-from missionkit.control.holding import guidance_to
+from missionkit.control.hold_point import guidance_to
 from missionkit.control.limits import ZERO
-from missionkit.engine.answer import fault_of, push_fault
-from missionkit.engine.flight import Plan
+from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.ground_floor import above_floor
-from missionkit.engine.memory import Hands
 from missionkit.engine.obstacle_brake import blind, braked, scanned
-from missionkit.engine.standing import standing
+from missionkit.engine.position_hold import standing
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.engine.step_validation import fault_of, push_fault
 from missionkit.geometry import Vec3
 from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Setpoint, Step
 from missionkit.plugin import Behavior
@@ -31,12 +31,12 @@ LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
 
 def act(
-    plan: Plan,
-    hands: Hands,
+    plan: PreparedMission,
+    acting: BehaviorState,
     seen: Estimate,
     orders: Sequence[Action],
     contain: Containment,
-) -> tuple[Hands, Command, Step]:
+) -> tuple[BehaviorState, Command, Step]:
     """Let the behaviour of the state that commands speak, and turn its answer into a command.
 
     While any plug-in misbehaves the vehicle holds, unless the autopilot is flying by itself
@@ -45,7 +45,7 @@ def act(
 
     Args:
         plan: what flies.
-        hands: of the state that commands.
+        acting: of the state that commands.
         seen: what is known, with that state in it.
         orders: what the chart itself asks the autopilot for; the last one that is sane counts.
         contain: keeps what went wrong.
@@ -54,30 +54,30 @@ def act(
     mode, step = Mode.GPS, IDLE
     if state.behavior is not None:
         mode = state.kind.mode
-        if not hands.begun:
-            hands = _begun(hands, state.behavior, seen, contain)
-        step = _stepped(state.behavior, state, hands, seen, contain)
+        if not acting.begun:
+            acting = _begun(acting, state.behavior, seen, contain)
+        step = _stepped(state.behavior, state, acting, seen, contain)
         mode = Mode.GPS if mode is Mode.NONE and step.takes_over else mode
     failing = contain.take()
     if failing and mode is not Mode.NONE:
-        step = STILL._replace(memory=hands.behavior, goal=hands.goal)
+        step = STILL._replace(memory=acting.behavior, goal=acting.goal)
     mode = _flown(mode, step, seen)
     if mode is not Mode.NONE and seen.health.diverged:
         step = _without_goal(step)
-    hands = scanned(plan, hands, seen)
-    if mode is not Mode.NONE and blind(plan, hands, step.guidance, seen):
+    acting = scanned(plan, acting, seen)
+    if mode is not Mode.NONE and blind(plan, acting, step.guidance, seen):
         step = step._replace(guidance=None, done=False, note=BLIND)
     if not step.stop:
-        hands = standing(plan, hands, mode, step.guidance, seen)
-    command, control, avoidance = _commanded(plan, mode, hands, step, seen, contain)
+        acting = standing(plan, acting, mode, step.guidance, seen)
+    command, control, avoidance = _commanded(plan, mode, acting, step, seen, contain)
     if wrong := contain.take():  # the planner
         failing += wrong
         step = STILL._replace(memory=step.memory, goal=step.goal)
-        hands = standing(plan, hands, mode, None, seen)
+        acting = standing(plan, acting, mode, None, seen)
         command, control, _ = _commanded(
-            plan._replace(field=None), mode, hands, step, seen, contain
+            plan._replace(field=None), mode, acting, step, seen, contain
         )
-    following = Hands(
+    following = BehaviorState(
         control,
         avoidance,
         behavior=step.memory,
@@ -86,10 +86,10 @@ def act(
         goal=step.goal,
         failing=failing,
         events=step.events,
-        paused=hands.paused,
-        past=hands.past,
-        held=hands.held,
-        scan=hands.scan,
+        paused=acting.paused,
+        past=acting.past,
+        held=acting.held,
+        scan=acting.scan,
     )
     return following, _ordered(command, orders, seen), step
 
@@ -116,17 +116,19 @@ def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Comm
     return Command(action=sane[-1], payload=command.payload) if sane else command
 
 
-def _begun(hands: Hands, behavior: Behavior, seen: Estimate, contain: Containment) -> Hands:
+def _begun(
+    acting: BehaviorState, behavior: Behavior, seen: Estimate, contain: Containment
+) -> BehaviorState:
     boxed = contain.call(behavior.kind, behavior.begin, seen, foreign=is_foreign(behavior))
     memory = None if boxed is None else boxed[0]
-    return hands._replace(behavior=memory, begun=True, done=False, goal=None)
+    return acting._replace(behavior=memory, begun=True, done=False, goal=None)
 
 
 def _stepped(
-    behavior: Behavior, state: State, hands: Hands, seen: Estimate, contain: Containment
+    behavior: Behavior, state: State, acting: BehaviorState, seen: Estimate, contain: Containment
 ) -> Step:
     boxed = contain.call(
-        behavior.kind, behavior.step, seen, hands.behavior, foreign=is_foreign(behavior)
+        behavior.kind, behavior.step, seen, acting.behavior, foreign=is_foreign(behavior)
     )
     wrong = "" if boxed is None else fault_of(boxed[0])
     if wrong:
@@ -137,14 +139,19 @@ def _stepped(
 
 
 def _commanded(
-    plan: Plan, mode: Mode, hands: Hands, step: Step, seen: Estimate, contain: Containment
+    plan: PreparedMission,
+    mode: Mode,
+    acting: BehaviorState,
+    step: Step,
+    seen: Estimate,
+    contain: Containment,
 ) -> tuple[Command, ControlMemory, Any]:
     if mode is Mode.NONE:
         command = Command(None, step.action, step.height, step.payload)
-        return command, plan.control.begin(), hands.avoidance
-    guidance = step.guidance if hands.held is None else guidance_to(hands.held)
-    wanted, control = plan.control.aim(hands.control, mode, guidance, seen, plan.period)
-    push, avoidance = _push(plan, hands, guidance, wanted, seen, contain)
+        return command, plan.control.begin(), acting.avoidance
+    guidance = step.guidance if acting.held is None else guidance_to(acting.held)
+    wanted, control = plan.control.aim(acting.control, mode, guidance, seen, plan.period)
+    push, avoidance = _push(plan, acting, guidance, wanted, seen, contain)
     setpoint, control = plan.control.fly(
         control, wanted, guidance, seen, plan.period, push=push, bound=step.bound
     )
@@ -153,7 +160,7 @@ def _commanded(
             Setpoint(np.zeros(3) if step.retreat is None else step.retreat, setpoint.yaw_rate),
             control._replace(velocity=ZERO),
         )
-    setpoint, control = braked(plan, hands, setpoint, control, guidance, seen)
+    setpoint, control = braked(plan, acting, setpoint, control, guidance, seen)
     setpoint = above_floor(setpoint, seen, plan.floor, plan.control.limits)
     command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
     return command, control, avoidance
@@ -167,8 +174,8 @@ def _vouched(seen: Estimate) -> Vec3 | None:
 
 
 def _push(
-    plan: Plan,
-    hands: Hands,
+    plan: PreparedMission,
+    acting: BehaviorState,
     guidance: Guidance | None,
     wanted: tuple[float, float, float] | None,
     seen: Estimate,
@@ -176,8 +183,8 @@ def _push(
 ) -> tuple[Vec3 | None, Any]:
     field = plan.field
     if field is None or guidance is None or wanted is None or not guidance.avoid:
-        return None, hands.avoidance
-    asked = (hands.avoidance, seen, guidance.position, np.array(wanted))
+        return None, acting.avoidance
+    asked = (acting.avoidance, seen, guidance.position, np.array(wanted))
     if not is_foreign(field):
         return field.step(*asked)
     name = str(getattr(field, "kind", "planner"))
@@ -185,4 +192,4 @@ def _push(
     wrong = "" if boxed is None else push_fault(boxed[0])
     if wrong:
         contain.note(f"{name} answered {wrong}")
-    return (None, hands.avoidance) if boxed is None or wrong else boxed[0]
+    return (None, acting.avoidance) if boxed is None or wrong else boxed[0]

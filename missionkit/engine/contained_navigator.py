@@ -12,8 +12,7 @@ from typing_extensions import override
 
 from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.errors import UsageError
-from missionkit.estimation.memory import NavState
-from missionkit.estimation.navigating import Navigates
+from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform
 from missionkit.messages import Health, Observation, Sighting
 
@@ -21,14 +20,14 @@ METHODS = ("begin", "propagate", "fuse", "pose_at", "read")
 SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
 
 
-class Kept(NamedTuple):
+class ContainedMemory(NamedTuple):
     """What is kept from tick to tick."""
 
     inner: Any  # memory of the navigator
     state: NavState  # the last that could be used
 
 
-class ContainedNavigator(Navigates):
+class ContainedNavigator(Navigator):
     """Calls a navigator so that nothing it raises or answers ends a flight.
 
     Args:
@@ -37,7 +36,7 @@ class ContainedNavigator(Navigates):
         contain: keeps what went wrong.
     """
 
-    def __init__(self, name: str, inner: Navigates, contain: Containment) -> None:
+    def __init__(self, name: str, inner: Navigator, contain: Containment) -> None:
         self._name = name
         self._inner = inner
         self._contain = contain
@@ -47,23 +46,23 @@ class ContainedNavigator(Navigates):
         return ContainedNavigator(self._name, self._inner, contain)
 
     @override
-    def begin(self) -> Kept:
+    def begin(self) -> ContainedMemory:
         inner = self._inner.begin()
         state = self._inner.read(inner)
         if wrong := fault_of(state):
             raise UsageError(f"navigator {self._name!r} cannot be used: it says {wrong}")
-        return Kept(inner, state)
+        return ContainedMemory(inner, state)
 
     @override
-    def propagate(self, known: Kept, observation: Observation) -> Kept:
+    def propagate(self, known: ContainedMemory, observation: Observation) -> ContainedMemory:
         return self._advanced(known, "propagate", observation)
 
     @override
-    def fuse(self, known: Kept, sightings: tuple[Sighting, ...]) -> Kept:
+    def fuse(self, known: ContainedMemory, sightings: tuple[Sighting, ...]) -> ContainedMemory:
         return self._advanced(known, "fuse", sightings)
 
     @override
-    def pose_at(self, known: Kept, at: float) -> Transform | None:
+    def pose_at(self, known: ContainedMemory, at: float) -> Transform | None:
         boxed = self._contain.call(self._name, self._inner.pose_at, known.inner, at)
         pose: object = None if boxed is None else boxed[0]
         if pose is None:
@@ -74,10 +73,10 @@ class ContainedNavigator(Navigates):
         return None
 
     @override
-    def read(self, known: Kept) -> NavState:
+    def read(self, known: ContainedMemory) -> NavState:
         return known.state
 
-    def _advanced(self, known: Kept, method: str, *arguments: object) -> Kept:
+    def _advanced(self, known: ContainedMemory, method: str, *arguments: object) -> ContainedMemory:
         step = getattr(self._inner, method)
         boxed = self._contain.call(self._name, step, known.inner, *arguments)
         said = None if boxed is None else self._contain.call(self._name, self._inner.read, boxed[0])
@@ -86,10 +85,10 @@ class ContainedNavigator(Navigates):
         if wrong := fault_of(said[0]):
             self._contain.note(f"{self._name} says {wrong}")
             return _lost(known)
-        return Kept(boxed[0], said[0])
+        return ContainedMemory(boxed[0], said[0])
 
 
-def contained(name: str, plugin: object, navigator: Navigates) -> Navigates:
+def contained(name: str, plugin: object, navigator: Navigator) -> Navigator:
     """Return a navigator that is fit to fly: one of another package in its containment.
 
     Raises:
@@ -131,6 +130,6 @@ def _fits(value: object, shape: tuple[int, ...]) -> bool:
     )
 
 
-def _lost(known: Kept) -> Kept:
+def _lost(known: ContainedMemory) -> ContainedMemory:
     health = known.state.health._replace(diverged=True)
     return known._replace(state=known.state._replace(health=health))

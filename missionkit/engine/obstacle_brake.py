@@ -4,28 +4,30 @@ from __future__ import annotations
 
 from missionkit.control.controller import ControlMemory
 from missionkit.control.limits import finite
-from missionkit.engine.flight import Plan
-from missionkit.engine.memory import Hands
+from missionkit.engine.flight_state import BehaviorState
+from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.messages import Estimate, Guidance, Setpoint
 
 
-def scanned(plan: Plan, hands: Hands, seen: Estimate) -> Hands:
+def scanned(plan: PreparedMission, acting: BehaviorState, seen: Estimate) -> BehaviorState:
     """Take in what was scanned, whatever the state does."""
     if plan.brake is None:
-        return hands
-    return hands._replace(scan=plan.brake.noted(hands.scan, seen))
+        return acting
+    return acting._replace(scan=plan.brake.noted(acting.scan, seen))
 
 
-def blind(plan: Plan, hands: Hands, guidance: Guidance | None, seen: Estimate) -> bool:
+def blind(
+    plan: PreparedMission, acting: BehaviorState, guidance: Guidance | None, seen: Estimate
+) -> bool:
     """Say whether the guidance leads past obstacles that can no longer be seen."""
     if plan.brake is None or guidance is None or not guidance.avoid:
         return False
-    return plan.brake.blind(hands.scan, seen.now)
+    return plan.brake.blind(acting.scan, seen.now)
 
 
 def braked(
-    plan: Plan,
-    hands: Hands,
+    plan: PreparedMission,
+    acting: BehaviorState,
     setpoint: Setpoint,
     control: ControlMemory,
     guidance: Guidance | None,
@@ -35,7 +37,7 @@ def braked(
 
     Args:
         plan: what flies.
-        hands: with the newest scan.
+        acting: with the newest scan.
         setpoint: about to be sent.
         control: the memory of what made it.
         guidance: what it was made from.
@@ -43,7 +45,7 @@ def braked(
     """
     if plan.brake is None:
         return setpoint, control
-    velocity = plan.brake.brake(hands.scan, seen, setpoint.velocity, guidance)
+    velocity = plan.brake.brake(acting.scan, seen, setpoint.velocity, guidance)
     slower = finite(setpoint._replace(velocity=velocity))
     if slower is None or velocity is setpoint.velocity:
         return setpoint, control

@@ -7,10 +7,9 @@ from typing import Any
 
 from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.contained_navigator import ContainedNavigator
-from missionkit.engine.flight import Plan
-from missionkit.engine.memory import Memory, Senses
-from missionkit.estimation.memory import NavState
-from missionkit.estimation.navigating import Navigates
+from missionkit.engine.flight_state import FlightMemory, SensorState
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import Estimate, Look, Observation, Points, Sighting, Target
 from missionkit.perception.eye import EyeMemory, Priors
@@ -19,8 +18,8 @@ STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
 
 
 def sense(
-    plan: Plan, memory: Memory, seen: Observation, contain: Containment
-) -> tuple[Senses, Estimate]:
+    plan: PreparedMission, memory: FlightMemory, seen: Observation, contain: Containment
+) -> tuple[SensorState, Estimate]:
     """Fuse one observation.
 
     Args:
@@ -46,7 +45,7 @@ def sense(
     home = before.home
     if home is None and status is not None and status.armed:
         home = state.position
-    senses = Senses(
+    senses = SensorState(
         navigation,
         eye,
         seen.battery or before.battery,
@@ -59,9 +58,9 @@ def sense(
 
 
 def _look(
-    plan: Plan, memory: Memory, navigation: Any, state: NavState, seen: Observation
+    plan: PreparedMission, memory: FlightMemory, navigation: Any, state: NavState, seen: Observation
 ) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
-    goal = memory.hands.goal
+    goal = memory.acting.goal
     priors = Priors(
         body=lambda at: plan.navigator.pose_at(navigation, at),
         targets={} if seen.frame is None else _known(plan, state),
@@ -71,15 +70,15 @@ def _look(
 
 
 def _estimate(
-    plan: Plan,
-    memory: Memory,
-    senses: Senses,
+    plan: PreparedMission,
+    memory: FlightMemory,
+    senses: SensorState,
     state: NavState,
     seen: Observation,
     looks: tuple[Look, ...],
     sightings: tuple[Sighting, ...],
 ) -> Estimate:
-    chart, hands = memory.chart, memory.hands
+    chart, acting = memory.chart, memory.acting
     return Estimate(
         now=seen.now,
         position=state.position,
@@ -96,14 +95,14 @@ def _estimate(
         obstacles=_around(plan.navigator, senses, state, seen.now),
         scanned_at=None if senses.scan is None else senses.scan.at,
         scan_range=math.inf if senses.scan is None else senses.scan.range,
-        events=seen.events + hands.events,
+        events=seen.events + acting.events,
         cycle=seen.cycle,
         map=plan.map,
-        failing=hands.failing,
+        failing=acting.failing,
         state=chart.state,
         entered_at=chart.entered_at,
-        done=hands.done,
-        goal=hands.goal,
+        done=acting.done,
+        goal=acting.goal,
     )
 
 
@@ -115,7 +114,7 @@ def _believed(look: Look, state: NavState) -> Look:
     return look._replace(seen=frozenset(accepted))
 
 
-def _known(plan: Plan, state: NavState) -> dict[str, Target]:
+def _known(plan: PreparedMission, state: NavState) -> dict[str, Target]:
     """Return the targets, turned as surveyed until the camera has measured how they are turned."""
     return {
         name: target
@@ -125,7 +124,9 @@ def _known(plan: Plan, state: NavState) -> dict[str, Target]:
     }
 
 
-def _around(navigator: Navigates, senses: Senses, state: NavState, now: float) -> Points | None:
+def _around(
+    navigator: Navigator, senses: SensorState, state: NavState, now: float
+) -> Points | None:
     """Return the obstacle points (N, 3), m, NED, of a fresh scan, from where it was measured.
 
     A scan that is newer than the last inertial sample is placed from where the vehicle is now.

@@ -16,10 +16,10 @@ from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
-from missionkit.engine.flight import Plan
+from missionkit.engine.behavior_handover import handed_over
+from missionkit.engine.flight_state import FlightMemory, SensorState
 from missionkit.engine.ground_contact import with_ground_contact
-from missionkit.engine.handover import handed_over
-from missionkit.engine.memory import Memory, Senses
+from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.sense import sense
 from missionkit.messages import Action, Command, Estimate, Observation, Record
 
@@ -31,7 +31,7 @@ Stopwatch = Callable[[], float]
 class Ticked(NamedTuple):
     """What one tick gives."""
 
-    memory: Memory
+    memory: FlightMemory
     command: Command
     record: Record
     took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
@@ -43,8 +43,8 @@ def _no_stopwatch() -> float:
 
 
 def tick(
-    plan: Plan,
-    memory: Memory,
+    plan: PreparedMission,
+    memory: FlightMemory,
     observation: Observation,
     contain: Containment,
     stopwatch: Stopwatch = _no_stopwatch,
@@ -56,12 +56,12 @@ def tick(
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)
     t2 = stopwatch()
-    hands = memory.hands
+    acting = memory.acting
     if decision.entered:
         before, after = memory.chart.pilot, chart.pilot
-        hands = handed_over(plan.chart, hands, before, after, decision.moves)
-        seen = seen.standing(chart.state, chart.entered_at, done=hands.done, goal=hands.goal)
-    hands, command, step = act(plan, hands, seen, decision.orders, contain)
+        acting = handed_over(plan.chart, acting, before, after, decision.moves)
+        seen = seen.standing(chart.state, chart.entered_at, done=acting.done, goal=acting.goal)
+    acting, command, step = act(plan, acting, seen, decision.orders, contain)
     grounded = ""
     if command.action in TAKING_OFF and not plan.arm_anyway and _on_ground(seen):
         grounded = against_arming(plan.chart, chart, seen, contain)
@@ -80,12 +80,12 @@ def tick(
         step_note=step.note,
         problems=observation.problems
         + decision.problems
-        + _news(hands.failing, memory.hands.failing)
+        + _news(acting.failing, memory.acting.failing)
         + _misfit(senses, memory.senses),
         estimate=seen,
         done=step.done,
     )
-    following = Memory(observation.now, senses, chart, hands)
+    following = FlightMemory(observation.now, senses, chart, acting)
     return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)
 
 
@@ -97,6 +97,6 @@ def _news(now: tuple[str, ...], before: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(failure for failure in now if failure not in before)
 
 
-def _misfit(now: Senses, before: Senses) -> tuple[str, ...]:
+def _misfit(now: SensorState, before: SensorState) -> tuple[str, ...]:
     """Return once in a flight that the sightings do not fit the filter's noise."""
     return (f"{now.misfit}: {CAUSES}",) if now.misfit and not before.misfit else ()

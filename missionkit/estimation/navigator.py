@@ -1,227 +1,54 @@
-"""The visual-inertial navigator: memory in, memory out."""
+"""The interface of a navigator: memory in, memory out, like a guard or a behaviour."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-from scipy.special import chdtri
-
-from missionkit.estimation import (
-    alignment,
-    facing,
-    health,
-    history,
-    measurements,
-    memory,
-    motion,
-    reading,
-    realignment,
-    recovery,
-)
-from missionkit.estimation.algebra import multiply
-from missionkit.estimation.history import History
-from missionkit.estimation.layout import ACCEPTED, AT, FIX, FIX_VELOCITY, OUTCOME, REJECTED
-from missionkit.estimation.memory import Mark, NavMemory, NavState
-from missionkit.frames import STILL, FrameTree, Timed, held
-from missionkit.geometry import IDENTITY, Mat, Transform, Vec3
-from missionkit.messages import Observation, Sighting
-
-if TYPE_CHECKING:
-    from missionkit.estimation.visual_inertial import VisualInertialEkf
-
-NO_IMU = np.empty((0, 7))
+from missionkit.geometry import Mat, Quat, Transform, Vec3
+from missionkit.messages import Health, Observation, Sighting, Target
 
 
-class Navigator:
-    """Error-state EKF with delayed measurements, alignment, gates and recovery.
+class NavState(NamedTuple):
+    """What the navigator believes, at the time of the newest inertial sample."""
 
-    Source: P1 section 6.1; parameters and equations: `VisualInertialEkf`.
-    """
+    position: Vec3  # (3,), m, NED
+    velocity: Vec3  # (3,), m/s, NED
+    attitude: Quat  # (4,), body to world
+    rates: Vec3  # (3,), rad/s, FRD, without bias
+    health: Health
+    targets: dict[str, Target]
+    covariance: Mat  # (15, 15) of δp, δv, δθ (body, rad), δb_a, δb_g
+    correction: Vec3  # (3,), m, NED: the sum of all resets of the position
+    late: int  # measurements dropped because they came too late
 
-    def __init__(
-        self,
-        settings: VisualInertialEkf,
-        surveyed: Mapping[str, tuple[Vec3, float]],
-        mount: Transform,
-    ) -> None:
-        s = self._settings = settings
-        self._mount = mount
-        self._names = tuple(surveyed)
-        self._places = np.array([p for p, _ in surveyed.values()]).reshape(-1, 3)  # (m, 3), m, NED
-        self._sds = np.array([sd for _, sd in surveyed.values()], dtype=np.float64)  # (m,), m
-        walks = [s.accel_bias_walk, s.gyro_bias_walk, s.target_walk]
-        self._noise = np.square([s.accel_noise, s.gyro_noise, *walks, s.gap_accel, s.gap_rate])
-        self._gates = np.array([0.0, *(float(chdtri(m, 1.0 - s.gate)) for m in (1, 2, 3))])
 
-    def begin(self) -> NavMemory:
+class Navigator(Protocol):
+    """Turns what sensors said into where the vehicle is. Its memory is an immutable value."""
+
+    def begin(self) -> Any:
         """Return the memory before the first observation."""
-        return memory.begin(len(self._names))
 
-    def propagate(self, known: NavMemory, observation: Observation) -> NavMemory:
-        """Return the memory after one observation: alignment first, then prediction and update."""
-        status = observation.status
-        parked = known.parked if status is None else not (status.in_air or status.armed)
-        known = known._replace(now=observation.now, broken=False, parked=parked)
-        if known.past is None:
-            return self._align(known, observation)
-        samples = measurements.samples(observation.imu)
-        gap = realignment.gap(samples, known.last)
-        if known.missing or gap > self._settings.longest_gap:
-            return self._realign(known, known.past, observation, gap)
-        rows = measurements.observed(observation, self._settings)
-        after = self._advance(known, known.past, samples, rows)
-        more = after.tally.refused[FIX] > known.tally.refused[FIX]
-        return self._recover(after) if more else after
+    def propagate(self, known: Any, observation: Observation) -> Any:
+        """Return the memory after one observation."""
 
-    def fuse(self, known: NavMemory, sightings: tuple[Sighting, ...]) -> NavMemory:
-        """Return the memory after sightings, each of which counts at its exposure's time.
+    def fuse(self, known: Any, sightings: tuple[Sighting, ...]) -> Any:
+        """Return the memory after sightings of targets."""
 
-        Sightings of targets that were not surveyed are left aside.
+    def pose_at(self, known: Any, at: float) -> Transform | None:
+        """Return body to world at `at` (s), None where it is not known any more."""
+
+    def read(self, known: Any) -> NavState:
+        """Return what is believed now."""
+
+
+class NavigatorParameters(Protocol):
+    """The parameters of a navigator, as `navigation:` in a mission file gives them."""
+
+    def build(self, surveyed: Mapping[str, tuple[Vec3, float]], mount: Transform) -> Navigator:
+        """Return the navigator.
+
+        Args:
+            surveyed: where the mission file says each target is: (3,), m, NED, and its sd (m).
+            mount: camera to body.
         """
-        seen = [s for s in sightings if s.target in self._names]
-        if known.past is None or known.missing or not seen:
-            return known
-        rows = [self._row(s) for s in seen]
-        known = self._advance(known, known.past, NO_IMU, rows)
-        for sighting, row in zip(seen, rows, strict=True):
-            known = self._look(known, sighting, row)
-        return known
-
-    def pose_at(self, known: NavMemory, at: float) -> Transform | None:
-        """Return body to world at `at` (s), None outside the last `max_delay` seconds."""
-        return None if known.past is None else history.pose_at(known.past, at)
-
-    def frames(self, known: NavMemory) -> FrameTree:
-        """Return the chain world <- odom <- base <- camera, and the targets, over the buffer.
-
-        Odom is the world without the resets of the position: `base` moves in it by motion and by
-        corrections that pass the gates, never by a reset.  Source: P1 section 9.3.
-        """
-        track = () if known.past is None else map(history.timed, known.past.track)
-        jumps = known.corrections
-        poses = [Timed(p.at, (held(jumps, p.at) or STILL).inverse() @ p.transform) for p in track]
-        tree = FrameTree().stepping("odom", "world", jumps).moving("base", "odom", poses)
-        tree = tree.fixed("camera", "base", self._mount)
-        for name, target in self.read(known).targets.items():
-            rotation = IDENTITY if target.attitude is None else target.attitude
-            tree = tree.fixed(name, "world", Transform(rotation, target.position))
-        return tree
-
-    def read(self, known: NavMemory) -> NavState:
-        """Return what is believed now; zeros and identity until aligned."""
-        if known.past is None:
-            return reading.unaligned(self._names, self._places, self._sds, self._settings)
-        return reading.aligned(known, known.past, self._names, self._settings)
-
-    def _row(self, seen: Sighting) -> Vec3:
-        index = self._names.index(seen.target)
-        return measurements.sighted(seen, index, self._mount, self._settings.bearing_sd)
-
-    def _align(self, known: NavMemory, observation: Observation) -> NavMemory:
-        new = measurements.resting(observation)
-        heard = alignment.gathered(known.heard, new, self._settings.align_for)
-        sds = np.hypot(self._sds, self._settings.fix_drift_sd)
-        start = alignment.aligned(heard, self._places, sds, self._settings)
-        if start is None:
-            return known._replace(heard=heard)
-        past = history.begin(start.at, start.x, start.P)
-        tally = health.stood(known.tally, heard.fixes)
-        return known._replace(heard=alignment.begin(), last=heard.imu[-1], past=past, tally=tally)
-
-    def _realign(
-        self, known: NavMemory, past: History, observation: Observation, gap: float
-    ) -> NavMemory:
-        """Gather what a new beginning takes; the old state stands, as diverged, until it is made.
-
-        Another gap meanwhile begins the gathering again: a window of samples has no hole.
-        """
-        s, again = self._settings, gap > self._settings.longest_gap
-        new = measurements.resting(observation)
-        before = alignment.begin() if again else known.heard
-        heard = alignment.gathered(before, new, realignment.SPAN)
-        last = known.last if len(new.imu) == 0 else new.imu[-1]
-        known = known._replace(heard=heard, last=last, missing=known.missing + gap * again)
-        since = float(last[0] - past.times[-1])
-        start = realignment.begun(heard, past.xs[-1], past.Ps[-1], since, s)
-        if start is None:
-            return known
-        tally = health.stood(health.begin(), heard.fixes)
-        tally = tally._replace(late=known.tally.late, resets=known.tally.resets + 1)
-        total = known.corrections[-1].transform.translation + start.x[0:3] - past.xs[-1][0:3]
-        moved = Timed(start.at, Transform(IDENTITY, total))
-        return known._replace(
-            heard=alignment.begin(),
-            past=history.begin(start.at, start.x, start.P),
-            tally=tally,
-            corrections=(known.corrections[-1], moved),
-            missing=0.0,
-        )
-
-    def _advance(
-        self, known: NavMemory, past: History, samples: Mat, rows: list[Vec3]
-    ) -> NavMemory:
-        """Add samples (n, 7) and log rows to `past`; if the result is unsound, change nothing."""
-        s = self._settings
-        good, bad = measurements.timely(rows, known.now)
-        last = known.last.copy()
-        imu = motion.intervals(samples, last, s.max_gap)
-        out = history.extended(past, imu, good, self._noise, self._gates, s.max_delay)
-        if not out.sound:
-            return known._replace(broken=True)
-        tally = health.counted(known.tally, out, bad, known.now)
-        return known._replace(past=out.history, last=last, tally=tally)
-
-    def _recover(self, known: NavMemory) -> NavMemory:
-        """Believe a fix that was refused, if it is time to; the jump goes into world <- odom."""
-        past = known.past
-        fixes = [] if past is None else history.newest(past, (FIX, FIX_VELOCITY))
-        if past is None or not fixes or fixes[0][OUTCOME] != REJECTED:
-            return known
-        forget = recovery.forget_vehicle(
-            known.tally, fixes, known.now, self._settings, parked=known.parked
-        )
-        if forget is None:
-            return known
-        at, again = float(fixes[0][AT]), [history.pending(r) for r in fixes]
-        known = self._advance(known, history.without(past, fixes), NO_IMU, [forget, *again])
-        before, after = past.xs[-1][0:3], (known.past or past).xs[-1][0:3]
-        total = known.corrections[-1].transform.translation + after - before
-        moved = Timed(at, Transform(IDENTITY, total))
-        tally = known.tally._replace(resets=known.tally.resets + 1)
-        return known._replace(corrections=(known.corrections[-1], moved), tally=tally)
-
-    def _look(self, known: NavMemory, seen: Sighting, row: Vec3) -> NavMemory:
-        """Draw the consequences of one sighting for its target's mark."""
-        past, i = known.past, self._names.index(seen.target)
-        body = None if past is None else history.pose_at(past, seen.at)
-        if past is None or body is None or not measurements.sound(seen):
-            return known
-        mark, camera = known.marks[i], body @ self._mount
-        verdict = history.outcome(past, row)
-        if verdict == ACCEPTED:
-            mark = self._faced(mark, seen, camera, past)
-        elif verdict == REJECTED:
-            count = self._settings.relocate_after
-            place = camera.apply(seen.pose.translation)
-            strays = np.concatenate((mark.strays[1 - count :], place[None]))
-            mark = mark._replace(strays=strays)
-            sd = math.hypot(
-                seen.position_sd, health.horizontal_sd(past.Ps[-1], self._settings.fix_drift_sd)
-            )
-            if recovery.agreeing(strays, count, sd):
-                again = [recovery.forget_target(row), row]
-                known = self._advance(known, history.without(past, [row]), NO_IMU, again)
-                mark = Mark(mark.facing, seen.at)
-        return known._replace(marks=(*known.marks[:i], mark, *known.marks[i + 1 :]))
-
-    def _faced(self, mark: Mark, seen: Sighting, camera: Transform, past: History) -> Mark:
-        turn = mark.facing
-        if not seen.ambiguous:
-            variance = seen.angle_sd**2 + reading.angle_variance(past.Ps[-1])
-            gate = float(self._gates[3])
-            attitude = multiply(camera.rotation, seen.pose.rotation)
-            turn = facing.turned(turn, attitude, variance, seen.at, gate, self._settings)
-        return Mark(turn, seen.at)

@@ -6,8 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from missionkit.estimation.layout import GRAVITY
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.filter import ErrorStateEkf
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.state_layout import GRAVITY
 from missionkit.geometry import Transform, vec
 from missionkit.messages import (
     Baro,
@@ -28,7 +29,7 @@ def warm_up() -> None:
     """
     still = vec(0.0, 0.0, 0.0)
     here = Transform(np.array([1.0, 0.0, 0.0, 0.0]), still)
-    navigator = VisualInertialEkf(align_for=0.02).build({"target": (still, 1.0)}, here)
+    navigator = ErrorStateEkf(VisualInertialEkf(align_for=0.02), {"target": (still, 1.0)}, here)
     known = navigator.begin()
     for now in (0.05, 0.1):
         seen = Observation(

@@ -9,8 +9,8 @@ from typing import Any
 from samples import calm
 
 from missionkit.geometry import from_euler, vec
+from missionkit.goal_pose import facing
 from missionkit.messages import Estimate, Step, Target, VehicleStatus
-from missionkit.perception.goal import facing
 from missionkit.plugin import Behavior
 
 TICK = 0.05

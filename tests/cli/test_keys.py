@@ -10,7 +10,7 @@ import pytest
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.keys import Keys, Planned, offered
-from missionkit.engine.loop import Operator
+from missionkit.engine.flight_loop import Operator
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record
 

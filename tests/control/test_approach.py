@@ -8,8 +8,8 @@ from lagging import fly
 
 from missionkit.control.controller import Control
 from missionkit.geometry import norm, vec
+from missionkit.goal_pose import SLACK
 from missionkit.messages import Guidance, HalfSpace, Mode
-from missionkit.perception.goal import SLACK
 
 MODES = (Mode.GPS, Mode.VISUAL, Mode.TRAJECTORY)
 

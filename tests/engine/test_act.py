@@ -13,8 +13,8 @@ from samples import calm
 
 from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.act import act
-from missionkit.engine.flight import Plan, begin, prepare
-from missionkit.engine.memory import Hands
+from missionkit.engine.flight_state import BehaviorState
+from missionkit.engine.prepared_mission import PreparedMission, begin, prepare
 from missionkit.geometry import norm, vec
 from missionkit.messages import Action, Command, Estimate, Step, VehicleStatus
 
@@ -32,15 +32,15 @@ class Pilot:
         field += "targets: {t: {position: [9, 9, -5]}}\n"
         text = f"{field}initial: {name}\nstates:\n  {name}: {state}\n{land}"
         self.name = name
-        self.plan: Plan = prepare(short(text, CATALOGUE), CATALOGUE)
-        self.hands: Hands = begin(self.plan).hands
+        self.plan: PreparedMission = prepare(short(text, CATALOGUE), CATALOGUE)
+        self.acting: BehaviorState = begin(self.plan).acting
         self.contain = Containment()
 
     def act(self, *, entered: bool = False, **changes: Any) -> tuple[Command, Step]:
         seen: Estimate = calm(state=self.name, **changes)
         if entered:
-            self.hands = self.hands._replace(begun=False, done=False, goal=None)
-        self.hands, command, step = act(self.plan, self.hands, seen, (), self.contain)
+            self.acting = self.acting._replace(begun=False, done=False, goal=None)
+        self.acting, command, step = act(self.plan, self.acting, seen, (), self.contain)
         return command, step
 
 
@@ -65,8 +65,8 @@ def test_a_behaviour_that_fails_makes_the_vehicle_hold(says):
     assert norm(command.setpoint.velocity) == 0.0
     assert command.action is None
     assert step.note == "holding: a plug-in misbehaves"
-    assert len(pilot.hands.failing) == 1
-    assert pilot.hands.failing[0].startswith("odd ")
+    assert len(pilot.acting.failing) == 1
+    assert pilot.acting.failing[0].startswith("odd ")
 
 
 def test_no_goal_is_followed_while_the_estimate_has_diverged():
@@ -101,30 +101,30 @@ def test_a_failure_in_flight_brings_the_vehicle_to_rest_within_the_limits():
 def test_a_guard_that_fails_holds_the_vehicle_and_the_behaviours_memory():
     pilot = Pilot("{kind: custom, behavior: {use: odd, says: well}}")
     pilot.act(entered=True)
-    assert (pilot.hands.behavior, pilot.hands.failing) == ("kept", ())
-    goal = pilot.hands.goal
+    assert (pilot.acting.behavior, pilot.acting.failing) == ("kept", ())
+    goal = pilot.acting.goal
     pilot.contain.note("gust raised ValueError: no")
     _, step = pilot.act()
     assert step.guidance is None
-    assert (pilot.hands.behavior, pilot.hands.goal) == ("kept", goal)
-    assert pilot.hands.failing == ("gust raised ValueError: no",)
+    assert (pilot.acting.behavior, pilot.acting.goal) == ("kept", goal)
+    assert pilot.acting.failing == ("gust raised ValueError: no",)
     pilot.act()
-    assert pilot.hands.failing == ()
+    assert pilot.acting.failing == ()
 
 
 def test_a_behaviour_that_cannot_begin_holds_for_that_tick():
     pilot = Pilot("{kind: custom, behavior: stillborn}")
     pilot.act(entered=True)
-    assert pilot.hands.failing == ("stillborn raised RuntimeError: not today",)
+    assert pilot.acting.failing == ("stillborn raised RuntimeError: not today",)
     _, step = pilot.act()
-    assert (step.note, pilot.hands.failing) == ("began with None", ())
+    assert (step.note, pilot.acting.failing) == ("began with None", ())
 
 
 def test_a_landing_goes_on_whatever_fails():
     pilot = Pilot("{kind: land}", name="land")
     pilot.contain.note("gust raised ValueError: no")
     assert pilot.act(entered=True)[0] == Command(action=Action.LAND)
-    assert pilot.hands.failing == ("gust raised ValueError: no",)
+    assert pilot.acting.failing == ("gust raised ValueError: no",)
 
 
 @pytest.mark.parametrize("says", ["raise", "odd action", "nothing"])
@@ -153,12 +153,12 @@ def test_on_the_ground_nothing_is_commanded_without_guidance():
 
 def test_entering_a_state_forgets_what_the_behaviour_before_it_knew():
     pilot = Pilot("{kind: custom}")
-    pilot.hands = pilot.hands._replace(behavior="old", begun=True, done=True, goal="old goal")
+    pilot.acting = pilot.acting._replace(behavior="old", begun=True, done=True, goal="old goal")
     pilot.act(entered=True, position=vec(1.0, 2.0, -3.0))
-    np.testing.assert_array_equal(pilot.hands.behavior, (1.0, 2.0, -3.0))
-    assert (pilot.hands.done, pilot.hands.goal) == (False, None)
+    np.testing.assert_array_equal(pilot.acting.behavior, (1.0, 2.0, -3.0))
+    assert (pilot.acting.done, pilot.acting.goal) == (False, None)
     pilot.act(position=vec(9.0, 9.0, -9.0))
-    np.testing.assert_array_equal(pilot.hands.behavior, (1.0, 2.0, -3.0))
+    np.testing.assert_array_equal(pilot.acting.behavior, (1.0, 2.0, -3.0))
 
 
 def test_obstacles_push_unless_the_guidance_forbids_it():
@@ -192,23 +192,23 @@ def test_standing_still_is_holding_a_place(state):
         command, step = pilot.act(position=vec(3.0, 6.0, -5.0), home=None)
     assert step.guidance is None
     assert command.setpoint.velocity[1] == pytest.approx(-1.5, abs=0.1)
-    np.testing.assert_allclose(pilot.hands.held.position, (3.0, 4.0, -5.0))
+    np.testing.assert_allclose(pilot.acting.held.position, (3.0, 4.0, -5.0))
 
 
 def test_the_place_is_where_the_vehicle_comes_to_rest_and_is_given_up_with_the_next_goal():
     pilot = Pilot(GO_HOME)
     pilot.contain.note("gust raised ValueError: no")
     pilot.act(velocity=vec(3.0, 0.0, 0.0))
-    assert 2.0 < pilot.hands.held.position[0] < 3.0
+    assert 2.0 < pilot.acting.held.position[0] < 3.0
     pilot.act()
-    assert pilot.hands.held is None
+    assert pilot.acting.held is None
 
 
 def test_without_a_sound_estimate_no_place_is_held():
     pilot = Pilot("{kind: custom, behavior: {use: odd, says: raise}}")
     lost = calm().health._replace(diverged=True)
     command, _ = pilot.act(entered=True, health=lost, position=vec(3.0, 4.0, -5.0))
-    assert pilot.hands.held is None
+    assert pilot.acting.held is None
     command, _ = pilot.act(health=lost, position=vec(3.0, 9.0, -5.0))
     assert norm(command.setpoint.velocity) == 0.0
 
@@ -232,7 +232,7 @@ def test_braking_before_an_obstacle_does_not_wait_for_the_comfort_limit():
     wall = np.array([[26.0, 0.0, -5.0]])
     command, _ = pilot.act(**{**fast, "scanned_at": 10.1}, obstacles=wall)
     assert command.setpoint.velocity[0] > 0.0
-    assert pilot.hands.control.pushed
+    assert pilot.acting.control.pushed
 
 
 def test_before_a_landing_the_vehicle_is_brought_to_rest_by_a_velocity_of_zero():
@@ -242,6 +242,6 @@ def test_before_a_landing_the_vehicle_is_brought_to_rest_by_a_velocity_of_zero()
     command, _ = pilot.act(entered=True, status=flying, velocity=vec(4, 0, 0), health=lost)
     assert command.action is None
     assert norm(command.setpoint.velocity) == 0.0
-    assert pilot.hands.held is None
+    assert pilot.acting.held is None
     command, _ = pilot.act(now=14.5, status=flying, velocity=vec(4, 0, 0))
     assert command == Command(action=Action.LAND)

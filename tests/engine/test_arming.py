@@ -12,8 +12,8 @@ from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.compiled_chart import Transition
 from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.cli.app import app
-from missionkit.engine.flight import begin, prepare
-from missionkit.engine.loop import REFUSED, End
+from missionkit.engine.flight_loop import REFUSED, FlightEnd
+from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim.faults import parse_fault
@@ -49,7 +49,7 @@ def flown(*faults, anyway=False, text=HOP):
 
 def test_an_empty_battery_is_not_taken_off_with():
     result, records, armed = flown("battery_sag=0.82@0")
-    assert result.flown.end is End.NOT_ARMED
+    assert result.flown.end is FlightEnd.NOT_ARMED
     assert not armed
     assert "failsafe battery holds: battery below (floor 0.2), now 0.18" in result.flown.says
     assert "--anyway" in result.flown.says
@@ -62,7 +62,7 @@ def test_an_empty_battery_is_not_taken_off_with():
 def test_who_means_it_takes_off_anyway():
     result, _, armed = flown("battery_sag=0.82@0", anyway=True)
     assert armed
-    assert result.flown.end is End.LANDED
+    assert result.flown.end is FlightEnd.LANDED
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from samples import calm
 
 from missionkit.behaviors import GoTo, Land, Spiral, TakeOff
 from missionkit.control.limits import Limits
+from missionkit.engine.flight_loop import Operator
 from missionkit.engine.ground_floor import above_floor, floor_of
-from missionkit.engine.loop import Operator
 from missionkit.geometry import vec
 from missionkit.messages import Setpoint
 from missionkit.rehearsal import rehearse

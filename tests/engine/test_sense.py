@@ -10,12 +10,12 @@ from rehearsed import precise, short
 
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.plugin_containment import Containment
-from missionkit.engine.flight import begin, prepare
+from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
-from missionkit.estimation.memory import NavState
+from missionkit.estimation.navigator import NavState
 from missionkit.geometry import Transform, conjugate, from_euler, rotate, to_matrix, vec
+from missionkit.goal_pose import facing
 from missionkit.messages import Battery, Cycle, Health, Observation, Scan, VehicleStatus
-from missionkit.perception.goal import facing
 
 MISSION = """\
 targets:
@@ -122,7 +122,7 @@ def test_a_plan_has_the_missions_rate_camera_and_avoidance():
     plan = plan_of("settings: {rate: 50}\navoid: none\n" + MISSION)
     assert plan.period == pytest.approx(0.02)
     assert plan.field is None
-    assert begin(plan).hands.avoidance is None
+    assert begin(plan).acting.avoidance is None
     assert plan_of().field is not None
     assert set(plan.facing) == {"turned"}
     np.testing.assert_allclose(to_matrix(plan.facing["turned"])[:, 2], (0, 1, 0), atol=1e-12)

@@ -8,8 +8,8 @@ import pytest
 from rehearsed import Flight, plain, precise, timeless
 
 from missionkit.chart.semantics.plugin_containment import Containment
-from missionkit.engine.flight import Plan, begin
-from missionkit.engine.memory import Memory
+from missionkit.engine.flight_state import FlightMemory
+from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.tick import tick
 from missionkit.messages import Observation, Record
 
@@ -22,8 +22,8 @@ def flight() -> Flight:
 
 
 def replayed(
-    plan: Plan, memory: Memory, observations: list[Observation]
-) -> tuple[Memory, list[Record]]:
+    plan: PreparedMission, memory: FlightMemory, observations: list[Observation]
+) -> tuple[FlightMemory, list[Record]]:
     records = []
     for observation in observations:
         done = tick(plan, memory, observation, Containment())
@@ -33,7 +33,7 @@ def replayed(
 
 
 @pytest.fixture(scope="module")
-def saved(flight: Flight) -> Memory:
+def saved(flight: Flight) -> FlightMemory:
     memory, _ = replayed(
         flight.ready.plan, begin(flight.ready.plan), flight.observations[:SAVED_AT]
     )
@@ -45,7 +45,9 @@ def test_a_flight_replays_from_its_observations(flight: Flight):
     assert timeless(records) == timeless(flight.records[:200])
 
 
-def test_a_flight_goes_on_from_a_memory_that_was_saved_in_the_middle(flight: Flight, saved: Memory):
+def test_a_flight_goes_on_from_a_memory_that_was_saved_in_the_middle(
+    flight: Flight, saved: FlightMemory
+):
     restored = pickle.loads(pickle.dumps(saved))  # noqa: S301
     later = slice(SAVED_AT, SAVED_AT + 200)
     _, records = replayed(flight.ready.plan, restored, flight.observations[later])
@@ -54,7 +56,7 @@ def test_a_flight_goes_on_from_a_memory_that_was_saved_in_the_middle(flight: Fli
     assert timeless(records) == timeless(flight.records[later])
 
 
-def test_a_tick_leaves_memory_and_observation_as_they_were(flight: Flight, saved: Memory):
+def test_a_tick_leaves_memory_and_observation_as_they_were(flight: Flight, saved: FlightMemory):
     before = plain(saved), pickle.dumps(saved)
     for observation in flight.observations[SAVED_AT : SAVED_AT + 5]:
         seen = plain(observation)
@@ -63,7 +65,7 @@ def test_a_tick_leaves_memory_and_observation_as_they_were(flight: Flight, saved
         assert plain(observation) == seen
 
 
-def test_the_observation_matters(flight: Flight, saved: Memory):
+def test_the_observation_matters(flight: Flight, saved: FlightMemory):
     plan, observation = flight.ready.plan, flight.observations[SAVED_AT]
     blind = Observation(observation.now)
     first, second = (tick(plan, saved, seen, Containment()) for seen in (observation, blind))
@@ -95,5 +97,5 @@ def test_a_failure_is_told_once_while_it_lasts(flight: Flight):
         done = tick(plan, memory, observation, contain)
         memory = done.memory
         told.append(done.record.problems)
-        assert memory.hands.failing == ("gust raised ValueError: no",)
+        assert memory.acting.failing == ("gust raised ValueError: no",)
     assert told == [("gust raised ValueError: no",), (), ()]

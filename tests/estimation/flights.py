@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import (
     Transform,
     conjugate,

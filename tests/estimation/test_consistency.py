@@ -7,6 +7,7 @@ import pytest
 from flights import MOUNT, QUIET, TICK, TRUNK, Flight, attitude, position, velocity
 from scipy.stats import chi2
 
+from missionkit.estimation.builder import build
 from missionkit.geometry import conjugate, log, multiply
 
 SEEDS = 25
@@ -17,7 +18,7 @@ def error_at_the_end(seed, *, vision):
     rng = np.random.default_rng(seed)
     flight = Flight(rng, accel_bias=QUIET.accel_bias_sd * rng.standard_normal(3))
     survey = TRUNK.translation + rng.standard_normal(3)
-    navigator = QUIET.build({"trunk": (survey, 1.0)}, MOUNT)
+    navigator = build(QUIET, {"trunk": (survey, 1.0)}, MOUNT)
     memory = navigator.begin()
     for n in range(1, 300):
         memory = navigator.propagate(memory, flight.tick(n))

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hovering import HERE, observed, through
 
-from missionkit.estimation import layout, sensing
-from missionkit.estimation.measurements import row
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf import measurement_models, state_layout
+from missionkit.estimation.error_state_ekf.measurement_log import row
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import exp, from_euler, multiply
 from missionkit.sim.parameters import Sensors
 
@@ -18,7 +19,8 @@ def plus(x, d):
 
 
 @pytest.mark.parametrize(
-    ("kind", "rows", "reach"), [(layout.FLOW, 2, 2.3), (layout.RANGE, 1, 0.0), (layout.STILL, 3, 0)]
+    ("kind", "rows", "reach"),
+    [(state_layout.FLOW, 2, 2.3), (state_layout.RANGE, 1, 0.0), (state_layout.STILL, 3, 0)],
 )
 def test_derivatives_of_flow_and_range(kind, rows, reach):
     rng, h = np.random.default_rng(0), 1e-6
@@ -26,11 +28,11 @@ def test_derivatives_of_flow_and_range(kind, rows, reach):
     x[6:10], x[2] = from_euler(0.2, -0.3, 1.0), -2.0
     measured = row(kind, 0.0, (0.1, 0.2, 0.0), np.eye(3), extra=reach)
     H = np.zeros((3, 15))
-    assert sensing.predict(x, measured, H, np.zeros(3)) == rows
+    assert measurement_models.predict(x, measured, H, np.zeros(3)) == rows
 
     def residual(d):
         r = np.zeros(3)
-        sensing.predict(plus(x, d), measured, np.zeros((3, 15)), r)
+        measurement_models.predict(plus(x, d), measured, np.zeros((3, 15)), r)
         return r
 
     numeric = [(residual(-h * e) - residual(h * e)) / (2 * h) for e in np.eye(15)]
@@ -39,13 +41,13 @@ def test_derivatives_of_flow_and_range(kind, rows, reach):
 
 def test_it_flies_by_flow_and_without_it_is_lost():
     flight = list(observed(40.0, Sensors(), 2))
-    with_flow = VisualInertialEkf(flow=True, fix_drift_sd=0.0, origin_sd=0.1).build({}, HERE)
+    with_flow = build(VisualInertialEkf(flow=True, fix_drift_sd=0.0, origin_sd=0.1), {}, HERE)
     known, truth = through(with_flow, flight)
     state = with_flow.read(known)
     assert state.position == pytest.approx(truth.position, abs=0.4)
     assert state.velocity == pytest.approx(truth.velocity, abs=0.15)
     assert state.health.position_sd < 0.4
     assert not state.health.diverged
-    blind = VisualInertialEkf(fix_drift_sd=0.0, origin_sd=0.1).build({}, HERE)
+    blind = build(VisualInertialEkf(fix_drift_sd=0.0, origin_sd=0.1), {}, HERE)
     known, _ = through(blind, flight)
     assert blind.read(known).health.position_sd > 2.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from missionkit.estimation.flow_velocity import over_ground
+from missionkit.estimation.optical_flow.flow_velocity import over_ground
 from missionkit.geometry import conjugate, exp, from_euler, multiply, rotate, vec
 
 

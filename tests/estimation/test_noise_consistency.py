@@ -11,31 +11,34 @@ from hypothesis import strategies as st
 from samples import calm
 from scipy.stats import chi2
 
-from missionkit.estimation.consistency import (
-    FITTING,
+from missionkit.estimation.error_state_ekf.consistency import (
+    CONSISTENT_BELOW,
     FREEDOM,
-    LARGEST,
-    MOST,
+    LARGEST_NIS,
+    NOISY_ABOVE,
     WINDOW,
-    Scatter,
+    NisAverage,
     averaged,
     misfit,
 )
 from missionkit.geometry import vec
+from missionkit.goal_pose import facing
 from missionkit.guards import Converged
 from missionkit.messages import Goal, Target
-from missionkit.perception.goal import facing
 
 
 def after(epsilons, scatter=None):
-    scatter = Scatter() if scatter is None else scatter
+    scatter = NisAverage() if scatter is None else scatter
     for epsilon in epsilons:
         scatter = averaged(scatter, float(epsilon))
     return scatter
 
 
 def test_the_bound_is_that_of_chance() -> None:
-    assert pytest.approx(chi2.ppf(0.9999, FREEDOM * WINDOW) / (FREEDOM * WINDOW), abs=0.02) == MOST
+    assert (
+        pytest.approx(chi2.ppf(0.9999, FREEDOM * WINDOW) / (FREEDOM * WINDOW), abs=0.02)
+        == NOISY_ABOVE
+    )
 
 
 def test_noise_as_believed_never_raises_an_alarm_and_twice_as_much_always_does() -> None:
@@ -57,10 +60,10 @@ def test_a_few_say_nothing_and_what_was_noisy_is_forgotten() -> None:
 
 def test_what_did_not_fit_is_doubted_until_it_clearly_fits() -> None:
     noisy = after([30.0] * WINDOW)
-    between = after([FREEDOM * 0.5 * (FITTING + MOST)] * 10 * WINDOW, noisy)
-    assert between.mean < MOST
+    between = after([FREEDOM * 0.5 * (CONSISTENT_BELOW + NOISY_ABOVE)] * 10 * WINDOW, noisy)
+    assert between.mean < NOISY_ABOVE
     assert misfit(between)
-    assert misfit(after([FREEDOM * 0.5 * (FITTING + MOST)] * 10 * WINDOW)) == ""
+    assert misfit(after([FREEDOM * 0.5 * (CONSISTENT_BELOW + NOISY_ABOVE)] * 10 * WINDOW)) == ""
 
 
 def test_one_false_marker_is_no_noise() -> None:
@@ -71,7 +74,7 @@ def test_one_false_marker_is_no_noise() -> None:
 def test_the_mean_is_finite_whatever_comes(epsilons) -> None:
     scatter = after(epsilons)
     assert math.isfinite(scatter.mean)
-    assert 0.0 <= scatter.mean <= LARGEST
+    assert 0.0 <= scatter.mean <= LARGEST_NIS
     assert scatter.taken <= WINDOW
 
 

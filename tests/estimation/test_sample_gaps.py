@@ -12,8 +12,9 @@ import pytest
 from flights import MOUNT, TICK, Flight, attitude, position, velocity
 from hovering import HERE, QUIET, observed
 
-from missionkit.estimation.flow_kalman import FlowKalman
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import conjugate, log, multiply, norm
 
 SETTINGS = VisualInertialEkf(fix_drift_sd=0.0, mag_sd=0.05)
@@ -31,7 +32,7 @@ def frozen(observation, now, moment):
 
 def across(gap, seed, *, fixes=True, length=8.0):
     """Fly to `KILLED`, then hear nothing for `gap` (s), then stand at rest at the start again."""
-    nav = SETTINGS.build({}, MOUNT)
+    nav = build(SETTINGS, {}, MOUNT)
     flight = Flight(np.random.default_rng(seed), SETTINGS)
     memory = nav.begin()
     for n in range(1, round(KILLED / TICK) + 1):
@@ -72,7 +73,7 @@ def test_without_fixes_it_stays_lost():
 
 @pytest.mark.parametrize("gap", [0.2, 0.4])
 def test_a_short_gap_is_integrated_across(gap):
-    nav = SETTINGS.build({}, MOUNT)
+    nav = build(SETTINGS, {}, MOUNT)
     flight = Flight(np.random.default_rng(0), SETTINGS)
     memory = nav.begin()
     for n in range(1, round(12.0 / TICK) + 1):
@@ -87,7 +88,7 @@ def test_a_short_gap_is_integrated_across(gap):
 
 @pytest.mark.parametrize(("gap", "diverged"), [(1.0, False), (39.0, True)])
 def test_dead_reckoning_by_flow_says_how_little_it_knows_after_a_gap(gap, diverged):
-    navigator = FlowKalman().build({}, HERE)
+    navigator = build(FlowKalman(), {}, HERE)
     known = navigator.begin()
     for seen, _ in observed(20.0, QUIET, 1):
         known = navigator.propagate(known, seen)

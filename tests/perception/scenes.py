@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from missionkit.geometry import IDENTITY, Transform, from_euler, vec
+from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Frame, Observation, Target
 from missionkit.perception.camera import Camera
 from missionkit.perception.eye import Priors
-from missionkit.perception.goal import facing
 from missionkit.perception.imaging import marker_bitmap
 from missionkit.perception.pose import project, square
 

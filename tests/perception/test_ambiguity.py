@@ -7,8 +7,8 @@ import pytest
 from scenes import CAMERA, LEVEL, corners_of, marker_at, noisy, seen_from, tilted
 
 from missionkit.geometry import Transform, exp, from_euler, multiply, vec
+from missionkit.goal_pose import facing
 from missionkit.perception.ambiguity import Expectation, cost, resolve
-from missionkit.perception.goal import facing
 from missionkit.perception.pose import Solution, angle_between, solve
 
 SIZE = 0.4

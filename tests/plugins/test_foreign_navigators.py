@@ -10,11 +10,12 @@ import pytest
 from rehearsed import flown, short_stage
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine import loop
-from missionkit.engine.containment import TimedContainment
-from missionkit.engine.loop import End
+from missionkit.engine import flight_loop
+from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import norm
 from missionkit.plugin import Plugin
 
@@ -78,7 +79,7 @@ class Shaken(Plugin):
             raise OSError("no such table")
         if self.how == "none":
             return None
-        return Shaky(VisualInertialEkf().build(surveyed, mount), self.how)
+        return Shaky(build(VisualInertialEkf(), surveyed, mount), self.how)
 
 
 class Veering(Plugin):
@@ -103,7 +104,7 @@ class Veering(Plugin):
 def impatient(monkeypatch):
     """Allow little time; a collection of garbage left by other tests would count as a plug-in's."""
     hasty = partial(TimedContainment, limit=0.02, patience=0.1)
-    monkeypatch.setattr(loop, "TimedContainment", hasty)
+    monkeypatch.setattr(flight_loop, "TimedContainment", hasty)
     gc.disable()
     yield
     gc.enable()
@@ -116,7 +117,7 @@ def ready(navigator="well", planner="none"):
 
 
 def landed(flight):
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
     assert (flight.result.grade.landed, flight.result.grade.crashed) == (True, False)
 
 

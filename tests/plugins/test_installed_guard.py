@@ -14,7 +14,7 @@ from rehearsed import Flight, flown, short_stage
 from missionkit.chart.plugin_catalogue import Catalogue, builtin, source
 from missionkit.cli.catalogue import assemble
 from missionkit.cli.scaffold import new
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import norm
 
@@ -72,7 +72,7 @@ def check(flight: Flight) -> None:
         ("return", "when too fast (limit 2.5)"),
         ("land", "when done"),
     ]
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
     assert flight.result.grade.landed
     turned = next(record for record in flight.records if record.state == "return")
     ((name, verdict),) = turned.fired[0].verdicts

@@ -10,9 +10,9 @@ import pytest
 from rehearsed import Flight, flown, short_stage
 
 from missionkit.cli.catalogue import assemble
-from missionkit.engine import loop
-from missionkit.engine.containment import WAITING, TimedContainment
-from missionkit.engine.loop import End
+from missionkit.engine import flight_loop
+from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.timed_containment import WAITING, TimedContainment
 
 PLUGINS = '''\
 """Everything that a plug-in should not do."""
@@ -102,7 +102,7 @@ def plugins(tmp_path_factory) -> Path:
 def impatient(monkeypatch):
     """Wait 10 ms instead of 250 ms for a plug-in, and 50 ms instead of 10 s for one that sleeps."""
     hasty = partial(TimedContainment, limit=0.01, patience=0.05)
-    monkeypatch.setattr(loop, "TimedContainment", hasty)
+    monkeypatch.setattr(flight_loop, "TimedContainment", hasty)
 
 
 def flight_with(plugins: Path, behavior: str = "hold", guard: str = "done") -> Flight:
@@ -120,7 +120,7 @@ def check(flight: Flight, told: str, states: list[str], ticks: int = 60) -> None
     assert {record.step_note for record in held[2:]} == {"holding: a plug-in misbehaves"}
     places = [record.estimate.position[:2] for record in held[2:]]
     assert max(math.dist(place, places[0]) for place in places) < 0.3
-    assert flight.result.flown.end is End.LANDED
+    assert flight.result.flown.end is FlightEnd.LANDED
     assert flight.result.grade.landed
     assert not flight.result.grade.crashed
 

@@ -9,8 +9,8 @@ from vehicle.flying import UNHURRIED
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
-from missionkit.engine.flight import prepare
-from missionkit.engine.loop import Flown
+from missionkit.engine.flight_loop import FlownFlight
+from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse as address_of
 from missionkit.vehicle.lock import LinkLock
@@ -53,7 +53,7 @@ class Told:
     """What the ticks of a flight said."""
 
     autopilot: object
-    flown: Flown | None = None
+    flown: FlownFlight | None = None
     reports: list = field(default_factory=list)
     records: list = field(default_factory=list)
     events: dict = field(default_factory=dict)  # event -> mission time it was first heard

@@ -6,7 +6,8 @@ from vehicle.test_observation import HOME, turned
 from vehicle.test_readings import FIX
 from vehicle.test_time import Wall
 
-from missionkit.estimation.visual_inertial import VisualInertialEkf
+from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.vehicle.cache import Cache, Message
 from missionkit.vehicle.dialect import ARDUPILOT
@@ -42,7 +43,7 @@ class Starved:
         self.put = Scaled(self.cache.put)
         self.cache.listen(self.sync.hear)
         self.put("HOME_POSITION", HOME)
-        self.navigator = VisualInertialEkf().build({}, Transform(IDENTITY, vec(0.0, 0.0, 0.0)))
+        self.navigator = build(VisualInertialEkf(), {}, Transform(IDENTITY, vec(0.0, 0.0, 0.0)))
         self.known, self.waiting = self.navigator.begin(), []
 
     def send(self, name, **fields):

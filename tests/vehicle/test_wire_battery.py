@@ -4,7 +4,7 @@ import pytest
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 
 LOW = {"ardupilot": {"BATT_LOW_MAH": 300.0, "BATT_FS_LOW_ACT": 1}, "px4": {}}
 
@@ -15,7 +15,7 @@ def test_the_missions_own_failsafe_lands_first(tmp_path):
         told = fly_mission(autopilot, text, tmp_path, {"up": strike("battery_sag=0.6")})
         truth = autopilot.truth
     assert told.reasons[-1] == "failsafe mishap"
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert told.began["land"][0] - told.began["up"][0] < 3.0
     assert truth["on_ground"]
     assert not truth["crashed"]
@@ -31,6 +31,6 @@ def test_the_autopilot_lands_and_the_mission_hears_that_it_was_no_pilot(dialect,
     assert modes[-1] == "LAND"
     assert "failsafe_takeover" in told.events
     assert "pilot_takeover" not in told.events
-    assert told.flown.end is End.GROUNDED
+    assert told.flown.end is FlightEnd.GROUNDED
     assert truth["on_ground"]
     assert not truth["crashed"]

@@ -7,8 +7,8 @@ from vehicle.flying import sitl
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
-from missionkit.engine.flight import prepare
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.prepared_mission import prepare
 from missionkit.sim.mavlink import rules
 from missionkit.sim.mavlink.modes import Flight
 from missionkit.vehicle.adapter import MavsdkVehicle
@@ -80,7 +80,7 @@ def fly(dialect, tmp_path, launch="autopilot"):
 
 
 def arrived(flown, truth):
-    assert flown.end is End.LANDED
+    assert flown.end is FlightEnd.LANDED
     assert truth["on_ground"]
     assert not truth["crashed"]
     return np.hypot(truth["position"][0] - 3.0, truth["position"][1] - 2.0) < 1.5

@@ -4,7 +4,7 @@ import numpy as np
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission
 
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.perception.imaging import marker_bitmap
 from missionkit.vehicle import device
 from missionkit.vehicle.device import Device, Wanted
@@ -99,6 +99,6 @@ def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, mo
     assert told.states == ["idle", "up", "seeing", "blind", "again", "land"]
     assert told.events["camera_gone"] < told.events["camera_back"]
     assert plug.opened > 1
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert np.hypot(*truth["position"][:2]) < 1.5
     assert not truth["crashed"]

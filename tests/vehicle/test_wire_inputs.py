@@ -10,7 +10,7 @@ from vehicle.flying import BRISK, NORTH, flying, over_the_wire, sitl
 from vehicle.message_filter import MessageFilter
 from vehicle.on_a_mission import fly_mission, stay
 
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.geometry import from_euler, to_matrix
 from missionkit.sim.mavlink.dialect import mavlink
 from missionkit.sim.world import Box, World
@@ -35,7 +35,7 @@ def test_a_receiver_without_course_leads_to_the_target_all_the_same(dialect, tmp
         MessageFilter(autopilot).change("GPS_RAW_INT", cog=65535)
         told = fly_mission(autopilot, text, tmp_path)
         truth = autopilot.truth
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert near(truth, 12.0, 5.0) < 3.0
     assert max(record.now for record in told.records if record.state == "up") < 30.0
 
@@ -52,7 +52,7 @@ def test_without_any_fix_it_stays_on_the_ground_though_the_autopilot_is_ready(
             autopilot.truth,
             [n for n in autopilot.notes("command") if "400" in n["which"]],
         )
-    assert told.flown.end is End.NEVER_LEFT
+    assert told.flown.end is FlightEnd.NEVER_LEFT
     assert any(record.estimate.status.ready for record in told.records if record.estimate.status)
     assert any("waiting for a position" in record.step_note for record in told.records)
     assert truth["on_ground"]
@@ -74,7 +74,7 @@ def test_an_empty_pack_is_not_hidden_by_a_full_one_for_the_payload(tmp_path):
         drained = {"up": lambda _: link.on("BATTERY_STATUS", empty)}
         told = fly_mission(autopilot, stay(failsafe=EMPTY), tmp_path, drained)
         truth = autopilot.truth
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert told.reasons[-1] == "failsafe mishap"
     assert truth["on_ground"]
 

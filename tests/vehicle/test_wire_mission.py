@@ -12,8 +12,8 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.cli.preflight import Wanted, preflight
-from missionkit.engine.flight import prepare
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import ExitCode, UsageError
 from missionkit.vehicle.guardian.policy import Patience
 
@@ -52,7 +52,7 @@ def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, monkeypatch, tmp_
             speed=autopilot.speed,
         )
         truth = autopilot.truth
-    assert flown.end is End.LANDED
+    assert flown.end is FlightEnd.LANDED
     assert not flown.aborted
     assert list(dict.fromkeys(states)) == ["idle", "out", "land"]
     assert np.hypot(truth["position"][0] - 8.0, truth["position"][1] - 3.0) < 3.0

@@ -11,7 +11,7 @@ from vehicle.flying import sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 from missionkit.messages import Estimate, Guidance, Step
 from missionkit.plugin import Behavior
 
@@ -55,7 +55,7 @@ def test_one_that_raises_leaves_the_vehicle_hovering(tmp_path):
     stopped = (times > 1.5) & (times < 3.5)
     assert max(speeds[stopped]) < 0.5
     assert "tripping raised RuntimeError: lost the thread" in told.problems
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
 
 
 def test_one_that_hangs_is_interrupted_and_the_failsafe_lands(tmp_path):
@@ -66,5 +66,5 @@ def test_one_that_hangs_is_interrupted_and_the_failsafe_lands(tmp_path):
     assert max(speeds[times > 2.5]) < 0.7
     assert any("did not return" in problem for problem in told.problems)
     assert "failsafe mishap" in told.reasons
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert not truth["crashed"]

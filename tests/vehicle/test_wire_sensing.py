@@ -5,7 +5,7 @@ import pytest
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 
 LOST = "{use: gnss_lost, longer_than: 2}"
 
@@ -19,7 +19,7 @@ def test_without_satellites_the_mission_lands_before_the_autopilot_has_to(tmp_pa
     with sitl(speed=BRISK) as autopilot:
         told = fly_mission(autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_lost")})
         truth = autopilot.truth
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert told.reasons[-1] == "failsafe mishap"
     assert 1.0 < told.began["land"][0] - told.began["up"][0] < 3.0
     assert "failsafe_takeover" not in told.events
@@ -45,7 +45,7 @@ def test_the_autopilot_lands_without_satellites_and_is_not_taken_for_a_pilot(
     assert "failsafe_takeover" in told.events
     assert "pilot_takeover" not in told.events
     assert late == []
-    assert told.flown.end is End.GROUNDED
+    assert told.flown.end is FlightEnd.GROUNDED
     assert not truth["crashed"]
 
 
@@ -54,7 +54,7 @@ def test_a_fix_that_jumps_is_not_flown_after(tmp_path):
         told = fly_mission(autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_jump=20")})
         truth = autopilot.truth
     assert told.reasons[-1] == "failsafe mishap"
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert away(truth) < 3.0
     assert not truth["crashed"]
 
@@ -64,7 +64,7 @@ def test_fixes_that_wander_off_do_not_take_it_along_faster_than_they_do(tmp_path
         told = fly_mission(autopilot, stay(after=5), tmp_path, {"up": strike("gnss_drift=0.5")})
         truth = autopilot.truth
         speeds = autopilot.speeds(told.began["up"][1])[1]
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert away(truth) < 1.5  # five seconds of it amount to 2.5
     assert max(speeds) < 1.0
     assert not truth["crashed"]
@@ -81,7 +81,7 @@ def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
         since = told.began["up"][1]
         rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
         truth = autopilot.truth
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert away(truth) < most
     assert -rows[:, 3].min() < 3.0
     assert not truth["crashed"]
@@ -93,7 +93,7 @@ def test_a_gust_is_held_against(tmp_path):
         since = told.began["up"][1]
         rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
         truth = autopilot.truth
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     pushed = np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]).max()
     assert 0.2 < pushed < 2.0
     assert not truth["crashed"]

@@ -5,7 +5,7 @@ import pytest
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import AHEAD, fly_mission, stay, strike
 
-from missionkit.engine.loop import End
+from missionkit.engine.flight_loop import FlightEnd
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ def test_a_vehicle_that_is_no_longer_felt_is_landed_and_seen_to_have_landed(
         truth = autopilot.truth
     assert told.reasons[-1] == "failsafe mishap"
     assert modes[0]["at"] - since < 5.0
-    assert told.flown.end is End.LANDED
+    assert told.flown.end is FlightEnd.LANDED
     assert truth["on_ground"]
     assert not truth["crashed"]
     assert np.hypot(*truth["position"][:2]) < 3.0

@@ -11,7 +11,7 @@ from vehicle.on_a_mission import LIMIT, stay
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.fly import fly_vehicle
-from missionkit.engine.flight import prepare
+from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse as address_of
 from missionkit.vehicle.lock import LinkLock

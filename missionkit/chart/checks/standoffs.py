@@ -10,7 +10,7 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import Point3
 from missionkit.chart.model.mission import State
 from missionkit.errors import Level, Problem
-from missionkit.perception.goal import SLACK
+from missionkit.goal_pose import SLACK
 from missionkit.planning.potential_field import PotentialField
 
 

@@ -1,0 +1,257 @@
+"""The shell around the tick: observes, ticks, commands, reports, until the flight has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack
+from dataclasses import replace
+from enum import StrEnum
+from typing import NamedTuple
+
+from missionkit.chart.semantics.step import ABORT
+from missionkit.engine.clock import Pace, Unhurried, processor_time, stopwatch
+from missionkit.engine.flight_state import FlightMemory, FlightState
+from missionkit.engine.prepared_mission import PreparedMission, begin
+from missionkit.engine.resume.reconciliation import ResumedFlight
+from missionkit.engine.resume.resumption import Resumption, wake
+from missionkit.engine.run_lifecycle import Lifecycle
+from missionkit.engine.tick import Ticked, tick
+from missionkit.engine.timed_containment import TimedContainment
+from missionkit.errors import UsageError
+from missionkit.messages import Cycle, Observation, Record, is_event
+from missionkit.ports import Vehicle
+
+GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
+REFUSED = 30.0  # s in which nothing but what speaks against arming was heard
+LONGEST_ABORT = 300.0  # s an abort may take, or the wait for arming
+LONGEST_SILENCE_LANDING = (
+    120.0  # s without a heartbeat while landing: nothing more can be learnt or done
+)
+
+Observer = Callable[[Record, Observation], None]
+Keeper = Callable[[FlightState, Record], None]
+
+
+def no_reports() -> tuple[str, ...]:
+    """Report nothing: what records the flight raises what fails."""
+    return ()
+
+
+def keep_nothing(_: FlightState, __: Record) -> None:
+    """Save nothing: the flight cannot be resumed."""
+
+
+class FlightEnd(StrEnum):
+    """How a flight ended."""
+
+    LANDED = "landed"
+    GROUNDED = "on the ground although the chart was still flying"
+    NEVER_LEFT = "the vehicle never took off"
+    NOT_ARMED = "nothing was armed"
+    OUT_OF_TIME = "still in the air when time ran out"
+    SILENT = "told to land, but the vehicle no longer answers"
+
+
+class FlownFlight(NamedTuple):
+    """What the loop gives back."""
+
+    end: FlightEnd
+    aborted: bool
+    duration: float  # s, mission time
+    ticks: int
+    memory: FlightMemory
+    why: str = ""  # it stayed on the ground
+
+    @property
+    def says(self) -> str:
+        """How it ended, in words."""
+        more = "; --anyway flies nevertheless" if self.end is FlightEnd.NOT_ARMED else ""
+        return f"{self.end}: {self.why}{more}" if self.why else str(self.end)
+
+
+class Operator:
+    """What the person at the keys wants."""
+
+    def __init__(self) -> None:
+        self.wants_down = False
+        self._events: list[str] = []
+
+    def land(self) -> None:
+        """Ask for a landing, now."""
+        self.wants_down = True
+
+    def send(self, event: str) -> None:
+        """Send an event to the chart, which hears it at the next tick.
+
+        Raises:
+            UsageError: it is no name of an event.
+        """
+        if not is_event(event):
+            raise UsageError(f"event {event!r}: expected words joined by '.', such as 'go'")
+        self._events.append(event)
+
+    def take(self) -> tuple[str, ...]:
+        """Return what was sent since it was last asked."""
+        sent = tuple(self._events)
+        self._events.clear()
+        return sent
+
+
+class _Watch:
+    """Notices when the flight is over."""
+
+    def __init__(self, time_limit: float, since: FlightState) -> None:
+        self.flown = since.flown
+        self.grounded_since = since.grounded_since
+        self.time_limit = time_limit
+        self.refused_since: float | None = None
+        self.why = ""
+
+    def over(self, plan: PreparedMission, done: Ticked) -> FlightEnd | None:
+        now, status = done.memory.now, done.record.estimate.status
+        state = plan.chart.states[done.record.state]
+        ended = done.memory.chart.ended and status is not None and not status.in_air
+        if ended or (state.kind.name == "land" and done.memory.acting.done):
+            return FlightEnd.LANDED if self.flown else FlightEnd.NEVER_LEFT
+        if (
+            state.kind.name == "land"
+            and now - (0.0 if status is None else status.at) > LONGEST_SILENCE_LANDING
+        ):
+            return FlightEnd.SILENT
+        if status is not None:
+            self.flown = self.flown or status.in_air
+        self.why = done.grounded or done.record.step_note
+        if not self.flown and now >= LONGEST_ABORT and (status is None or not status.armed):
+            return FlightEnd.NEVER_LEFT
+        if self._refused(done):
+            return FlightEnd.NOT_ARMED
+        down = self.flown and status is not None and not status.armed and not status.in_air
+        self.grounded_since = (self.grounded_since or now) if down else None
+        if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:
+            return FlightEnd.GROUNDED
+        return FlightEnd.OUT_OF_TIME if now >= self.time_limit + LONGEST_ABORT else None
+
+    def _refused(self, done: Ticked) -> bool:
+        """Say whether arming has been refused for long; one sound moment begins afresh."""
+        if not done.grounded or self.flown:
+            self.refused_since = None
+            return False
+        now = done.memory.now
+        self.refused_since = now if self.refused_since is None else self.refused_since
+        return now - self.refused_since >= REFUSED
+
+    def course(self, memory: FlightMemory, life: Lifecycle) -> FlightState:
+        return FlightState(memory, self.flown, self.grounded_since, life.state == "aborting")
+
+
+async def fly(
+    plan: PreparedMission,
+    vehicle: Vehicle,
+    observers: Sequence[Observer] = (),
+    *,
+    operator: Operator | None = None,
+    pace: Pace | None = None,
+    time_limit: float = 1800.0,
+    believe_stopwatch: bool = False,
+    keeper: Keeper = keep_nothing,
+    reports: Callable[[], tuple[str, ...]] = no_reports,
+    resume: Resumption | Callable[[], Resumption] | None = None,
+) -> FlownFlight:
+    """Fly the mission.
+
+    The command alone must succeed: what `observers` and `keeper` raise ends the flight, so that
+    over a vehicle they are to hand over what may fail or wait to sinks (`recorder.sink`).
+
+    Args:
+        plan: the mission, ready to fly.
+        vehicle: what carries it out.
+        observers: called after every tick with its record and observation.
+        operator: asks for a landing; also done here at `time_limit` (s).
+        pace: lets mission time pass; as fast as possible by default.
+        time_limit: mission time (s) after which the flight is aborted.
+        believe_stopwatch: show the measured timing to the guards, and limit plug-ins by the wall's
+            time. A simulation shows its own timing and limits by processor time instead, so that
+            a busy machine does not change how a mission is rehearsed.
+        keeper: called after every tick but the last with all that is needed to go on from it.
+        reports: what failed beside the flight since the last call; joins the problems.
+        resume: goes on with a flight under way instead of beginning one; called, if time goes on
+            while the vehicle is being reached, once it is.
+
+    Raises:
+        VehicleError: the vehicle could not be reached, or is to be left alone.
+    """
+    operator = operator or Operator()
+    pace = pace or Unhurried()
+    contain = TimedContainment(stopwatch if believe_stopwatch else processor_time)
+    await vehicle.connect()
+    end: FlightEnd | None = None
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(vehicle.close)
+        (course, events, notes) = await _opening(plan, vehicle, pace, resume)
+        stack.enter_context(contain.interrupting())
+        life, watch = _started(course), _Watch(time_limit, course)
+        memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
+        while end is None:
+            count += 1
+            now = count * plan.period
+            await pace.until(now)
+            observation = await vehicle.observe(now)
+            if believe_stopwatch:
+                observation = replace(observation, cycle=cycle)
+            events += operator.take() + _pressing(life, operator, late=now >= time_limit)
+            observation = _with_events(observation, events)
+            done = tick(plan, memory, observation, contain, stopwatch)
+            memory = done.memory
+            await vehicle.send(done.command)
+            cycle = _cycle(done, cycle, plan.period)
+            record = done.record._replace(
+                cycle=cycle, problems=notes + reports() + done.record.problems
+            )
+            events, notes = (), ()
+            for observer in observers:
+                observer(record, observation)
+            end = watch.over(plan, done)
+            if end is None:
+                keeper(watch.course(memory, life), record)
+    aborted = life.state == "aborting"
+    life.finish()
+    why = watch.why if end in {FlightEnd.NOT_ARMED, FlightEnd.NEVER_LEFT} else ""
+    return FlownFlight(end, aborted, memory.now, count, memory, why)
+
+
+async def _opening(
+    plan: PreparedMission,
+    vehicle: Vehicle,
+    pace: Pace,
+    resume: Resumption | Callable[[], Resumption] | None,
+) -> ResumedFlight:
+    """Return with what the flight begins or goes on."""
+    if resume is None:
+        return ResumedFlight(FlightState(begin(plan)), (), ())
+    since = resume() if callable(resume) else resume
+    return await wake(plan, vehicle, pace, since)
+
+
+def _started(course: FlightState) -> Lifecycle:
+    life = Lifecycle()
+    life.start()
+    if course.aborting:
+        life.abort()
+    return life
+
+
+def _pressing(life: Lifecycle, operator: Operator, *, late: bool) -> tuple[str, ...]:
+    """Begin the abort when it is time; return the event that says so as long as it lasts."""
+    if operator.wants_down or late:
+        life.abort()
+    return (ABORT,) if life.state == "aborting" else ()
+
+
+def _with_events(observation: Observation, events: tuple[str, ...]) -> Observation:
+    return replace(observation, events=observation.events + events) if events else observation
+
+
+def _cycle(done: Ticked, before: Cycle, budget: float) -> Cycle:
+    sense, process, control = done.took
+    late = sense + process + control > budget
+    return Cycle(sense, process, control, before.overruns + late)

@@ -1,0 +1,69 @@
+"""The memory of a flight between two ticks: immutable, and fit to be saved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from missionkit.chart.semantics.chart_memory import ChartMemory
+from missionkit.control.controller import ControlMemory
+from missionkit.control.hold_point import HoldPoint
+from missionkit.geometry import Vec3
+from missionkit.messages import Battery, Goal, Scan, VehicleStatus
+from missionkit.perception.eye import EyeMemory
+from missionkit.planning.potential_field import FieldMemory
+
+
+class SensorState(NamedTuple):
+    """What was sensed last, and the filters' memories."""
+
+    navigation: Any  # the navigator's memory
+    eye: EyeMemory
+    battery: Battery | None = None
+    status: VehicleStatus | None = None
+    scan: Scan | None = None
+    home: Vec3 | None = None
+    misfit: str = ""  # how the sightings did not fit the filter's noise, the first time
+
+
+class PausedBehavior(NamedTuple):
+    """A behaviour that does not command at present."""
+
+    behavior: Any  # its memory
+    done: bool
+    goal: Goal | None
+
+
+class BehaviorState(NamedTuple):
+    """How far the commanding behaviour and the controller have come."""
+
+    control: ControlMemory
+    avoidance: Any = None  # memory of the planner
+    behavior: Any = None
+    begun: bool = False  # the behaviour's own memory exists
+    done: bool = False
+    goal: Goal | None = None
+    failing: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()  # from the behaviour, to be heard at the next tick
+    paused: Mapping[str, PausedBehavior] = {}  # states around the one that commands
+    past: Mapping[str, PausedBehavior] = {}  # states that a history may lead back to
+    scan: FieldMemory = FieldMemory()  # the newest, for braking
+    held: HoldPoint | None = None  # the place that is held while no behaviour leads anywhere
+
+
+class FlightMemory(NamedTuple):
+    """All that a flight remembers from one tick to the next."""
+
+    now: float
+    senses: SensorState
+    chart: ChartMemory
+    acting: BehaviorState  # of the state that commands
+
+
+class FlightState(NamedTuple):
+    """A flight under way: all that the shell around the tick needs to go on with it."""
+
+    memory: FlightMemory
+    flown: bool = False  # it has been in the air
+    grounded_since: float | None = None  # s, disarmed in a flying state
+    aborting: bool = False

@@ -1,0 +1,123 @@
+"""Whether a flight was a success: the mission's conditions, and what no success survives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from missionkit.chart.model.mission_sections import Success
+from missionkit.engine.flight_history import FlightHistory
+
+ESTIMATE_LIMIT = 3.0  # m, of the estimate from the truth in flight
+LANDING_LIMIT = 5.0  # m, of the landing from the place where it meant to land
+FENCE_LIMIT = 0.0  # m, outside a fence of the mission's failsafes
+
+
+class Condition(NamedTuple):
+    """One condition of success, and what came of it."""
+
+    says: str
+    met: bool | None  # None: only the truth could tell, and nobody knows it
+    figure: str
+    never: str = ""  # the state that was never entered
+
+
+class TruthSummary(NamedTuple):
+    """What ground truth says of a flight, as far as success needs it."""
+
+    visits: Mapping[str, tuple[float, float | None] | None]  # state -> m, deg on entry
+    clearance: float  # m
+    touched_at: float | None = None  # s, the ground outside landing and take-off
+    estimate_error: float = 0.0  # m, largest in flight
+    outside_fence: float = 0.0  # m
+    landing_error: float | None = None  # m, from where it meant to land
+
+
+def conditions(
+    wanted: tuple[Success, ...], passage: FlightHistory, truth: TruthSummary | None
+) -> tuple[Condition, ...]:
+    """Return every condition of a mission with its figure.
+
+    Args:
+        wanted: the mission's `success`.
+        passage: what the flight went through.
+        truth: of a simulated flight; None: nobody knows it.
+    """
+    return tuple(found for one in wanted for found in _conditions(one, passage, truth))
+
+
+def flaws(
+    wanted: tuple[Success, ...], passage: FlightHistory, truth: TruthSummary | None
+) -> tuple[str, ...]:
+    """Return what makes a flight no success, whatever its conditions say."""
+    found = [] if truth is None else list(_by_truth(truth))
+    if passage.lost:
+        found.append(f"did not know where it was as it began to land: {passage.lost}")
+    ended = passage.ended_by
+    if ended is not None and ended.default:
+        found.append(f"a default failsafe ended it at {ended.at:.1f} s: {ended.said}")
+    elif ended is not None and not wanted:
+        found.append(
+            f"{ended.said} ended it at {ended.at:.1f} s, and the mission does not say what success "
+            "is"
+        )
+    return tuple(found)
+
+
+def _by_truth(truth: TruthSummary) -> Iterator[str]:
+    if truth.touched_at is not None:
+        yield f"touched the ground at {truth.touched_at:.1f} s, outside landing and take-off"
+    if truth.outside_fence > FENCE_LIMIT:
+        yield f"left its fence by {truth.outside_fence:.1f} m, in truth"
+    if truth.estimate_error > ESTIMATE_LIMIT:
+        yield (
+            f"the estimate was up to {truth.estimate_error:.1f} m off, more than "
+            f"{ESTIMATE_LIMIT:g} m"
+        )
+    if truth.landing_error is not None and truth.landing_error > LANDING_LIMIT:
+        yield (
+            f"landed {truth.landing_error:.1f} m from where it meant to, more than "
+            f"{LANDING_LIMIT:g} m"
+        )
+
+
+def _conditions(
+    one: Success, passage: FlightHistory, truth: TruthSummary | None
+) -> Iterator[Condition]:
+    if one.visit is not None:
+        yield _visit(one, one.visit, passage, truth)
+    if one.done is not None:
+        at = passage.finished.get(one.done)
+        figure = "never" if at is None else f"at {at:.1f} s"
+        yield Condition(f"{one.done} finished", at is not None, figure)
+    if one.clearance is not None:
+        says = f"{one.clearance:g} m clear of obstacles"
+        if truth is None:
+            yield Condition(says, None, "only a simulator knows")
+        else:
+            yield Condition(says, truth.clearance >= one.clearance, f"{truth.clearance:.2f} m")
+    if one.failsafes is not None:
+        count = len(passage.failsafes)
+        says = f"at most {one.failsafes} failsafes taken"
+        yield Condition(says, count <= one.failsafes, str(count))
+
+
+def _visit(
+    one: Success, state: str, passage: FlightHistory, truth: TruthSummary | None
+) -> Condition:
+    span = passage.spans.get(state)
+    says = f"{state} visited"
+    if one.target is not None:
+        says += f", within {one.position:g} m and {one.yaw_deg:g} deg of {one.target}"
+    if span is None:
+        return Condition(says, met=False, figure="never", never=state)
+    at = f"at {span[0]:.1f} s"
+    if one.target is None or truth is None:
+        return Condition(says, met=True, figure=at)
+    missed = truth.visits.get(state)
+    if missed is None:
+        return Condition(says, met=False, figure=f"no marker of {one.target} in the world")
+    error, turned = missed
+    near = error <= one.position and (turned is None or turned <= one.yaw_deg)
+    told = f"{at}, {error:.3f} m" + ("" if turned is None else f", {turned:.1f} deg")
+    return Condition(says, near, told)

@@ -1,0 +1,127 @@
+"""A mission ready to fly: everything the tick needs that does not change in flight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from missionkit.chart.model.guard_expressions import Use
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.chart.semantics.chart_memory import begin as begin_chart
+from missionkit.chart.semantics.compiled_chart import Chart
+from missionkit.control.controller import Control
+from missionkit.engine.contained_navigator import contained
+from missionkit.engine.flight_state import BehaviorState, FlightMemory, SensorState
+from missionkit.engine.ground_floor import floor_of
+from missionkit.errors import UsageError
+from missionkit.estimation.builder import build
+from missionkit.estimation.navigator import Navigator
+from missionkit.estimation.warm_up import warm_up
+from missionkit.geometry import Quat, Transform, Vec3
+from missionkit.goal_pose import facing
+from missionkit.messages import CameraModel, Occupancy
+from missionkit.perception.aruco import Aruco
+from missionkit.perception.eye import Eye
+from missionkit.planning import warm_up as planning
+from missionkit.planning.avoiding import Avoids
+from missionkit.planning.potential_field import PotentialField
+from missionkit.plugin import Plugin
+
+
+class PreparedMission(NamedTuple):
+    """What flies."""
+
+    chart: Chart
+    navigator: Navigator
+    eye: Eye
+    camera: CameraModel
+    control: Control
+    field: Avoids | None
+    facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
+    period: float = 0.05  # s
+    map: Occupancy | None = None
+    brake: PotentialField | None = None  # before obstacles, whoever plans the way past them
+    floor: float = math.inf  # m, NED, how far down guidance may lead
+    arm_anyway: bool = False  # although a failsafe holds on the ground already
+
+
+def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
+    """Build what flies from a mission that was loaded without problems, ready to tick in time.
+
+    Raises:
+        UsageError: a navigator or a planner of another package does not begin.
+    """
+    warm_up()
+    if mission.known is not None:
+        planning.warm_up()
+    camera = mission.camera.model()
+    surveyed = {
+        name: (np.array(target.position), target.position_sd)
+        for name, target in mission.targets.items()
+    }
+    turned = {
+        name: facing(math.radians(target.facing_deg))
+        for name, target in mission.targets.items()
+        if target.facing_deg is not None
+    }
+    navigation = mission.navigation
+    chart = compile_mission(mission, catalogue)
+    markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
+    return PreparedMission(
+        chart=chart,
+        navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
+        eye=Eye(camera, markers),
+        camera=camera,
+        control=mission.control,
+        field=None if mission.avoid is None else _planner(mission.avoid),
+        facing=turned,
+        period=1.0 / mission.settings.rate,
+        map=mission.known,
+        floor=floor_of(
+            [state.behavior for state in chart.states.values()],
+            {name: target.position[2] for name, target in mission.targets.items()},
+        ),
+        brake=None if mission.avoid is None else _brake(mission.avoid),
+    )
+
+
+def _navigator(
+    kind: str, plugin: Plugin, surveyed: Mapping[str, tuple[Vec3, float]], mount: Transform
+) -> Navigator:
+    try:
+        built = build(plugin, surveyed, mount)  # `chart.plugin_check` has looked at its class
+    except Exception as error:
+        why = f"build raised {type(error).__name__}: {error}"
+        raise UsageError(f"navigator {kind!r} cannot be used: {why}") from error
+    return contained(kind, plugin, built)
+
+
+def _planner(use: Use[Plugin]) -> Avoids:
+    planner = cast(Avoids, use.plugin)  # `chart.plugin_check` has looked at its class
+    try:
+        planner.begin()
+    except Exception as error:
+        why = f"begin raised {type(error).__name__}: {error}"
+        raise UsageError(f"planner {use.kind!r} cannot be used: {why}") from error
+    return planner
+
+
+def _brake(use: Use[Plugin]) -> PotentialField:
+    """Return what brakes: the mission's own planner, or the built-in one beside another's."""
+    return use.plugin if isinstance(use.plugin, PotentialField) else PotentialField()
+
+
+def begin(plan: PreparedMission, now: float = 0.0) -> FlightMemory:
+    """Return the memory before the first tick."""
+    field = None if plan.field is None else plan.field.begin()
+    return FlightMemory(
+        now,
+        SensorState(plan.navigator.begin(), plan.eye.begin()),
+        begin_chart(plan.chart, now),
+        BehaviorState(plan.control.begin(), field),
+    )

@@ -1,0 +1,1 @@
+"""Resuming a flight whose process died: checkpoint, listen first, command later."""

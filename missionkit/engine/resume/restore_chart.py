@@ -1,0 +1,99 @@
+"""Fitting a saved chart memory to the chart that is flown now."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from missionkit.chart.model.variables import Value, Values
+from missionkit.chart.semantics.chart_memory import ChartMemory, begin
+from missionkit.chart.semantics.compiled_chart import (
+    HISTORY,
+    ROOT,
+    Chart,
+    GuardMemory,
+    Shape,
+)
+from missionkit.chart.semantics.configuration import configuration
+from missionkit.engine.resume.checkpoint_policy import StartsAgain
+
+
+def fitted(
+    chart: Chart, saved: ChartMemory, now: float, gap: float, *, changed: bool
+) -> tuple[ChartMemory, bool, tuple[str, ...]]:
+    """Return the memory to go on with, whether the chart stands where it stood, and the news.
+
+    How long a guard has held (`for:`) is not known across a gap: for the states' own transitions
+    it counts anew, for failsafes and invariants it counts on. Times of entry stay, so `after:`
+    goes on.
+
+    Args:
+        chart: that is flown now.
+        saved: the memory as it was saved.
+        now: s.
+        gap: s in which nobody commanded, up to now.
+        changed: the mission is not the one that was flown; guards then begin anew.
+    """
+    fresh = begin(chart, now)
+    if not changed:
+        numbers = {failsafe.number for failsafe in chart.failsafes}
+        held = {number: since for number, since in saved.held.items() if number in numbers}
+        return saved._replace(held=held, windows=_windows(chart, fresh, saved, gap)), True, ()
+    if not stands(chart, saved):
+        lost = f"the chart has no place like {', '.join(saved.active)}: it begins anew"
+        return fresh._replace(variables=_values(chart, saved)), False, (lost,)
+    kept = fresh._replace(
+        active=saved.active,
+        entered=saved.entered,
+        variables=_values(chart, saved),
+        pilot=configuration(chart, saved.active).pilot,
+        started=True,
+        ended=saved.ended,
+    )
+    return kept, True, ("guards, behaviours and histories begin anew",)
+
+
+def stands(chart: Chart, saved: ChartMemory) -> bool:
+    """Say whether a configuration is one of this chart's: legal by SCXML, in document order."""
+    if any(name not in chart.states for name in (*saved.active, *saved.entered)):
+        return False
+    ordered = sorted(set(saved.active), key=lambda name: chart.states[name].order)
+    return tuple(ordered) == saved.active and all(
+        _legal(chart, name, saved.active) for name in (ROOT, *saved.active)
+    )
+
+
+def _legal(chart: Chart, name: str, active: tuple[str, ...]) -> bool:
+    state = chart.states[name]
+    inside = sum(child in active for child in state.children)
+    if name != ROOT and state.parent not in (ROOT, *active):
+        return False
+    if state.shape is Shape.PARALLEL:
+        return inside == sum(chart.states[it].shape not in HISTORY for it in state.children)
+    if name == ROOT or state.shape is Shape.COMPOUND:
+        return inside == 1
+    return state.shape not in HISTORY
+
+
+def _windows(chart: Chart, fresh: ChartMemory, saved: ChartMemory, gap: float) -> tuple[Any, ...]:
+    slots = zip(chart.slots, fresh.windows, saved.windows, strict=True)
+    return tuple(
+        new if old is StartsAgain.BEGIN else _resumed(slot, new, old, gap)
+        for slot, new, old in slots
+    )
+
+
+def _resumed(slot: GuardMemory, new: Any, old: Any, gap: float) -> Any:
+    """Return what a guard remembers after the gap; one that cannot say begins again."""
+    try:
+        return slot.resumed(old, gap)
+    except Exception:  # noqa: BLE001 - a plug-in's fault does not end the resumption
+        return new
+
+
+def _values(chart: Chart, saved: ChartMemory) -> Values:
+    """Return the variables, with the saved values that they still admit."""
+    values: dict[str, Value] = {}
+    for name, variable in chart.variables.items():
+        kept = saved.variables.get(name, variable.initial)
+        values[name] = kept if variable.admits(kept) else variable.initial
+    return values

@@ -1,0 +1,70 @@
+"""Going on with a flight whose process died: listen first, command later."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from missionkit.chart.semantics.plugin_containment import Containment
+from missionkit.engine.clock import Pace
+from missionkit.engine.flight_state import FlightMemory, FlightState
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.engine.resume.reconciliation import ResumedFlight, reconciled
+from missionkit.engine.sense import sense
+from missionkit.ports import Vehicle
+
+HEARTBEAT_WAIT = 2.0  # s to wait for a heartbeat
+SETTLING = 10.0  # s to wait, in the air, until the estimate is sound again
+LATELY = 2.0  # s before the end in which a fix was taken
+CALM = 1.0  # s without a refused measurement: it is
+
+
+class Resumption(NamedTuple):
+    """From what, and when, a flight goes on."""
+
+    course: FlightState  # as it was saved
+    now: float  # s, mission time, which went on while nobody commanded
+    changed: bool = False  # the mission is not the one that was flown
+    notes: tuple[str, ...] = ()  # what else is to be told
+
+
+async def wake(
+    plan: PreparedMission, vehicle: Vehicle, pace: Pace, since: Resumption
+) -> ResumedFlight:
+    """Listen until the vehicle has said what it does, then fit the memory to it.
+
+    The filter takes in what is heard; the chart and its guards do not move. In the air it is given
+    time to get over the hole in its data, while the autopilot holds.
+
+    Raises:
+        VehicleError: the vehicle is to be left alone; nothing was commanded.
+    """
+    saved, heard = since.course, since.course.memory
+    count, calm = round(since.now / plan.period), 0.0
+    while not _enough(saved.memory, heard, waited=heard.now - since.now, calm=calm):
+        count += 1
+        now = count * plan.period
+        await pace.until(now)
+        senses, _ = sense(plan, heard, await vehicle.observe(now), Containment())
+        heard = heard._replace(now=now, senses=senses)
+        calm = calm + plan.period if _sound(plan, saved.memory, heard) else 0.0
+    woken = reconciled(plan, saved, heard, changed=since.changed)
+    return woken._replace(notes=woken.notes + since.notes)
+
+
+def _enough(before: FlightMemory, heard: FlightMemory, *, waited: float, calm: float) -> bool:
+    status = heard.senses.status
+    if status is None or status.at <= before.now:
+        return waited >= HEARTBEAT_WAIT
+    return not status.in_air or calm >= CALM or waited >= SETTLING
+
+
+def _sound(plan: PreparedMission, before: FlightMemory, heard: FlightMemory) -> bool:
+    """Say whether the filter takes what it is told, fixes among it; until aligned it need not.
+
+    A flight that had no fixes lately is not asked for any.
+    """
+    health = plan.navigator.read(heard.senses.navigation).health
+    last = plan.navigator.read(before.senses.navigation).health.gnss_at
+    without = last is None or before.now - last > LATELY
+    fixed = without or (health.gnss_at is not None and health.gnss_at > before.now)
+    return not health.aligned or (fixed and not health.diverged and not health.rejected)

@@ -1,0 +1,1 @@
+"""The visual-inertial navigator: an error-state Kalman filter with delayed measurements."""

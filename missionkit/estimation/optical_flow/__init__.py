@@ -1,0 +1,1 @@
+"""The optical-flow navigator: a Kalman filter per axis, without satellites or camera."""

@@ -1,0 +1,80 @@
+"""Turning the optical-flow navigator's memory into what the rest of the house sees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
+from missionkit.estimation.navigator import NavState
+from missionkit.estimation.optical_flow.flow_memory import (
+    EAST,
+    NORTH,
+    UP,
+    FlowMemory,
+)
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.geometry import Mat, Vec3, vec
+from missionkit.messages import Health, Target
+
+
+def state(
+    known: FlowMemory, surveyed: Mapping[str, tuple[Vec3, float]], settings: FlowKalman
+) -> NavState:
+    """Return what is believed; targets are where they were surveyed."""
+    (north, v_north), (east, v_east), (up, climb) = known.mu.tolist()
+    sd = position_sd(known, settings.rate_bias_sd)
+    return NavState(
+        position=vec(north, east, -up),
+        velocity=vec(v_north, v_east, -climb),
+        attitude=known.attitude,
+        rates=known.last[4:7] - known.bias,
+        health=Health(
+            aligned=known.aligned,
+            diverged=known.aligned and diverged(known, sd, settings),
+            gnss_at=None,
+            vision_at=None,
+            position_sd=sd,
+            rejected=known.refused,
+            placed=known.aligned,
+            height_sd=math.sqrt(max(float(known.S[UP, 0, 0]), 0.0)),
+        ),
+        targets={
+            name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)
+            for name, (place, own) in surveyed.items()
+        },
+        covariance=_covariance(known),
+        correction=vec(0.0, 0.0, 0.0),
+        late=0,
+    )
+
+
+def position_sd(known: FlowMemory, rate_bias_sd: float) -> float:
+    """Return the standard deviation (m) of the worse horizontal axis.
+
+    The filters know of white noise alone. A turn rate that is wrong by b passes for a velocity
+    of b h: it adds b ∫ h dt.
+    """
+    worst = max(float(known.S[axis, 0, 0]) for axis in (NORTH, EAST))
+    return math.sqrt(worst + (rate_bias_sd * known.reach) ** 2)
+
+
+def diverged(known: FlowMemory, sd: float, settings: FlowKalman) -> bool:
+    """Say whether the estimate must not be flown on."""
+    silence = known.now - float(known.last[0])
+    blind = known.now - known.flow_at
+    return (
+        silence > settings.silent_after
+        or blind > settings.blind_after
+        or sd > settings.max_position_sd
+    )
+
+
+def _covariance(known: FlowMemory) -> Mat:
+    """Return (15, 15) with the parts that the filters have; height's are those of down."""
+    P = np.zeros((D_LANDMARKS, D_LANDMARKS))
+    for axis in (NORTH, EAST, UP):
+        P[axis : axis + 4 : 3, axis : axis + 4 : 3] = known.S[axis]
+    return P

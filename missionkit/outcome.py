@@ -1,0 +1,73 @@
+"""What a rehearsal came to, in one word and one sentence."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Literal
+
+from missionkit.engine.flight_history import FlightHistory
+from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.mission_success import Condition
+from missionkit.rehearsal import Rehearsal
+
+Outcome = Literal["success", "ended_safely", "crash"]
+
+
+def outcome(result: Rehearsal) -> Outcome:
+    """Return how a flight ended."""
+    if result.succeeded:
+        return "success"
+    on_ground = result.flown.end in {FlightEnd.NEVER_LEFT, FlightEnd.NOT_ARMED}
+    never_left = on_ground and not result.grade.crashed
+    return "ended_safely" if result.grade.landed or never_left else "crash"
+
+
+def reason(result: Rehearsal, *, asked: bool = False) -> str:
+    """Return why it ended so.
+
+    Args:
+        result: of a flight.
+        asked: the operator asked for a landing.
+    """
+    grade = result.grade
+    if result.succeeded:
+        return succeeded(result.passage)
+    if grade.crashed:
+        return "hit an obstacle or the ground"
+    if result.flown.end is not FlightEnd.LANDED:
+        return result.flown.says
+    if result.flown.aborted:
+        return aborted(asked=asked)
+    if result.flaws:
+        return f"no success: {result.flaws[0]}"
+    return missing(result.conditions)
+
+
+def succeeded(passage: FlightHistory) -> str:
+    """Return how a success came about: as planned, or past failsafes, which are named."""
+    if not passage.failsafes:
+        return "flown as planned"
+    times = Counter(failsafe.said for failsafe in passage.failsafes)
+    named = [said if count == 1 else f"{said} ({count} times)" for said, count in times.items()]
+    return f"all that was asked for was done, past these failsafes: {'; '.join(named)}"
+
+
+def missing(found: Sequence[Condition]) -> str:
+    """Return which conditions of success were not met; empty if all were."""
+    unmet = [it for it in found if it.met is False]
+    for it in unmet:
+        if it.never:
+            return unreached(it.never)
+    told = "; ".join(f"{it.says}: {it.figure}" for it in unmet)
+    return f"landed, but not as asked for: {told}" if told else ""
+
+
+def aborted(*, asked: bool) -> str:
+    """Return why a flight ended that was told to land."""
+    return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
+
+
+def unreached(visit: str) -> str:
+    """Return why a flight ended that never was in the state that counts."""
+    return f"landed without reaching {visit}"
