@@ -52,6 +52,10 @@ def fence(wanted: Wanted) -> ExitCode:
         UsageError: it has no fence, or a rally point or the address is none.
         VehicleError: nobody answers, it flies, or it has not taken the fence.
     """
+    if Path(wanted.address).suffix in {".yaml", ".yml"}:
+        raise UsageError(
+            f"{wanted.address} is no address: missionkit fence ADDRESS MISSION.yaml, in this order"
+        )
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
     around = box_of(mission, wanted.margin)
     points = [_point(text) for text in wanted.rally]

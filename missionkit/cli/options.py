@@ -46,8 +46,14 @@ def told(command: Callable[P, R]) -> Callable[P, R]:
         except BrokenPipeError:  # the reader has gone, as `head` does; typer ends quietly
             raise
         except OSError as error:
-            sentence = f"{error.filename or error}: {error.strerror}"
+            sentence = f"{error.filename or error}: {_reason(error)}"
             print(printable(sentence), file=sys.stderr)  # noqa: T201
             raise typer.Exit(ExitCode.BAD_FILE) from error
 
     return run
+
+
+def _reason(error: OSError) -> str:
+    if isinstance(error, FileExistsError | NotADirectoryError):
+        return "this is a file, where a folder is expected"
+    return str(error.strerror)

@@ -129,7 +129,7 @@ def states(folder):
 def test_ctrl_c_lands(interrupted):
     code, out, err, folder = interrupted("climbing")
     assert (code, err) == (1, "")
-    assert "ended_safely: landed because the operator asked for it" in out
+    assert "ended safely: landed because the operator asked for it" in out
     told = summary(folder)
     assert told["transitions"][-1]["reason"] == "operator: land"
     assert told["grade"]["landed"]
