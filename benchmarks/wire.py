@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.flights import ready
 from benchmarks.measure import Table, timed
-from missionkit.cli.fly import fly_vehicle, vehicle_of
+from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.engine.clock import stopwatch
 from missionkit.geometry import vec
 from missionkit.messages import Action, Command, Observation, Record, Setpoint

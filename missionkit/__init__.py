@@ -1,3 +1,91 @@
-"""Drone missions as YAML state charts."""
+"""Drone missions as YAML state charts: checked, rehearsed in a simulator, flown over MAVLink.
+
+Everything that `__all__` names is public and described in `docs/reference/python-api.md`; it is
+imported when it is first used, so that `import missionkit` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from missionkit.api.campaign import campaign as campaign
+    from missionkit.api.flight import fly as fly
+    from missionkit.api.missions import LoadedMission as LoadedMission
+    from missionkit.api.missions import load as load
+    from missionkit.api.simulation import rehearse as rehearse
+    from missionkit.api.validation import validate as validate
+    from missionkit.campaigns.analysis import Analysis as Analysis
+    from missionkit.engine.flight_loop import Operator as Operator
+    from missionkit.errors import FileError as FileError
+    from missionkit.errors import MissionkitError as MissionkitError
+    from missionkit.errors import NotFitError as NotFitError
+    from missionkit.errors import Problem as Problem
+    from missionkit.errors import UsageError as UsageError
+    from missionkit.errors import VehicleError as VehicleError
+    from missionkit.messages import Action as Action
+    from missionkit.messages import Battery as Battery
+    from missionkit.messages import CameraModel as CameraModel
+    from missionkit.messages import Command as Command
+    from missionkit.messages import Detection as Detection
+    from missionkit.messages import Estimate as Estimate
+    from missionkit.messages import Fired as Fired
+    from missionkit.messages import Frame as Frame
+    from missionkit.messages import Goal as Goal
+    from missionkit.messages import Guidance as Guidance
+    from missionkit.messages import Health as Health
+    from missionkit.messages import Look as Look
+    from missionkit.messages import Mode as Mode
+    from missionkit.messages import Observation as Observation
+    from missionkit.messages import Occupancy as Occupancy
+    from missionkit.messages import Record as Record
+    from missionkit.messages import Sighting as Sighting
+    from missionkit.messages import Step as Step
+    from missionkit.messages import Target as Target
+    from missionkit.messages import VehicleStatus as VehicleStatus
+    from missionkit.messages import Verdict as Verdict
+    from missionkit.plugin import Behavior as Behavior
+    from missionkit.plugin import Guard as Guard
+    from missionkit.plugin import Plugin as Plugin
+    from missionkit.plugin import WindowGuard as WindowGuard
+    from missionkit.recorder.summary import Summary as Summary
 
 __version__ = "0.1.0"
+
+_HOMES = {  # module -> what it gives
+    "api.campaign": ("campaign",),
+    "api.flight": ("fly",),
+    "api.missions": ("LoadedMission", "load"),
+    "api.simulation": ("rehearse",),
+    "api.validation": ("validate",),
+    "campaigns.analysis": ("Analysis",),
+    "engine.flight_loop": ("Operator",),
+    "errors": (
+        *("FileError", "MissionkitError", "NotFitError", "Problem", "UsageError", "VehicleError"),
+    ),
+    "messages": (
+        *("Action", "Battery", "CameraModel", "Command", "Detection", "Estimate", "Fired", "Frame"),
+        *("Goal", "Guidance", "Health", "Look", "Mode", "Observation", "Occupancy", "Record"),
+        *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
+    ),
+    "plugin": ("Behavior", "Guard", "Plugin", "WindowGuard"),
+    "recorder.summary": ("Summary",),
+}
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = sorted([*_HOME_OF, "__version__"])  # noqa: PLE0605 - a list, built once
+
+if not TYPE_CHECKING:  # a type checker reads the imports above, and refuses every other name
+
+    def __getattr__(name: str) -> object:
+        """Import a public name when it is first used."""
+        if name not in _HOME_OF:
+            raise AttributeError(f"module 'missionkit' has no attribute {name!r}")
+        value = getattr(import_module(f"missionkit.{_HOME_OF[name]}"), name)
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.engine.prepared_mission import prepare
 from missionkit.messages import Observation, Record
 from studies.markdown import table

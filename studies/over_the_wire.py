@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Stage, stage
 from missionkit.sim.grade import Grade, grade

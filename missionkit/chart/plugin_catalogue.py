@@ -95,6 +95,18 @@ class Catalogue:
         behaviors = [plugin for plugin in plugins if issubclass(plugin, Behavior)]
         return self.extended("guards", guards).extended("behaviors", behaviors)
 
+    def with_class(self, plugin: type[Plugin]) -> Catalogue:
+        """Return a catalogue with one more plug-in class, in the group that it fits.
+
+        Raises:
+            UsageError: it fits none, or its name is taken.
+        """
+        wrong = {group: wrong_with(group, plugin) for group in GROUPS}
+        fitting = [group for group in GROUPS if not wrong[group]]
+        if not fitting:
+            raise UsageError(f"{plugin!r} cannot be a plug-in: {wrong[GROUPS[0]]}")
+        return self.extended(fitting[0], [plugin])
+
 
 def source(plugin: type[Plugin]) -> str:
     """Say where a plug-in comes from."""

@@ -9,7 +9,7 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from missionkit.cli.vehicle_camera import named
+from missionkit.api.vehicle_camera import named
 from missionkit.errors import UsageError
 from missionkit.perception import charuco
 from missionkit.perception.calibration import NAMES, Lens, calibrate, doubts

@@ -7,11 +7,12 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from missionkit.api.missions import assemble
+from missionkit.api.vehicle_camera import named, source_of
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.camera_words import Look, Subject, markers, others, timing
-from missionkit.cli.catalogue import assemble, overrides
-from missionkit.cli.vehicle_camera import named, source_of
+from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.checkup import Checkup

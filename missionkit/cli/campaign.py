@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from missionkit import __version__
+from missionkit.api.campaign import cores, planned, reported, rule_of
+from missionkit.api.missions import assemble
 from missionkit.campaigns import cluster, pool, table
-from missionkit.campaigns.analysis import Analysis, analysed
-from missionkit.campaigns.conduct import Crew, conduct, counted
-from missionkit.campaigns.plan import Campaign, Rule, digest_of, found, keep
+from missionkit.campaigns.analysis import Analysis
+from missionkit.campaigns.conduct import Crew, conduct
+from missionkit.campaigns.plan import Campaign, digest_of, found, keep
 from missionkit.campaigns.progress import Progress
-from missionkit.campaigns.report import write_report
-from missionkit.campaigns.summary import summed_up, write_summary
-from missionkit.campaigns.vary import axes, variants
+from missionkit.campaigns.summary import summed_up
+from missionkit.campaigns.vary import axes
 from missionkit.campaigns.wording import between, percent
 from missionkit.chart.load import load
-from missionkit.cli.catalogue import assemble, overrides
-from missionkit.cli.rehearsed import fault_of
-from missionkit.cli.run import refuse
+from missionkit.cli.overrides import overrides
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import ExitCode, UsageError
 from missionkit.recorder.folder import keep_mission, run_folder
-from missionkit.rehearsal import world_of
 
 RUNS = 100
 
@@ -80,14 +77,7 @@ def report(folder: Path, *, as_json: bool) -> ExitCode:
     Raises:
         UsageError: the folder holds no campaign, or none of its runs has ended.
     """
-    told = found(folder)
-    rows = counted(table.read(folder), told)
-    if not rows:
-        raise UsageError(f"{folder}: no run has ended yet")
-    table.write(folder, rows)
-    said = analysed(told, rows)
-    write_summary(folder, said)
-    write_report(folder, said)
+    said = reported(folder)
     if as_json:
         print(json.dumps({**summed_up(said), "folder": str(folder)}, indent=2))  # noqa: T201
     else:
@@ -99,45 +89,23 @@ def _begun(wanted: Wanted) -> tuple[Campaign, Path]:
     """Check everything that every variant needs, then make the folder."""
     if wanted.mission is None:
         raise UsageError("name the mission file to fly, or --resume FOLDER")
-    rule = _rule(wanted)
     settings = overrides(wanted.settings)
-    vary = axes(wanted.vary, settings)
-    catalogue = assemble(wanted.plugins)
-    mission = None
-    for chosen in variants(vary):
-        mission = load(wanted.mission, catalogue, {**settings, **chosen})
-        refuse(mission, catalogue)
-    assert mission is not None  # noqa: S101 - there is always a variant
-    world = world_of(mission, wanted.mission.parent)
-    for text in wanted.faults:
-        fault_of(text, mission, world)
-    told = Campaign(
-        mission=str(wanted.mission.resolve()),
-        name=mission.name,
-        settings=settings,
-        plugins=tuple(str(path.resolve()) for path in wanted.plugins),
+    told = planned(
+        wanted.mission,
+        settings,
+        axes(wanted.vary, settings),
+        plugins=wanted.plugins,
         faults=wanted.faults,
-        vary=vary,
         seed=wanted.seed,
         runs=wanted.runs or RUNS,
         timeout=wanted.timeout,
-        rule=rule,
-        digest=digest_of(mission, wanted.mission, wanted.plugins),
+        rule=rule_of(width=wanted.width, require=wanted.require, better=wanted.better),
         records=wanted.records,
     )
-    folder = run_folder(wanted.out, mission.name, f"campaign-seed{wanted.seed}")
+    folder = run_folder(wanted.out, told.name, f"campaign-seed{wanted.seed}")
     keep_mission(folder, wanted.mission)
     keep(folder, told)
     return told, folder
-
-
-def _rule(wanted: Wanted) -> Rule:
-    rule = Rule(width=wanted.width, require=wanted.require, better=wanted.better)
-    if wanted.require is not None and not wanted.require < rule.hoped < 1.0:
-        raise UsageError("--require has to be below --better, and both below 1")
-    if wanted.require is None and wanted.better is not None:
-        raise UsageError("--better says nothing without --require")
-    return rule
 
 
 def _resumed(wanted: Wanted, folder: Path) -> tuple[Campaign, Path]:
@@ -163,7 +131,7 @@ def _crew(told: Campaign, folder: Path, wanted: Wanted) -> Crew:
     order = told.order(folder)
     if wanted.cluster is not None:
         return partial(cluster.flown, order, address=wanted.cluster, timeout=told.timeout)
-    workers = wanted.workers or len(os.sched_getaffinity(0))
+    workers = wanted.workers or cores()
     return partial(pool.flown, order, workers=workers, timeout=told.timeout)
 
 

@@ -6,9 +6,9 @@ import signal
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
-from types import FrameType
 from typing import NamedTuple
 
+from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.keys import Keys, Planned, offered
 from missionkit.cli.live import LineView, LiveView, live_view
@@ -21,8 +21,6 @@ from missionkit.recorder.sink import RECORD, Sink, Sinks, contained
 from missionkit.sim.truth import Truth
 
 GIVE_BACK = "r"  # the key
-STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a service's end, a lost shell
-TOGETHER = 0.5  # s
 
 
 class Cockpit(NamedTuple):
@@ -65,7 +63,7 @@ def cockpit(
     planned = Planned(order.events, operator)
     observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
-    signals = _landing_on_interrupt(operator)
+    signals = landing_on_interrupt(operator)
     with view or nullcontext(), closing(sinks), recorder, keys, signals, _giving_back(give_back):
         yield Cockpit(operator, safe)
 
@@ -98,31 +96,6 @@ def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> s
     told += [f"{key} gives control back" for key in deeds]
     keys = ", ".join(told)
     return f"{mission} — keys: {keys}" if keys else mission
-
-
-@contextmanager
-def _landing_on_interrupt(operator: Operator) -> Iterator[None]:
-    """Let the first of STOPPING land the vehicle, and a second one stop the program.
-
-    Service managers and shells send several at once: what comes within TOGETHER counts as one.
-    A signal that was ignored before, as `nohup` does, stays ignored.
-    """
-    first: list[float] = []
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        if not first:
-            first.append(stopwatch())
-            operator.land()
-        elif stopwatch() - first[0] > TOGETHER:
-            signal.default_int_handler(number, frame)
-
-    heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
-    before = [(it, signal.signal(it, stop)) for it in heeded]
-    try:
-        yield
-    finally:
-        for number, handler in before:
-            signal.signal(number, handler)
 
 
 @contextmanager

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from missionkit.api.missions import assemble
 from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
-from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError, VehicleError
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse

@@ -8,17 +8,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from missionkit.api.missions import assemble
+from missionkit.api.validation import checked as check
+from missionkit.api.validation import problems_of
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.state_contracts import unmet
-from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli import report
-from missionkit.cli.catalogue import assemble, overrides
+from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
 
 if TYPE_CHECKING:
     from missionkit.cli.flown import Flown
-    from missionkit.sim.world import World
 
 FORMATS = ("text", "json", "sarif")
 
@@ -41,7 +41,7 @@ def validate(
         problems = list(error.problems)
         checked: dict[Path, tuple[Mission | None, list[Problem]]] = {}
     else:
-        checked = {path: _checked(path, catalogue, values) for path in paths}
+        checked = {path: check(path, catalogue, values) for path in paths}
         problems = [problem for _, found in checked.values() for problem in found]
     if form == "text":
         _tell(checked, problems, strict=strict)
@@ -52,54 +52,6 @@ def validate(
 
 def _refused(problems: Iterable[Problem], *, strict: bool) -> bool:
     return any(strict or problem.level is Level.ERROR for problem in problems)
-
-
-def _checked(
-    path: Path, catalogue: Catalogue, values: Mapping[str, str]
-) -> tuple[Mission | None, list[Problem]]:
-    """Return a mission, if its file can be read as one, and all that is wrong with it."""
-    try:
-        mission = load(path, catalogue, values)
-    except FileError as error:
-        return None, list(error.problems)
-    world, problems = _world_of(path, mission)
-    return mission, [*_found(mission, catalogue, world), *problems]
-
-
-def _found(mission: Mission, catalogue: Catalogue, world: World | None = None) -> list[Problem]:
-    """Return what is wrong with the chart of a mission, in the order of its files."""
-    from missionkit.chart.checks import findings  # noqa: PLC0415
-
-    endurance = None if world is None else _endurance(world)
-    sight = None if world is None else world.sensors.scan.range
-    found = {
-        *unmet(mission, catalogue),
-        *findings(mission, catalogue, endurance=endurance, sight=sight),
-    }
-    return sorted(found, key=_order)
-
-
-def _order(problem: Problem) -> tuple[str, int, int, str, str]:
-    place = problem.place
-    return place.file, place.line, place.column, problem.code, problem.message
-
-
-def _world_of(path: Path, mission: Mission) -> tuple[World | None, Sequence[Problem]]:
-    if mission.world is None:
-        return None, ()
-    from missionkit.chart.load import load_model  # noqa: PLC0415
-    from missionkit.sim.world import World  # noqa: PLC0415
-
-    try:
-        return load_model(path.parent / mission.world, World), ()
-    except FileError as error:
-        return None, error.problems
-
-
-def _endurance(world: World) -> float:
-    """Return how long (s) the simulated vehicle hovers on the battery it starts with."""
-    joules = 3600.0 * world.battery.capacity * world.battery.charge
-    return joules / world.quadrotor.hover_power
 
 
 def _tell(
@@ -181,7 +133,7 @@ def graph(
     catalogue = assemble(files)
     written = load(path, catalogue, overrides(settings) if flights is None else flights.values)
     overlay = NOTHING if flights is None else flights.overlay(path, written, catalogue)
-    mission, found = fulfilled(written, catalogue), marks(written, _found(written, catalogue))
+    mission, found = fulfilled(written, catalogue), marks(written, problems_of(written, catalogue))
     if out is None:
         _say(mermaid(mission, found, overlay).rstrip("\n"))
         return

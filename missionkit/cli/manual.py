@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from missionkit.api.missions import assemble
 from missionkit.chart.plugin_catalogue import GROUPS, Catalogue, source
-from missionkit.cli.catalogue import assemble
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin
 from missionkit.sim.faults import KINDS as FAULTS

@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
+from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
+from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.cli.cockpit import cockpit
-from missionkit.cli.fly import fly_vehicle, share_of, vehicle_of
 from missionkit.cli.guarded import guarded
 from missionkit.cli.order import Order
 from missionkit.cli.origin import Origin
 from missionkit.cli.resume_vehicle import Before, Saving, before, woken
 from missionkit.cli.run_files import Folder, folder_of
-from missionkit.engine.flight_history import FlightHistory, after, passed
-from missionkit.engine.flight_loop import FlightEnd, FlownFlight, Observer
-from missionkit.engine.mission_success import conditions, flaws
+from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.errors import ExitCode, UsageError
-from missionkit.messages import Observation, Record
-from missionkit.outcome import aborted, missing, succeeded
 from missionkit.recorder.codec import is_plain
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import background
-from missionkit.recorder.summary import Outcome, Summary, summarise
+from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import world_of
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
@@ -81,7 +75,7 @@ def _flown(order: Order, ready: Ready) -> Summary:
     sinks = background()
     recorder = folder.recorder(plan, scenery, past, sinks.record)
     save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)
-    log = _Log(plan.chart, past)
+    log = FlightLog(plan.chart, None if past is None else past.track)
     with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
         flown = fly_vehicle(
             plan,
@@ -99,67 +93,11 @@ def _flown(order: Order, ready: Ready) -> Summary:
     summary = summarise(
         recorder.track,
         mission=mission.name,
-        outcome=_outcome(flown, log.passage, mission.success),
-        reason=_reason(flown, log.passage, mission.success, asked=asked),
+        outcome=outcome_of(flown, log.passage, mission.success),
+        reason=reason_of(flown, log.passage, mission.success, asked=asked),
         conditions=[it[:3] for it in conditions(mission.success, log.passage, None)],
         parameters=mission.params,
         record_hash=recorder.close(),
     )
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
-
-
-class _Log:
-    """Keeps what the flight went through, from before it was gone on with too."""
-
-    def __init__(self, chart: Chart, past: Before | None) -> None:
-        visits = () if past is None else past.track.visits
-        self.passage = FlightHistory({it.state: (it.start, it.end) for it in reversed(visits)})
-        for at, fired in () if past is None else past.track.transitions:
-            self.passage = after(self.passage, fired, at, chart)
-        self._chart = chart
-
-    def __call__(self, record: Record, _: Observation) -> None:
-        self.passage = passed(self.passage, record, self._chart)
-
-
-def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Observer:
-    """Show and record what is wrong with camera and link beside what is wrong with the flight."""
-
-    def told(record: Record, seen: Observation) -> None:
-        more = tuple(f"vehicle: {remark}" for remark in vehicle.take_remarks())
-        if wrong := vehicle.camera_problem:
-            more += (f"camera: {wrong}",)
-        if more:
-            record = record._replace(problems=record.problems + more)
-        for observer in observers:
-            observer(record, seen)
-
-    return told
-
-
-def _outcome(flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...]) -> Outcome:
-    if flown.end in {FlightEnd.SILENT, FlightEnd.OUT_OF_TIME}:
-        return "crash"
-    return "ended_safely" if _missed(flown, passage, wanted, asked=False) else "success"
-
-
-def _reason(
-    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
-) -> str:
-    missed = _missed(flown, passage, wanted, asked=asked)
-    return missed or f"{succeeded(passage)}, by the vehicle's own account"
-
-
-def _missed(
-    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
-) -> str:
-    """Say what success lacks; how near the goal was, only a simulator's truth can tell."""
-    if flown.end is not FlightEnd.LANDED:
-        return flown.says
-    if flown.aborted:
-        return aborted(asked=asked)
-    wrong = flaws(wanted, passage, None)
-    if wrong:
-        return f"no success: {wrong[0]}"
-    return missing(conditions(wanted, passage, None))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from missionkit.api.simulation import fault_of
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli.cockpit import cockpit
@@ -12,13 +13,11 @@ from missionkit.cli.outcome import summed_up
 from missionkit.cli.resume import Saving, Since, since
 from missionkit.cli.run_files import Folder, folder_of
 from missionkit.engine.clock import Pace, RealTime
-from missionkit.errors import ExitCode, UsageError, nearest
+from missionkit.errors import ExitCode
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import inline
 from missionkit.recorder.summary import Summary
 from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
-from missionkit.sim.faults import Fault, parse_fault
-from missionkit.sim.world import World
 
 
 def run_in_simulator(
@@ -46,24 +45,6 @@ def _staged(order: Order, mission: Mission, catalogue: Catalogue) -> Stage:
     faults = [fault_of(text, mission, world) for text in order.faults]
     ready = stage(mission, catalogue, world, order.seed, faults)
     return ready._replace(plan=ready.plan._replace(arm_anyway=order.anyway))
-
-
-def fault_of(text: str, mission: Mission, world: World) -> Fault:
-    """Read a fault that this mission in this world can have.
-
-    Raises:
-        UsageError: it cannot.
-    """
-    fault = parse_fault(text)
-    markers = {marker.id for marker in world.markers}
-    if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
-        hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
-        raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")
-    states = mission.by_name()
-    if fault.state is not None and fault.state not in states:
-        hint = nearest(fault.state, states)
-        raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
-    return fault
 
 
 def _flown(order: Order, ready: Stage, folder: Folder, past: Since | None) -> Summary:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from missionkit.chart.checks import findings
+from missionkit.api.missions import assemble, refuse
 from missionkit.chart.load import load
-from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.state_contracts import unmet
-from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.cli.catalogue import assemble, overrides
 from missionkit.cli.keys import planned
 from missionkit.cli.order import Order
 from missionkit.cli.origin import check_plugins, found_origin, recalled
-from missionkit.errors import ExitCode, FileError, Level
+from missionkit.cli.overrides import overrides
+from missionkit.errors import ExitCode
 
 
 def run(order: Order) -> ExitCode:
@@ -38,14 +35,3 @@ def run(order: Order) -> ExitCode:
     from missionkit.cli.rehearsed import run_in_simulator  # noqa: PLC0415 quick if refused
 
     return run_in_simulator(order, mission, catalogue, before)
-
-
-def refuse(mission: Mission, catalogue: Catalogue) -> None:
-    """Refuse a mission with errors; `missionkit validate` tells its warnings too.
-
-    Raises:
-        FileError: the contracts of its states are not met, or its chart cannot be right.
-    """
-    problems = unmet(mission, catalogue) or findings(mission, catalogue)
-    if errors := [problem for problem in problems if problem.level is Level.ERROR]:
-        raise FileError(errors)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
+from missionkit.api.flight_log import with_reports
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.order import Order
 from missionkit.cli.origin import (
@@ -101,13 +102,6 @@ class Folder(NamedTuple):
         with suppress(OSError):  # the terminal has gone too
             for sentence in reports.all:
                 print(printable(sentence), file=sys.stderr)  # noqa: T201
-
-
-def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
-    """Return a summary whose problems name all that failed beside the flight."""
-    known = [problem.partition(": ")[2] for problem in summary.problems]
-    late = tuple(it for it in reports if it not in known)
-    return summary.model_copy(update={"problems": (*summary.problems, *late)})
 
 
 @contextmanager

@@ -93,6 +93,11 @@ class Summary(_Part):
     timing: Timing | None
     record_hash: str
 
+    @property
+    def succeeded(self) -> bool:
+        """Whether all that the mission asks for was met."""
+        return self.outcome == "success"
+
 
 def summarise(
     track: Track,

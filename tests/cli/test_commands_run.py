@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from child import default_signals
 
+from missionkit.api.interrupts import TOGETHER
 from missionkit.cli import rehearsed as command
-from missionkit.cli.cockpit import TOGETHER
 from missionkit.errors import VehicleError
 from missionkit.recorder.reading import read
 

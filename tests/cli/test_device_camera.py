@@ -7,10 +7,10 @@ from cli.conftest import HOP
 from documents import ROOT, document
 from samples import calm
 
+from missionkit.api import vehicle_camera, vehicle_flight
+from missionkit.api.vehicle_outcome import with_remarks
 from missionkit.chart.load import load, parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli import fly, vehicle_camera
-from missionkit.cli.on_vehicle import with_remarks
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Command, Mode, Observation, Record
@@ -37,8 +37,8 @@ def opening(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(vehicle_camera, "opened", lambda source: source)
     monkeypatch.setattr(vehicle_camera, "Device", lambda open_, *_: open_())
-    monkeypatch.setattr(fly, "MavsdkVehicle", lambda _, camera, *__, **___: camera)
-    return lambda text, source=None, folder=tmp_path: fly.vehicle_of(
+    monkeypatch.setattr(vehicle_flight, "MavsdkVehicle", lambda _, camera, *__, **___: camera)
+    return lambda text, source=None, folder=tmp_path: vehicle_flight.vehicle_of(
         ADDRESS, parse(text, "hop", builtin()), EMPTY, source=source, folder=folder
     )
 

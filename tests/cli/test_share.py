@@ -1,9 +1,9 @@
 import pytest
 from samples import HOP
 
+from missionkit.api.vehicle_flight import share_of
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import share_of
 from missionkit.errors import UsageError
 from missionkit.vehicle.sharing import Share
 

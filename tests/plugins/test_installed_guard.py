@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from rehearsed import Flight, flown, short_stage
 
+from missionkit.api.missions import assemble
 from missionkit.chart.plugin_catalogue import Catalogue, builtin, source
-from missionkit.cli.catalogue import assemble
 from missionkit.cli.scaffold import new
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.errors import FileError, UsageError

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from rehearsed import Flight, flown, short_stage
 
-from missionkit.cli.catalogue import assemble
+from missionkit.api.missions import assemble
 from missionkit.engine import flight_loop
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.timed_containment import WAITING, TimedContainment

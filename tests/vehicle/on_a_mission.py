@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 from vehicle.flying import UNHURRIED
 
+from missionkit.api.vehicle_flight import fly_vehicle
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.flight_loop import FlownFlight
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from missionkit.api.vehicle_flight import relied_on
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import relied_on
 from missionkit.messages import Observation, Scan
 from missionkit.vehicle.reliance import Reliance
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from vehicle.flying import sitl
 
+from missionkit.api.vehicle_flight import fly_vehicle
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.sim.mavlink import rules

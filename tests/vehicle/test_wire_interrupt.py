@@ -11,7 +11,7 @@ from child import default_signals
 from vehicle.flying import command, sitl, until
 from vehicle.on_a_mission import AHEAD, stay
 
-from missionkit.cli.cockpit import TOGETHER
+from missionkit.api.interrupts import TOGETHER
 
 PATIENCE = 90.0  # s, wall
 

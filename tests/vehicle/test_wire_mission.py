@@ -7,10 +7,10 @@ from vehicle.flying import sitl
 from vehicle.message_filter import MessageFilter
 from vehicle.on_a_mission import stay
 
+from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
-from missionkit.cli.fly import fly_vehicle, vehicle_of
 from missionkit.cli.preflight import Wanted, preflight
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare

@@ -8,9 +8,9 @@ import pytest
 from vehicle.flying import UNHURRIED, sitl
 from vehicle.on_a_mission import LIMIT, stay
 
+from missionkit.api.vehicle_flight import fly_vehicle
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.fly import fly_vehicle
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.address import parse as address_of

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from missionkit.api.vehicle_camera import camera_of
 from missionkit.chart.model.mission import Mission
-from missionkit.cli.vehicle_camera import camera_of
 from missionkit.engine.clock import RealTime
 from missionkit.engine.flight_loop import (
     FlownFlight,

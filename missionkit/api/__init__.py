@@ -1,0 +1,1 @@
+"""What `missionkit` exports: missions loaded, checked, rehearsed, flown and counted from Python."""

@@ -1,0 +1,124 @@
+"""One flight with a vehicle on MAVLink, real or in an autopilot's own simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from missionkit.api.flight_log import Logbook
+from missionkit.api.interrupts import landing_on_interrupt
+from missionkit.api.missions import LoadedMission
+from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
+from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
+from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.engine.mission_success import conditions
+from missionkit.engine.prepared_mission import prepare
+from missionkit.messages import Observation, Record
+from missionkit.recorder.sink import Background, Reports, background
+from missionkit.recorder.summary import Summary, summarise
+from missionkit.rehearsal import world_of
+
+
+def fly(
+    mission: LoadedMission,
+    address: str,
+    *,
+    observers: Sequence[Observer] = (),
+    operator: Operator | None = None,
+    folder: str | Path | None = None,
+    camera: int | str | None = None,
+    share: Sequence[str] = (),
+    system: int | None = None,
+    speed: float = 1.0,
+    anyway: bool = False,
+) -> Summary:
+    """Fly a mission with a vehicle on MAVLink, as `missionkit run --vehicle`.
+
+    Ctrl-C lands the vehicle; a second one ends the program, and the vehicle is stopped by its
+    guardian. Observers run on threads of their own: one that fails or waits costs its records,
+    never the flight. A flight from Python leaves no checkpoints, so that it cannot be resumed.
+
+    Args:
+        mission: that `load` returned.
+        address: of the vehicle, such as `udpin://0.0.0.0:14540` or `serial:///dev/ttyACM0:921600`.
+        observers: called after every tick (20 Hz) with its `Record` and `Observation`.
+        operator: sends events to the chart, or asks for a landing.
+        folder: where the flight record, `summary.json` and `track.png` are left; it must not hold
+            a record yet. Nothing is written without it.
+        camera: device number, file or URL of the camera, or "rendered" for a drawn one; the
+            mission's own if absent.
+        share: what the autopilot is sent of the estimate: "pose", "target=NAME".
+        system: MAVLink system id, where several vehicles share a link.
+        speed: seconds of the vehicle in one of the wall; 1 for everything real.
+        anyway: take off although a failsafe or the pre-flight report speaks against it.
+
+    Returns:
+        How the flight ended by the vehicle's own account, as `rehearse` returns it. There is no
+        grade: only a simulator knows the truth.
+
+    Raises:
+        FileError: the world, or the film that is the camera, cannot be used.
+        UsageError: an argument does not fit, or the folder holds a record.
+        NotFitError: the pre-flight report speaks against flying; nothing was armed.
+        VehicleError: the vehicle could not be reached, or is to be left alone.
+
+    Example:
+        >>> summary = missionkit.fly(mission, "udpin://0.0.0.0:14540", folder="runs/first")
+        >>> summary.outcome
+        'success'
+    """
+    model, root = mission.model, mission.path.parent
+    world = world_of(model, root)
+    plan = prepare(model, mission.catalogue)._replace(arm_anyway=anyway)
+    vehicle = vehicle_of(
+        address,
+        model,
+        world,
+        speed=speed,
+        source=camera,
+        folder=root,
+        share=share_of(share, model),
+        system=system,
+    )
+    sinks, operator, log = background(), operator or Operator(), FlightLog(plan.chart)
+    own = [_Unhurried(f"observer {n}", it, sinks.reports) for n, it in enumerate(observers, 1)]
+    with Logbook(folder, plan, world, sinks, mission.path) as book, landing_on_interrupt(operator):
+        flown = fly_vehicle(
+            plan,
+            vehicle,
+            (log, with_remarks((*book.observing(()), *own), vehicle)),
+            operator=operator,
+            speed=speed,
+            time_limit=model.settings.time_limit,
+            reports=sinks.reports,
+            look_first=not anyway,
+        )
+    for each in own:
+        each.close()
+    asked, wanted = operator.wants_down, model.success
+    return book.finished(
+        summarise(
+            book.track,
+            mission=mission.name,
+            outcome=outcome_of(flown, log.passage, wanted),
+            reason=reason_of(flown, log.passage, wanted, asked=asked),
+            conditions=[it[:3] for it in conditions(wanted, log.passage, None)],
+            parameters=model.params,
+            record_hash=book.digest,
+        )
+    )
+
+
+class _Unhurried:
+    """Calls an observer on a thread of its own, so that the flight never waits for it."""
+
+    def __init__(self, what: str, observer: Observer, reports: Reports) -> None:
+        self._observer = observer
+        self._sink = Background(what, reports, persistent=True)
+
+    def __call__(self, record: Record, observation: Observation) -> None:
+        self._sink.put(lambda: self._observer(record, observation))
+
+    def close(self) -> None:
+        """Wait for what is left."""
+        self._sink.close()

@@ -1,0 +1,120 @@
+"""What a flight from Python leaves: its track in memory and, in a folder, its record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from missionkit.engine.flight_loop import Observer
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.errors import UsageError
+from missionkit.messages import Observation, Record
+from missionkit.recorder import track as tracks
+from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.folder import keep_mission
+from missionkit.recorder.plot import draw
+from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.sink import RECORD, Sinks, contained
+from missionkit.recorder.summary import Summary, write_summary
+from missionkit.recorder.track import Track
+from missionkit.sim.truth import Truth
+from missionkit.sim.world import World
+
+FILE = "flight.mcap"
+
+
+class Logbook:
+    """Keeps a flight's track; given a folder, leaves record, summary and picture there.
+
+    Args:
+        folder: is made if need be; None: nothing is written.
+        plan: that is flown.
+        world: what stands around.
+        sinks: take what is written, and reports of what fails.
+        mission: path of the file that is flown, copied into the folder.
+
+    Raises:
+        UsageError: the folder holds a flight record already.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path | None,
+        plan: PreparedMission,
+        world: World,
+        sinks: Sinks,
+        mission: Path,
+    ) -> None:
+        self.digest = ""
+        self._folder = None if folder is None else Path(folder)
+        self._sinks = sinks
+        self._scenery = scenery_of(world)
+        self._track = tracks.begin()
+        self._recorder: FlightRecorder | None = None
+        if self._folder is not None:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            if (self._folder / FILE).exists():
+                raise UsageError(f"{self._folder}: holds a flight record already: name a new one")
+            keep_mission(self._folder, mission)
+            self._recorder = FlightRecorder(
+                self._folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record
+            )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._recorder is not None:
+            self.digest = self._recorder.close()
+        self._sinks.close()
+
+    @property
+    def track(self) -> Track:
+        """What the flight looked like from afar."""
+        return self._track if self._recorder is None else self._recorder.track
+
+    def observing(
+        self, observers: Sequence[Observer], truth: Callable[[], Truth | None] = lambda: None
+    ) -> tuple[Observer, ...]:
+        """Return observers that keep the flight, then call others; nothing they raise ends it.
+
+        Args:
+            observers: of the caller.
+            truth: of a simulated vehicle.
+        """
+
+        def keep(record: Record, observation: Observation) -> None:
+            if self._recorder is None:
+                tracks.add(self._track, record, truth())
+            else:
+                self._recorder.write(record, observation.frame, truth())
+
+        reports = self._sinks.reports
+        named = [(RECORD, keep), *((f"observer {n}", it) for n, it in enumerate(observers, 1))]
+        return tuple(contained(what, call, reports) for what, call in named)
+
+    def finished(self, summary: Summary) -> Summary:
+        """Leave summary and picture; return the summary with all that failed beside the flight."""
+        reports = self._sinks.reports
+        summary = with_reports(summary, reports.all)
+        if self._folder is not None:
+            title = f"{summary.mission}: {summary.outcome}"
+            contained("track.png", draw, reports)(
+                self._folder / "track.png", self.track, self._scenery, title, summary.reason
+            )
+            write_summary(self._folder, summary)
+        return summary
+
+
+def with_reports(summary: Summary, reports: Sequence[str]) -> Summary:
+    """Return a summary whose problems name all that failed beside the flight."""
+    known = [problem.partition(": ")[2] for problem in summary.problems]
+    late = tuple(it for it in reports if it not in known)
+    return summary.model_copy(update={"problems": (*summary.problems, *late)})

@@ -1,0 +1,47 @@
+"""Signals that end a program land the vehicle first."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from missionkit.engine.clock import stopwatch
+from missionkit.engine.flight_loop import Operator
+
+STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a service's end, a lost shell
+TOGETHER = 0.5  # s
+
+
+@contextmanager
+def landing_on_interrupt(operator: Operator) -> Iterator[None]:
+    """Let the first of STOPPING land the vehicle, and a second one stop the program.
+
+    Service managers and shells send several at once: what comes within TOGETHER counts as one.
+    A signal that was ignored before, as `nohup` does, stays ignored. Outside the main thread, where
+    Python handles no signals, nothing changes.
+
+    Args:
+        operator: is asked to land.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    first: list[float] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if not first:
+            first.append(stopwatch())
+            operator.land()
+        elif stopwatch() - first[0] > TOGETHER:
+            signal.default_int_handler(number, frame)
+
+    heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
+    before = [(it, signal.signal(it, stop)) for it in heeded]
+    try:
+        yield
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)

@@ -1,0 +1,139 @@
+"""Missions from Python: a file, the plug-ins it may use and the parameters it is flown with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from missionkit.chart import load as reading
+from missionkit.chart.checks import findings
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import Catalogue, builtin
+from missionkit.errors import FileError, Level
+from missionkit.plugin import Plugin
+
+NOTHING: Mapping[str, object] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class LoadedMission:
+    """A mission that was read and checked, together with all that flies with it.
+
+    Attributes:
+        model: the mission file, key by key.
+        catalogue: the plug-ins and kinds of state that it may name.
+        path: of the file.
+        settings: parameters that replace those of the file, in YAML.
+        plugins: files and classes of plug-ins beside the installed ones.
+
+    Example:
+        >>> mission = missionkit.load("mission.yaml", settings={"height": 3})
+        >>> mission.name, mission.states
+        ('look-and-return', ('up', 'there', 'home', 'down'))
+    """
+
+    model: Mission
+    catalogue: Catalogue
+    path: Path
+    settings: Mapping[str, str]
+    plugins: tuple[Path | type[Plugin], ...]
+
+    @property
+    def name(self) -> str:
+        """The mission's name."""
+        return self.model.name
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """The parameters by name, with the values that fly."""
+        return self.model.params
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The names of all states, in the order of the file."""
+        return tuple(self.model.by_name())
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The names of the targets, in the order of the file."""
+        return tuple(self.model.targets)
+
+
+def load(
+    path: str | Path,
+    *,
+    settings: Mapping[str, object] = NOTHING,
+    plugins: Sequence[str | Path | type[Plugin]] = (),
+) -> LoadedMission:
+    """Read a mission file and refuse it if anything in it cannot be right.
+
+    Args:
+        path: of the YAML file, named in messages as given here.
+        settings: values of the mission's `params` by name. A text is read as YAML, as `--set`
+            reads it; numbers, lists and truth values mean themselves.
+        plugins: plug-in classes, or Python files that define some, beside the installed ones.
+
+    Returns:
+        The mission, ready for `rehearse`, `fly` and `campaign`.
+
+    Raises:
+        FileError: the file, the world or map it names, or a plug-in file cannot be used; lists
+            every error with line and column. Warnings do not refuse a mission: see `validate`.
+        UsageError: two plug-ins have the same name, or a class cannot be a plug-in.
+
+    Example:
+        >>> mission = missionkit.load("mission.yaml", settings={"height": 3})
+        >>> mission.parameters
+        {'height': 3}
+    """
+    catalogue = assemble(plugins)
+    values = as_yaml(settings)
+    model = reading.load(Path(path), catalogue, values)
+    refuse(model, catalogue)
+    return LoadedMission(
+        model,
+        catalogue,
+        Path(path),
+        values,
+        tuple(Path(it) if isinstance(it, str) else it for it in plugins),
+    )
+
+
+def as_yaml(settings: Mapping[str, object]) -> dict[str, str]:
+    """Return values of parameters as the command line would write them."""
+    return {
+        name: value if isinstance(value, str) else json.dumps(value)
+        for name, value in settings.items()
+    }
+
+
+def assemble(plugins: Iterable[str | Path | type[Plugin]] = ()) -> Catalogue:
+    """Return what missions may use: built-ins, installed packages, files and classes.
+
+    Raises:
+        FileError: a plug-in file cannot be used.
+        UsageError: a class cannot be a plug-in, or a name is taken twice.
+    """
+    catalogue = builtin().with_entry_points()
+    for plugin in plugins:
+        if isinstance(plugin, str | Path):
+            catalogue = catalogue.with_file(Path(plugin))
+        else:
+            catalogue = catalogue.with_class(plugin)
+    return catalogue
+
+
+def refuse(mission: Mission, catalogue: Catalogue) -> None:
+    """Refuse a mission with errors; `validate` lists its warnings too.
+
+    Raises:
+        FileError: the contracts of its states are not met, or its chart cannot be right.
+    """
+    problems = unmet(mission, catalogue) or findings(mission, catalogue)
+    if errors := [problem for problem in problems if problem.level is Level.ERROR]:
+        raise FileError(errors)

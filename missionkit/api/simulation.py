@@ -1,0 +1,103 @@
+"""One flight in the built-in simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from missionkit.api.flight_log import Logbook
+from missionkit.api.missions import LoadedMission
+from missionkit.chart.model.mission import Mission
+from missionkit.engine.clock import RealTime
+from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.errors import UsageError, nearest
+from missionkit.outcome import outcome, reason
+from missionkit.recorder.sink import inline
+from missionkit.recorder.summary import Summary, summarise
+from missionkit.rehearsal import rehearse as fly_simulated
+from missionkit.rehearsal import stage, world_of
+from missionkit.sim.faults import Fault, parse_fault
+from missionkit.sim.world import World
+
+
+def rehearse(
+    mission: LoadedMission,
+    *,
+    seed: int = 0,
+    faults: Sequence[str] = (),
+    observers: Sequence[Observer] = (),
+    operator: Operator | None = None,
+    speed: float | None = None,
+    folder: str | Path | None = None,
+) -> Summary:
+    """Fly a mission in the built-in simulator, as `missionkit run`, and grade it by ground truth.
+
+    Args:
+        mission: that `load` returned.
+        seed: of everything random; the same seed gives the same flight, bit for bit.
+        faults: what goes wrong, as `--fault` takes it: `NAME[=VALUE][@WHEN][+DURATION]`.
+        observers: called after every tick (20 Hz) with its `Record` and `Observation`; what one
+            raises is listed among the problems, and the flight goes on.
+        operator: sends events to the chart, or asks for a landing.
+        speed: times real time; as fast as the machine allows if absent.
+        folder: where the flight record, `summary.json` and `track.png` are left; it must not hold
+            a record yet. Nothing is written without it.
+
+    Returns:
+        How the flight ended, why, the states and transitions it went through, the conditions of
+        success, the grade by ground truth (m, s, J, rad), problems.
+
+    Raises:
+        FileError: the world cannot be used.
+        UsageError: a fault is not known or does not fit the mission, or the folder holds a record.
+
+    Example:
+        >>> summary = missionkit.rehearse(mission, seed=3, faults=["gnss_lost@20+5"])
+        >>> summary.outcome, summary.reason
+        ('success', 'flown as planned')
+    """
+    model = mission.model
+    world = world_of(model, mission.path.parent)
+    wrong = [fault_of(text, model, world) for text in faults]
+    ready = stage(model, mission.catalogue, world, seed, wrong)
+    sinks, operator = inline(), operator or Operator()
+    with Logbook(folder, ready.plan, world, sinks, mission.path) as log:
+        result = fly_simulated(
+            ready,
+            log.observing(observers, lambda: ready.vehicle.truth),
+            operator=operator,
+            pace=None if speed is None else RealTime(speed),
+            reports=sinks.reports.take,
+        )
+    return log.finished(
+        summarise(
+            log.track,
+            mission=mission.name,
+            outcome=outcome(result),
+            reason=reason(result, asked=operator.wants_down),
+            seed=seed,
+            faults=faults,
+            parameters=model.params,
+            grade=result.grade.as_dict(),
+            conditions=[it[:3] for it in result.conditions],
+            record_hash=log.digest,
+        )
+    )
+
+
+def fault_of(text: str, mission: Mission, world: World) -> Fault:
+    """Read a fault that this mission in this world can have.
+
+    Raises:
+        UsageError: it cannot.
+    """
+    fault = parse_fault(text)
+    markers = {marker.id for marker in world.markers}
+    if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
+        hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
+        raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")
+    states = mission.by_name()
+    if fault.state is not None and fault.state not in states:
+        hint = nearest(fault.state, states)
+        raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
+    return fault

@@ -1,0 +1,114 @@
+"""Everything that is wrong with a mission: what refuses it, and what only deserves a look."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from missionkit.api.missions import NOTHING, LoadedMission, as_yaml, assemble
+from missionkit.chart.load import load, load_model
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.errors import FileError, Problem
+from missionkit.plugin import Plugin
+
+if TYPE_CHECKING:
+    from missionkit.sim.world import World
+
+
+def validate(
+    mission: str | Path | LoadedMission,
+    *,
+    settings: Mapping[str, object] = NOTHING,
+    plugins: Sequence[str | Path | type[Plugin]] = (),
+) -> tuple[Problem, ...]:
+    """Check a mission file and return everything that is wrong with it, as `missionkit validate`.
+
+    Args:
+        mission: path of the file, or a mission that was loaded.
+        settings: values of the mission's `params`, as for `load`.
+        plugins: classes or files of plug-ins, as for `load`.
+
+    Returns:
+        One `Problem` for each mistake, with its place (file, line, column), a sentence, its level
+        (`error` or `warning`), a code and a remedy. Empty: nothing is wrong.
+
+    Raises:
+        UsageError: two plug-ins have the same name, or a class cannot be a plug-in.
+
+    Example:
+        >>> for problem in missionkit.validate("mission.yaml"):
+        ...     print(problem.level, problem)
+    """
+    if isinstance(mission, LoadedMission):
+        path, catalogue, values = mission.path, mission.catalogue, dict(mission.settings)
+    else:
+        path, values = Path(mission), as_yaml(settings)
+        try:
+            catalogue = assemble(plugins)
+        except FileError as error:
+            return error.problems
+    return tuple(checked(path, catalogue, values)[1])
+
+
+def checked(
+    path: Path, catalogue: Catalogue, values: Mapping[str, str]
+) -> tuple[Mission | None, list[Problem]]:
+    """Return a mission, if its file can be read as one, and all that is wrong with it.
+
+    Args:
+        path: of the mission file.
+        catalogue: what it may name.
+        values: parameters by name, in YAML.
+    """
+    try:
+        mission = load(path, catalogue, values)
+    except FileError as error:
+        return None, list(error.problems)
+    world, problems = _world_of(path, mission)
+    return mission, [*problems_of(mission, catalogue, world), *problems]
+
+
+def problems_of(
+    mission: Mission, catalogue: Catalogue, world: World | None = None
+) -> list[Problem]:
+    """Return what is wrong with the chart of a mission, in the order of its files.
+
+    Args:
+        mission: a file that could be read.
+        catalogue: what it may name.
+        world: says how long a battery lasts and how far a scan reaches, if it is known.
+    """
+    from missionkit.chart.checks import findings  # noqa: PLC0415 - heavy
+
+    endurance = None if world is None else _endurance(world)
+    sight = None if world is None else world.sensors.scan.range
+    found = {
+        *unmet(mission, catalogue),
+        *findings(mission, catalogue, endurance=endurance, sight=sight),
+    }
+    return sorted(found, key=_order)
+
+
+def _order(problem: Problem) -> tuple[str, int, int, str, str]:
+    place = problem.place
+    return place.file, place.line, place.column, problem.code, problem.message
+
+
+def _world_of(path: Path, mission: Mission) -> tuple[World | None, Sequence[Problem]]:
+    if mission.world is None:
+        return None, ()
+    from missionkit.sim.world import World  # noqa: PLC0415 - heavy
+
+    try:
+        return load_model(path.parent / mission.world, World), ()
+    except FileError as error:
+        return None, error.problems
+
+
+def _endurance(world: World) -> float:
+    """Return how long (s) the simulated vehicle hovers on the battery it starts with."""
+    joules = 3600.0 * world.battery.capacity * world.battery.charge
+    return joules / world.quadrotor.hover_power
