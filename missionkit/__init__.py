@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from missionkit.messages import Frame as Frame
     from missionkit.messages import Goal as Goal
     from missionkit.messages import Guidance as Guidance
+    from missionkit.messages import HalfSpace as HalfSpace
     from missionkit.messages import Health as Health
     from missionkit.messages import Look as Look
     from missionkit.messages import Mode as Mode
@@ -45,6 +46,9 @@ if TYPE_CHECKING:
     from missionkit.messages import Target as Target
     from missionkit.messages import VehicleStatus as VehicleStatus
     from missionkit.messages import Verdict as Verdict
+    from missionkit.messages.region import Interval as Interval
+    from missionkit.messages.region import Quantity as Quantity
+    from missionkit.messages.region import Region as Region
     from missionkit.plugin import Behavior as Behavior
     from missionkit.plugin import Guard as Guard
     from missionkit.plugin import Plugin as Plugin
@@ -66,9 +70,20 @@ _HOMES = {  # module -> what it gives
     ),
     "messages": (
         *("Action", "Battery", "CameraModel", "Command", "Detection", "Estimate", "Fired", "Frame"),
-        *("Goal", "Guidance", "Health", "Look", "Mode", "Observation", "Occupancy", "Record"),
+        *(
+            "Goal",
+            "Guidance",
+            "HalfSpace",
+            "Health",
+            "Look",
+            "Mode",
+            "Observation",
+            "Occupancy",
+            "Record",
+        ),
         *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
     ),
+    "messages.region": ("Interval", "Quantity", "Region"),
     "plugin": ("Behavior", "Guard", "Plugin", "WindowGuard"),
     "recorder.summary": ("Summary",),
 }

@@ -72,10 +72,9 @@ def campaign(
         UsageError: an argument does not fit, or the folder holds a campaign already.
 
     Example:
-        >>> heights = {"height": [3, 5]}
-        >>> analysis = missionkit.campaign(mission, "runs/heights", runs=20, vary=heights)
-        >>> [(it.name, it.success.value, it.success.low) for it in analysis.variants]
-        [('height = 3', 1.0, 0.838...), ('height = 5', 1.0, 0.838...)]
+        >>> analysis = missionkit.campaign(mission, "runs/cruise", runs=1, vary={"cruise": [4, 6]})
+        >>> [(it.name, it.success.value, round(it.success.low, 2)) for it in analysis.variants]
+        [('cruise = 4', 1.0, 0.21), ('cruise = 6', 1.0, 0.21)]
     """
     root = Path(folder)
     if (root / FILE).exists():

@@ -32,9 +32,8 @@ class LoadedMission:
         plugins: files and classes of plug-ins beside the installed ones.
 
     Example:
-        >>> mission = missionkit.load("mission.yaml", settings={"height": 3})
         >>> mission.name, mission.states
-        ('look-and-return', ('up', 'there', 'home', 'down'))
+        ('first-flight', ('idle', 'out', 'back', 'land'))
     """
 
     model: Mission
@@ -89,7 +88,7 @@ def load(
     Example:
         >>> mission = missionkit.load("mission.yaml", settings={"height": 3})
         >>> mission.parameters
-        {'height': 3}
+        {'cruise': 4.0, 'height': 3}
     """
     catalogue = assemble(plugins)
     values = as_yaml(settings)

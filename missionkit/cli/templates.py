@@ -51,8 +51,7 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
-from missionkit.messages import Estimate, Verdict
-from missionkit.plugin import Guard
+from missionkit import Estimate, Guard, Verdict
 from missionkit.units import MetresPerSecond
 
 
@@ -92,7 +91,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from missionkit.messages import Estimate, Health
+from missionkit import Estimate, Health
 
 from ${module} import ${Class}
 
@@ -131,9 +130,8 @@ from typing import Any, ClassVar
 from pydantic import Field
 from typing_extensions import override
 
+from missionkit import Behavior, Estimate, Guidance, Step
 from missionkit.geometry import Vec3, vec
-from missionkit.messages import Estimate, Guidance, Step
-from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond
 
 
@@ -161,7 +159,7 @@ BEHAVIOR_TEST = (
     """\
 import numpy as np
 
-from missionkit.messages import Estimate, Health
+from missionkit import Estimate, Health
 
 from ${module} import ${Class}
 
@@ -188,6 +186,7 @@ summary: Take off, fly to a place, come home, land.
 params: {cruise: 4.0, height: 5.0}     # missionkit run ${name}.yaml --set cruise=3
 world: worlds/${name}.yaml
 vehicle: {use: sim}
+camera: {use: none}                    # it looks for nothing
 
 targets:
   place: {position: [30.0, 10.0, -5.0]}     # north, east, down of the take-off point, m
