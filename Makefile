@@ -5,7 +5,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
-.PHONY: run test lint types layers unit bench studies schema picture clean
+.PHONY: run test lint types layers unit bench studies schema reference picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
@@ -47,6 +47,9 @@ picture: .venv/ready
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas
+
+reference: .venv/ready
+	$(BIN)/python -m docs.python_api
 
 .venv/ready: requirements.lock pyproject.toml
 	@echo "Installing what requirements.lock names into .venv: minutes on a slow network"

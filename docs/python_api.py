@@ -204,8 +204,10 @@ EXAMPLES = {
     "Guard": """
         >>> class Fast(missionkit.Guard):
         ...     "Holds above `limit` (m/s)."
+        ...
         ...     kind = "fast"
         ...     limit: float = 8.0
+        ...
         ...     def check(self, seen):
         ...         return missionkit.Verdict.above(float(abs(seen.velocity).max()), self.limit)
         >>> Fast(limit=90.0).check(seen).holds
@@ -214,11 +216,15 @@ EXAMPLES = {
     "WindowGuard": """
         >>> class Ticks(missionkit.WindowGuard):
         ...     "Holds from the third tick on."
+        ...
         ...     kind = "ticks"
+        ...
         ...     def begin(self):
         ...         return 0
+        ...
         ...     def advance(self, memory, seen):
         ...         return memory + 1
+        ...
         ...     def check(self, memory, seen):
         ...         return missionkit.Verdict.at_least(float(memory), 3.0)
         >>> Ticks().check(2, seen).margin
@@ -227,9 +233,12 @@ EXAMPLES = {
     "Behavior": """
         >>> class Stay(missionkit.Behavior):
         ...     "Stay where the state was entered."
+        ...
         ...     kind = "stay"
+        ...
         ...     def begin(self, seen):
         ...         return seen.position
+        ...
         ...     def step(self, seen, memory):
         ...         return missionkit.Step(missionkit.Guidance(memory, 1.0), memory=memory)
         >>> stay = Stay()
@@ -321,8 +330,8 @@ EXAMPLES = {
     """,
     "HalfSpace": """
         >>> from missionkit.geometry import vec
-        >>> missionkit.HalfSpace(point=vec(0.0, 0.0, -20.0), normal=vec(0.0, 0.0, 1.0)).normal[2]
-        1.0
+        >>> missionkit.HalfSpace(vec(0.0, 0.0, -20.0), vec(0.0, 0.0, 1.0)).normal.tolist()
+        [0.0, 0.0, 1.0]
     """,
     "Action": """
         >>> [action.value for action in missionkit.Action]

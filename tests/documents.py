@@ -54,6 +54,15 @@ def blocks(language: str) -> list[Any]:
     ]
 
 
+def plugin_files(folder: Path) -> list[Path]:
+    """Write the plug-ins that the documents define into a folder; return the files."""
+    pattern = re.compile(r"^```python\n# (missionkit_\w+\.py)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+    found = [block for path in DOCS for block in pattern.findall(path.read_text(encoding="utf-8"))]
+    for name, text in found:
+        (folder / name).write_text(text, encoding="utf-8")
+    return [folder / name for name, _ in found]
+
+
 def as_mission(text: str) -> str:
     """Return an example as a mission: as it is, or put into a minimal one."""
     example = yaml.safe_load(text)

@@ -9,7 +9,7 @@ import shlex
 import pytest
 import typer
 import yaml
-from documents import DOCS, ROOT, as_mission, blocks, defaults, document, table
+from documents import DOCS, ROOT, as_mission, blocks, defaults, document, plugin_files, table
 from typer.testing import CliRunner
 
 from missionkit.chart.load import load_model, parse
@@ -48,9 +48,12 @@ def test_every_example_is_valid(text, tmp_path):
         assert load_model(path, World).world
         return
     catalogue = builtin()
-    if "too_fast" in text:  # the guard that CONTRIBUTING.md lets one write
+    if "too_fast" in text:  # the guard that `missionkit new` writes
         CliRunner().invoke(app, ["new", "guard", "too_fast", "--to", str(tmp_path)])
         catalogue = catalogue.with_file(next(tmp_path.rglob("missionkit_too_fast.py")))
+    elif "circle" in text:  # the behaviour of docs/how-to/write-a-behavior.md
+        for path in plugin_files(tmp_path):
+            catalogue = catalogue.with_file(path)
     mission = parse(as_mission(text), "example", catalogue)
     assert unmet(mission, catalogue) == []
 
