@@ -14,6 +14,7 @@ from missionkit.plugin import Behavior
 from missionkit.units import Metres, Seconds
 
 SLOW = 0.7  # m/s, level: the autopilot may land
+NEAR = 1.2  # m, from what stands beside it, that wind may push it on its way down
 VAGUE = 3.0  # m, sd of the position with which an autopilot may drift as it descends
 CLEARING = 8.0  # s, at most, to get away from what stands too near
 RETREAT, BEGUN, GAIN = 1.0, 0.2, 1.0  # m/s at most and at least, and 1/s
@@ -26,8 +27,9 @@ class Land(Behavior):
     A vehicle that still moves comes to rest first, for `brake` at most: an autopilot that has
     lost its position descends wherever it drifts. A velocity of zero is flown by what is still
     known, its inertial sensors and its attitude. If the estimate has diverged, how fast it moves
-    is not known either, and it brakes for half of that. Where the position is known to 3 m at best
-    it first gets away from obstacles nearer than `room`, for 8 s at most: it may drift there.
+    is not known either, and it brakes for half of that. It first gets away from obstacles nearer
+    than 1.2 m, or than `room` where the position is known to 3 m at best and the autopilot may
+    drift, for 8 s at most; with a `room` of 0 from none.
     """
 
     kind: ClassVar[str] = "land"
@@ -63,16 +65,17 @@ class Land(Behavior):
         A scan is seen from the vehicle: it holds though the position does not.
         """
         known = not seen.health.diverged and seen.health.position_sd <= VAGUE
+        room = min(self.room, NEAR) if known else self.room
         late = seen.now - since > self.brake + CLEARING
-        if known or late or seen.obstacles is None or not _steered(seen.status):
+        if late or seen.obstacles is None or not _steered(seen.status):
             return None
         away = seen.position[:2] - seen.obstacles[:, :2]
         gaps = np.hypot(away[:, 0], away[:, 1])
-        near = np.flatnonzero((gaps < self.room) & (gaps > 0.0))
+        near = np.flatnonzero((gaps < room) & (gaps > 0.0))
         if not len(near):
             return None
         nearest = near[gaps[near].argmin()]
-        speed = min(RETREAT, GAIN * (self.room - gaps[nearest]) + BEGUN)
+        speed = min(RETREAT, GAIN * (room - gaps[nearest]) + BEGUN)
         return np.append(speed / gaps[nearest] * away[nearest], 0.0)
 
 

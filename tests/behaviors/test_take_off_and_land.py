@@ -226,7 +226,7 @@ def test_without_a_position_it_makes_room_before_it_lands_where_it_may_drift():
 @pytest.mark.parametrize(
     "seen",
     [
-        beside_a_wall(10.0, position_sd=0.5, obstacles=WALL),
+        beside_a_wall(10.0, position_sd=0.5, obstacles=WALL + 0.1),
         beside_a_wall(10.0),
         beside_a_wall(10.0, mode="land", obstacles=WALL),
     ],
@@ -234,6 +234,14 @@ def test_without_a_position_it_makes_room_before_it_lands_where_it_may_drift():
 )
 def test_otherwise_it_lands_right_here(seen):
     (step,) = play(Land(), [seen])
+    assert step.action is Action.LAND
+
+
+def test_with_a_position_it_makes_room_only_from_what_stands_close_by():
+    near = WALL - np.array([0.6, 0.0, 0.0])
+    (step,) = play(Land(), [beside_a_wall(10.0, position_sd=0.5, obstacles=near)])
+    assert step.retreat[0] == pytest.approx(-0.8)
+    (step,) = play(Land(room=0.0), [beside_a_wall(10.0, obstacles=near)])
     assert step.action is Action.LAND
 
 
