@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, spread
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.prepared_mission import begin
 from missionkit.engine.tick import tick
+from missionkit.plugin_containment import Containment
 
 SEEDS = range(1, 4)
 BUDGET, GOAL = 50.0, 25.0  # ms

@@ -21,10 +21,10 @@ PARTS = {
     "Functions": ("load", "validate", "rehearse", "fly", "campaign"),
     "What they take and return": ("LoadedMission", "Operator", "Summary", "Analysis", "Problem"),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),
-    "Plug-ins": ("Plugin", "Guard", "WindowGuard", "Behavior"),
+    "Plug-ins": ("Plugin", "Guard", "WindowGuard", "Behavior", "Detector"),
     "What plug-ins see": (
         *("Estimate", "Health", "Target", "Goal", "Battery", "VehicleStatus", "Occupancy"),
-        *("Look", "Sighting", "Detection", "Frame", "CameraModel"),
+        *("Look", "Prior", "Sighting", "Detection", "Frame", "CameraModel"),
     ),
     "What plug-ins answer": (
         *("Verdict", "Region", "Quantity", "Interval", "Step", "Guidance", "HalfSpace", "Action"),
@@ -244,6 +244,21 @@ EXAMPLES = {
         >>> stay = Stay()
         >>> stay.step(seen, stay.begin(seen)).guidance.speed
         1.0
+    """,
+    "Detector": """
+        >>> class Nothing(missionkit.Detector):
+        ...     "Sees nothing."
+        ...
+        ...     kind = "nothing"
+        ...
+        ...     def detect(self, frame, camera, prior):
+        ...         return ()
+        >>> Nothing(target="place").target
+        'place'
+    """,
+    "Prior": """
+        >>> missionkit.Prior(body=None, target=seen.targets["place"]).target.name
+        'place'
     """,
     "Estimate": """
         >>> seen.position.shape, seen.state

@@ -50,8 +50,10 @@ if TYPE_CHECKING:
     from missionkit.messages.region import Quantity as Quantity
     from missionkit.messages.region import Region as Region
     from missionkit.plugin import Behavior as Behavior
+    from missionkit.plugin import Detector as Detector
     from missionkit.plugin import Guard as Guard
     from missionkit.plugin import Plugin as Plugin
+    from missionkit.plugin import Prior as Prior
     from missionkit.plugin import WindowGuard as WindowGuard
     from missionkit.recorder.summary import Summary as Summary
 
@@ -84,7 +86,7 @@ _HOMES = {  # module -> what it gives
         *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
-    "plugin": ("Behavior", "Guard", "Plugin", "WindowGuard"),
+    "plugin": ("Behavior", "Detector", "Guard", "Plugin", "Prior", "WindowGuard"),
     "recorder.summary": ("Summary",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

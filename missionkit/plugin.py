@@ -9,11 +9,22 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from missionkit.messages import Estimate, Occupancy, Spot, Step, Verdict
+from missionkit.geometry import Transform
+from missionkit.messages import (
+    CameraModel,
+    Estimate,
+    Frame,
+    Occupancy,
+    Sighting,
+    Spot,
+    Step,
+    Target,
+    Verdict,
+)
 from missionkit.messages.region import Region
 
 
@@ -84,3 +95,31 @@ class Behavior(Plugin):
             targets: where the targets are (m).
         """
         return ""
+
+
+class Prior(NamedTuple):
+    """What is believed of a target before a frame is looked at."""
+
+    body: Transform | None  # body to world at the exposure; None: not known
+    target: Target | None  # where the target is believed to be; None: not known
+
+
+class Detector(Plugin):
+    """Finds one target in camera frames. It remembers nothing: filter and guards do."""
+
+    target: str
+
+    @abc.abstractmethod
+    def detect(self, frame: Frame, camera: CameraModel, prior: Prior) -> tuple[Sighting, ...]:
+        """Return what a frame shows of the target; empty: it is not in view.
+
+        Args:
+            frame: an image (height, width) grey or (height, width, 3) BGR, or in a simulation
+                that does not draw, the corners of the markers in view.
+            camera: intrinsics (px) and mount on the body.
+            prior: what is believed of vehicle and target, to choose between what is possible.
+
+        Returns:
+            One sighting for each way the target can be seen as: its pose in the camera's frame
+            (m), at the time of the frame, with finite standard deviations (m, rad) above zero.
+        """

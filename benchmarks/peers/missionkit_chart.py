@@ -9,8 +9,8 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
+from missionkit.plugin_containment import Containment
 
 CATALOGUE = builtin()
 FILE = "ring.yaml"  # what messages would call the text

@@ -20,7 +20,7 @@ from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.guards import ALL as GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.potential_field import PotentialField
-from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
+from missionkit.plugin import Plugin
 from missionkit.states import KINDS
 from missionkit.states.contract import StateKind
 
@@ -84,16 +84,16 @@ class Catalogue:
             return replace(self, broken=broken, **cast(dict[str, Any], {group: others}))
 
     def with_file(self, path: Path) -> Catalogue:
-        """Return a catalogue with the guards and behaviours that a Python file defines.
+        """Return a catalogue with the guards, behaviours and detectors that a Python file defines.
 
         Raises:
             FileError: the file cannot be imported or defines no complete plug-in.
             UsageError: a name is taken.
         """
-        plugins = plugins_of(path)
-        guards = [plugin for plugin in plugins if issubclass(plugin, (Guard, WindowGuard))]
-        behaviors = [plugin for plugin in plugins if issubclass(plugin, Behavior)]
-        return self.extended("guards", guards).extended("behaviors", behaviors)
+        catalogue = self
+        for plugin in plugins_of(path):
+            catalogue = catalogue.with_class(plugin)
+        return catalogue
 
     def with_class(self, plugin: type[Plugin]) -> Catalogue:
         """Return a catalogue with one more plug-in class, in the group that it fits.

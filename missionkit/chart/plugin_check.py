@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.perception.aruco import Aruco
-from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
+from missionkit.plugin import Behavior, Detector, Guard, Plugin, WindowGuard
 
 BASES: Mapping[str, tuple[type[Plugin], ...]] = {
     "guards": (Guard, WindowGuard),
     "behaviors": (Behavior,),
     "navigators": (Plugin,),
-    "detectors": (Aruco,),
+    "detectors": (Detector, Aruco),
     "planners": (Plugin,),
 }
 METHODS: Mapping[str, Mapping[str, int]] = {  # name -> number of arguments

@@ -11,9 +11,9 @@ from types import ModuleType
 
 from missionkit.chart.text.regular_file import irregular
 from missionkit.errors import FileError, Place, Problem
-from missionkit.plugin import Behavior, Guard, Plugin, WindowGuard
+from missionkit.plugin import Behavior, Detector, Guard, Plugin, WindowGuard
 
-BASES = (Guard, WindowGuard, Behavior)
+BASES = (Guard, WindowGuard, Behavior, Detector)
 
 
 def plugins_of(path: Path) -> tuple[type[Plugin], ...]:

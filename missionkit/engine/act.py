@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from missionkit.chart.semantics.compiled_chart import State
-from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.control.controller import ControlMemory
 from missionkit.control.hold_point import guidance_to
 from missionkit.control.limits import ZERO
@@ -21,6 +20,7 @@ from missionkit.engine.step_validation import fault_of, push_fault
 from missionkit.geometry import Vec3
 from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Setpoint, Step
 from missionkit.plugin import Behavior
+from missionkit.plugin_containment import Containment, is_foreign
 
 IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")

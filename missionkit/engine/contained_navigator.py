@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from typing_extensions import override
 
-from missionkit.chart.semantics.plugin_containment import Containment, is_foreign
 from missionkit.errors import UsageError
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform
 from missionkit.messages import Health, Observation, Sighting
+from missionkit.plugin_containment import Containment, is_foreign
 
 METHODS = ("begin", "propagate", "fuse", "pose_at", "read")
 SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}

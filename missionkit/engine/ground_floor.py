@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from missionkit.chart.semantics.plugin_containment import is_foreign
 from missionkit.control.limits import ZERO, Limits
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Setpoint
 from missionkit.plugin import Behavior
+from missionkit.plugin_containment import is_foreign
 
 HEIGHT = 1.0  # m above where it took off, that guidance keeps: a barometer drifts by as much
 CLIMB = 0.5  # m/s at most, and 1/s, back to the floor: a vehicle sinks a little while it hovers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,11 +25,10 @@ from missionkit.estimation.warm_up import warm_up
 from missionkit.geometry import Quat, Transform, Vec3
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Occupancy
-from missionkit.perception.aruco import Aruco
 from missionkit.perception.eye import Eye
 from missionkit.planning import warm_up as planning
 from missionkit.planning.avoiding import Avoids
-from missionkit.planning.potential_field import PotentialField
+from missionkit.planning.potential_field import PotentialField, brake_of
 from missionkit.plugin import Plugin
 
 
@@ -71,11 +70,10 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     }
     navigation = mission.navigation
     chart = compile_mission(mission, catalogue)
-    markers = [cast(Aruco, detector.plugin) for detector in mission.perception]
     return PreparedMission(
         chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
-        eye=Eye(camera, markers),
+        eye=Eye(camera, [detector.plugin for detector in mission.perception]),
         camera=camera,
         control=mission.control,
         field=None if mission.avoid is None else _planner(mission.avoid),
@@ -86,7 +84,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
             [state.behavior for state in chart.states.values()],
             {name: target.position[2] for name, target in mission.targets.items()},
         ),
-        brake=None if mission.avoid is None else _brake(mission.avoid),
+        brake=None if mission.avoid is None else brake_of(mission.avoid.plugin),
     )
 
 
@@ -102,18 +100,15 @@ def _navigator(
 
 
 def _planner(use: Use[Plugin]) -> Avoids:
-    planner = cast(Avoids, use.plugin)  # `chart.plugin_check` has looked at its class
+    planner = use.plugin
+    if not isinstance(planner, Avoids):
+        raise UsageError(f"planner {use.kind!r} cannot be used: it lacks begin or step")
     try:
         planner.begin()
     except Exception as error:
         why = f"begin raised {type(error).__name__}: {error}"
         raise UsageError(f"planner {use.kind!r} cannot be used: {why}") from error
     return planner
-
-
-def _brake(use: Use[Plugin]) -> PotentialField:
-    """Return what brakes: the mission's own planner, or the built-in one beside another's."""
-    return use.plugin if isinstance(use.plugin, PotentialField) else PotentialField()
 
 
 def begin(plan: PreparedMission, now: float = 0.0) -> FlightMemory:

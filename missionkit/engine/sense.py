@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.contained_navigator import ContainedNavigator
 from missionkit.engine.flight_state import FlightMemory, SensorState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import Estimate, Look, Observation, Points, Sighting, Target
-from missionkit.perception.eye import EyeMemory, Priors
+from missionkit.perception.eye import EyeMemory
+from missionkit.perception.marker_search import Priors
+from missionkit.plugin_containment import Containment
 
 STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
 
@@ -36,7 +37,7 @@ def sense(
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
     state = plan.navigator.read(navigation)
-    eye, looks, sightings = _look(plan, memory, navigation, state, seen)
+    eye, looks, sightings = _look(plan, memory, navigation, state, seen, contain)
     if sightings:
         navigation = plan.navigator.fuse(navigation, sightings)
         state = plan.navigator.read(navigation)
@@ -58,7 +59,12 @@ def sense(
 
 
 def _look(
-    plan: PreparedMission, memory: FlightMemory, navigation: Any, state: NavState, seen: Observation
+    plan: PreparedMission,
+    memory: FlightMemory,
+    navigation: Any,
+    state: NavState,
+    seen: Observation,
+    contain: Containment,
 ) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
     goal = memory.acting.goal
     priors = Priors(
@@ -66,7 +72,7 @@ def _look(
         targets={} if seen.frame is None else _known(plan, state),
         goal=None if goal is None else goal.position,
     )
-    return plan.eye.look(memory.senses.eye, seen, priors)
+    return plan.eye.look(memory.senses.eye, seen, priors, contain)
 
 
 def _estimate(

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.configuration import configuration
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
@@ -22,6 +21,7 @@ from missionkit.engine.ground_contact import with_ground_contact
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.sense import sense
 from missionkit.messages import Action, Command, Estimate, Observation, Record
+from missionkit.plugin_containment import Containment
 
 CAUSES = "accel_noise, gyro_noise, the marker's size or the lens may not be as the mission says"
 TAKING_OFF = frozenset((Action.ARM, Action.TAKE_OFF))

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 from typing_extensions import override
 
-from missionkit.chart.semantics.plugin_containment import Containment, TooSlowError
+from missionkit.plugin_containment import Containment, TooSlowError
 
 GRACE = 1.0  # s between two interruptions of a plug-in that swallows the first
 WAITING = "did not return; a plug-in must neither sleep nor wait"

@@ -4,28 +4,22 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from missionkit.geometry import Transform, Vec3
-from missionkit.messages import CameraModel, Detection, Frame, Look, Observation, Sighting, Target
+from missionkit.geometry import Vec3
+from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.detector import Detector
-from missionkit.perception.select import Candidate, area_of, plausible, select
-from missionkit.perception.sighting import sight
+from missionkit.perception.marker_search import MarkerSearch, Priors
+from missionkit.perception.select import Candidate, plausible, select
+from missionkit.perception.sighting_validation import fault_of
+from missionkit.plugin import Detector, Plugin, Prior
+from missionkit.plugin_containment import Containment
 
 SILENT_AFTER: Final = 1.5  # periods
 _MOST_MISSED: Final = 100  # frames counted as missed in one tick
-
-
-class Priors(NamedTuple):
-    """What is believed before a frame is looked at."""
-
-    body: Callable[[float], Transform | None]  # time (s) -> body to world
-    targets: Mapping[str, Target]
-    goal: Vec3 | None  # (3,), m, NED, of the mission
 
 
 class EyeMemory(NamedTuple):
@@ -43,22 +37,38 @@ class Eye:
     frame that was due yields one `Look`, so that the confidence window counts frames (P1 section
     1.3, NOTES P1.7): a camera that falls silent for 1.5 periods, or repeats an image to the bit,
     gives silent looks that saw nothing. A frame that arrives late is used at its own time.
+
+    Args:
+        camera: intrinsics and mount.
+        detectors: of any package. The built-in markers are found together, in one pass for each
+            dictionary; any other detector is called alone, contained.
     """
 
-    def __init__(self, camera: CameraModel, markers: Sequence[Aruco]) -> None:
+    def __init__(self, camera: CameraModel, detectors: Sequence[Plugin]) -> None:
         self._camera = camera
-        self._markers = {name: _of(markers, name) for name in {m.dictionary for m in markers}}
-        longest = max(camera.width, camera.height)
-        self._detectors = [Detector(name, longest) for name in sorted(self._markers)]
+        markers = [it for it in detectors if isinstance(it, Aruco)]
+        self._search = MarkerSearch(camera, markers)
+        self._others = [it for it in detectors if isinstance(it, Detector)]
 
     def begin(self) -> EyeMemory:
         """Return the memory at the start of the mission."""
         return EyeMemory()
 
     def look(
-        self, memory: EyeMemory, observation: Observation, priors: Priors
+        self,
+        memory: EyeMemory,
+        observation: Observation,
+        priors: Priors,
+        contain: Containment | None = None,
     ) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
-        """Return the next memory, the looks due since the last tick, and one sighting a target."""
+        """Return the next memory, the looks due since the last tick, and one sighting a target.
+
+        Args:
+            memory: as the last tick left it.
+            observation: with the frame that arrived, if one did.
+            priors: what is believed before it is looked at.
+            contain: keeps what went wrong in a detector.
+        """
         frame, now = observation.frame, observation.now
         memory, missed = _missed(memory, now, self._camera.period, came=frame is not None)
         if frame is None:
@@ -67,37 +77,39 @@ class Eye:
         following = EyeMemory(now, now, digest)
         if digest is not None and digest == memory.digest:
             return following, (*missed, Look(frame.at, frozenset(), silent=True)), ()
-        sightings = self._sightings(frame, priors)
+        sightings = self._sightings(frame, priors, contain or Containment())
         seen = frozenset(s.target for s in sightings)
         return following, (*missed, Look(frame.at, seen)), sightings
 
-    def _sightings(self, frame: Frame, priors: Priors) -> tuple[Sighting, ...]:
-        detections = tuple(self._detections(frame))
-        body = priors.body(frame.at) if detections else None
+    def _sightings(
+        self, frame: Frame, priors: Priors, contain: Containment
+    ) -> tuple[Sighting, ...]:
+        every = [*self._search.find(frame, priors), *self._found_by_others(frame, priors, contain)]
+        body = priors.body(frame.at) if every else None
+        eye = None if body is None else body @ self._camera.mount
         found: dict[str, list[Candidate]] = {}
-        for detection in detections:
-            for marker in self._markers[detection.dictionary].get(detection.id, ()):
-                prior = priors.targets.get(marker.target)
-                if not marker.min_area <= detection.area <= marker.max_area:
-                    continue
-                candidate = sight(
-                    detection, marker, self._camera, at=frame.at, body=body, prior=prior
-                )
-                if candidate is not None and plausible(candidate, prior):
-                    found.setdefault(marker.target, []).append(candidate)
+        for it in every:
+            candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
+            if plausible(candidate, priors.targets.get(it.target)):
+                found.setdefault(it.target, []).append(candidate)
         return tuple(
             select(candidates, _expected(target, priors)).sighting
             for target, candidates in sorted(found.items())
         )
 
-    def _detections(self, frame: Frame) -> Iterable[Detection]:
-        """Return the known markers of a frame, whether it brings an image or ready corners."""
-        for name, number, corners in frame.corners or ():
-            if number in self._markers.get(name, {}):
-                yield Detection(name, number, corners, area_of(corners))
-        if frame.image is not None:
-            for detector in self._detectors:
-                yield from detector.detect(frame.image, self._markers[detector.name].keys())
+    def _found_by_others(
+        self, frame: Frame, priors: Priors, contain: Containment
+    ) -> Iterator[Sighting]:
+        """Yield what the detectors of other packages see; an answer that is unsound counts not."""
+        for detector in self._others:
+            prior = Prior(priors.body(frame.at), priors.targets.get(detector.target))
+            boxed = contain.call(detector.kind, detector.detect, frame, self._camera, prior)
+            if boxed is None:
+                continue
+            if wrong := fault_of(boxed[0], detector.target, frame.at):
+                contain.note(f"{detector.kind} answered {wrong}")
+                continue
+            yield from boxed[0]
 
 
 def _missed(
@@ -118,12 +130,6 @@ def _missed(
     missed = min(max(missed, 0), _MOST_MISSED)
     looks = tuple(Look(heard + i * period, frozenset(), silent=True) for i in range(1, missed + 1))
     return EyeMemory(heard + missed * period, now, memory.digest), looks
-
-
-def _of(markers: Sequence[Aruco], dictionary: str) -> dict[int, tuple[Aruco, ...]]:
-    """Return the markers of one dictionary by id; two targets may carry the same id."""
-    own = [m for m in markers if m.dictionary == dictionary]
-    return {i: tuple(m for m in own if m.id == i) for i in sorted({m.id for m in own})}
 
 
 def _expected(target: str, priors: Priors) -> Vec3 | None:

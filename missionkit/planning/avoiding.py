@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate
 
 
+@runtime_checkable
 class Avoids(Protocol):
     """Says what to add to a wanted velocity. Its memory is an immutable value."""
 

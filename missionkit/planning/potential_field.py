@@ -293,3 +293,12 @@ def _finite(points: Points) -> Points:
     if math.isfinite(points.sum()):
         return points
     return points[np.isfinite(points).all(axis=1)]
+
+
+def brake_of(planner: Plugin) -> PotentialField:
+    """Return what brakes before obstacles: the planner itself, or the built-in one beside it.
+
+    Args:
+        planner: of the mission, of any package.
+    """
+    return planner if isinstance(planner, PotentialField) else PotentialField()

@@ -11,10 +11,10 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import Chart
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import Decision, begin, decide
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard
+from missionkit.plugin_containment import Containment
 
 TICK = 0.05
 

@@ -16,9 +16,9 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.semantics.chart_compiler import NOWHERE
 from missionkit.chart.semantics.compiled_chart import GuardContext
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.messages import Battery, Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard
+from missionkit.plugin_containment import Containment
 
 TRUTHS = (True, False, None)
 RANK = {False: 0, None: 1, True: 2}  # Kleene: and is the least, or is the greatest

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from missionkit.chart.semantics.plugin_containment import Containment
+from missionkit.plugin_containment import Containment
 
 
 def test_the_answer_comes_in_a_box_so_that_none_is_an_answer_too():

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from stepping import TICK, Walk, chart_of
 from transitions import Machine
 
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
+from missionkit.plugin_containment import Containment
 
 INPUTS = ("a", "b", "c")
 STATES = ("s0", "s1", "s2", "s3")

@@ -14,10 +14,10 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import begin, decide
 from missionkit.messages import Battery, Estimate, Verdict
 from missionkit.plugin import Guard
+from missionkit.plugin_containment import Containment
 
 
 class Flag(Guard):

@@ -11,12 +11,12 @@ from misbehaving import with_odd_ones
 from rehearsed import short
 from samples import calm
 
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.act import act
 from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.prepared_mission import PreparedMission, begin, prepare
 from missionkit.geometry import norm, vec
 from missionkit.messages import Action, Command, Estimate, Step, VehicleStatus
+from missionkit.plugin_containment import Containment
 
 CATALOGUE = with_odd_ones()
 DOWN = VehicleStatus(10.0, armed=False, in_air=False, ready=True, mode="hold")

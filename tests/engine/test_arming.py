@@ -10,11 +10,11 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.compiled_chart import Transition
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.cli.app import app
 from missionkit.engine.flight_loop import REFUSED, FlightEnd
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
+from missionkit.plugin_containment import Containment
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim.faults import parse_fault
 from missionkit.sim.world import World

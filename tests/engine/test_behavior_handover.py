@@ -9,7 +9,6 @@ from samples import calm
 from typing_extensions import override
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.chart.semantics.step import decide
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
@@ -17,6 +16,7 @@ from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Estimate, Step, VehicleStatus
 from missionkit.plugin import Behavior
+from missionkit.plugin_containment import Containment
 
 
 class Counting(Behavior):

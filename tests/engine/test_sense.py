@@ -9,13 +9,13 @@ import pytest
 from rehearsed import precise, short
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
 from missionkit.estimation.navigator import NavState
 from missionkit.geometry import Transform, conjugate, from_euler, rotate, to_matrix, vec
 from missionkit.goal_pose import facing
 from missionkit.messages import Battery, Cycle, Health, Observation, Scan, VehicleStatus
+from missionkit.plugin_containment import Containment
 
 MISSION = """\
 targets:

@@ -7,11 +7,11 @@ import pickle
 import pytest
 from rehearsed import Flight, plain, precise, timeless
 
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.flight_state import FlightMemory
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.tick import tick
 from missionkit.messages import Observation, Record
+from missionkit.plugin_containment import Containment
 
 SAVED_AT = 620  # ticks; in the middle of visual servoing
 

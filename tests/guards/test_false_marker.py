@@ -13,7 +13,8 @@ from missionkit.guards import ArucoConfidence, GpsToVisual
 from missionkit.messages import Frame, Goal, Observation, Sighting, Target, Verdict
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.detector import Detector
-from missionkit.perception.eye import Eye, Priors
+from missionkit.perception.eye import Eye
+from missionkit.perception.marker_search import Priors
 
 CAMERA = LENS.model()
 FALSE = Aruco(target="trunk", dictionary=SMALL, id=FALSE_ID, size=0.40)

@@ -11,8 +11,8 @@ from missionkit.geometry import IDENTITY, Transform, from_euler, vec
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Frame, Observation, Target
 from missionkit.perception.camera import Camera
-from missionkit.perception.eye import Priors
 from missionkit.perception.imaging import marker_bitmap
+from missionkit.perception.marker_search import Priors
 from missionkit.perception.pose import project, square
 
 DICTIONARY = "DICT_6X6_250"

@@ -23,7 +23,8 @@ from scenes import (
 from missionkit.geometry import Transform, from_euler, rotate, vec
 from missionkit.messages import Detection, Frame, Look, Observation
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.eye import Eye, EyeMemory, Priors
+from missionkit.perception.eye import Eye, EyeMemory
+from missionkit.perception.marker_search import Priors
 from missionkit.perception.pose import angle_between
 from missionkit.perception.sighting import sight
 

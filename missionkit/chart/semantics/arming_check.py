@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.chart.semantics.compiled_chart import Chart, GuardContext, Transition
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.messages import Estimate, Verdict
+from missionkit.plugin_containment import Containment
 
 
 def against_arming(chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment) -> str:

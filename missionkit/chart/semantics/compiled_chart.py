@@ -12,9 +12,9 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from missionkit.chart.model.variables import Value, Values, Variable
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.plugin import Behavior
+from missionkit.plugin_containment import Containment
 from missionkit.states.contract import StateKind
 
 NO_VALUES: Values = {}

@@ -10,10 +10,10 @@ from typing import cast
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.variables import is_number
 from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
-from missionkit.chart.semantics.plugin_containment import is_foreign
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, Plugin, WindowGuard
+from missionkit.plugin_containment import is_foreign
 
 Check = Callable[[Estimate], Verdict]
 YES, NO = Verdict(holds=True), Verdict(holds=False)

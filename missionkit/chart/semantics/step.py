@@ -23,8 +23,8 @@ from missionkit.chart.semantics.compiled_chart import (
 from missionkit.chart.semantics.configuration import EPSILON, SAFETY, configuration
 from missionkit.chart.semantics.guard_evaluation import evaluated, ready
 from missionkit.chart.semantics.macrostep import Macrostep
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.messages import ABORT, Estimate, Verdict
+from missionkit.plugin_containment import Containment
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 

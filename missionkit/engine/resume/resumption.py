@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from missionkit.chart.semantics.plugin_containment import Containment
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight_state import FlightMemory, FlightState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.reconciliation import ResumedFlight, reconciled
 from missionkit.engine.sense import sense
+from missionkit.plugin_containment import Containment
 from missionkit.ports import Vehicle
 
 HEARTBEAT_WAIT = 2.0  # s to wait for a heartbeat

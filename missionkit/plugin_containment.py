@@ -1,4 +1,4 @@
-"""Calling plug-ins so that none of them can bring the flight down."""
+"""Calling plug-ins of every group so that none of them can bring the flight down."""
 
 from __future__ import annotations
 

@@ -1,0 +1,69 @@
+"""Finding a mission's markers in a frame, those of one dictionary in one pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from missionkit.geometry import Transform, Vec3
+from missionkit.messages import CameraModel, Detection, Frame, Sighting, Target
+from missionkit.perception.aruco import Aruco
+from missionkit.perception.detector import Detector
+from missionkit.perception.select import area_of
+from missionkit.perception.sighting import sight
+
+
+class Priors(NamedTuple):
+    """What is believed before a frame is looked at."""
+
+    body: Callable[[float], Transform | None]  # time (s) -> body to world
+    targets: Mapping[str, Target]
+    goal: Vec3 | None  # (3,), m, NED, of the mission
+
+
+class MarkerSearch:
+    """Looks for markers in frames.
+
+    Args:
+        camera: intrinsics and mount.
+        markers: to be looked for.
+    """
+
+    def __init__(self, camera: CameraModel, markers: Sequence[Aruco]) -> None:
+        self._camera = camera
+        self._markers = {name: _of(markers, name) for name in {m.dictionary for m in markers}}
+        longest = max(camera.width, camera.height)
+        self._detectors = [Detector(name, longest) for name in sorted(self._markers)]
+
+    def find(self, frame: Frame, priors: Priors) -> Iterator[Sighting]:
+        """Yield a sighting for each marker in view that has a pose.
+
+        Args:
+            frame: an image, or ready corners.
+            priors: what is believed before it is looked at.
+        """
+        detections = tuple(self._detections(frame))
+        body = priors.body(frame.at) if detections else None
+        for detection in detections:
+            for marker in self._markers[detection.dictionary].get(detection.id, ()):
+                if not marker.min_area <= detection.area <= marker.max_area:
+                    continue
+                prior = priors.targets.get(marker.target)
+                seen = sight(detection, marker, self._camera, at=frame.at, body=body, prior=prior)
+                if seen is not None:
+                    yield seen.sighting
+
+    def _detections(self, frame: Frame) -> Iterator[Detection]:
+        """Yield the known markers of a frame, whether it brings an image or ready corners."""
+        for name, number, corners in frame.corners or ():
+            if number in self._markers.get(name, {}):
+                yield Detection(name, number, corners, area_of(corners))
+        if frame.image is not None:
+            for detector in self._detectors:
+                yield from detector.detect(frame.image, self._markers[detector.name].keys())
+
+
+def _of(markers: Sequence[Aruco], dictionary: str) -> dict[int, tuple[Aruco, ...]]:
+    """Return the markers of one dictionary by id; two targets may carry the same id."""
+    own = [m for m in markers if m.dictionary == dictionary]
+    return {i: tuple(m for m in own if m.id == i) for i in sorted({m.id for m in own})}
