@@ -186,7 +186,7 @@ class Calm(Plugin):
         ("navigators", Sightless, "Sightless lacks the method build"),
         ("navigators", Hasty, "Hasty.build must take 2 arguments"),
         ("planners", Calm, "Calm lacks the method begin"),
-        ("detectors", Calm, "is not a class derived from Aruco"),
+        ("detectors", Calm, "is not a class derived from Detector"),
         ("behaviors", Calm, "is not a class derived from Behavior"),
     ],
 )
