@@ -14,6 +14,7 @@ from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import prepare
 from missionkit.messages import Observation, Record
+from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import Background, Reports, background
 from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import world_of
@@ -82,7 +83,11 @@ def fly(
     )
     sinks, operator, log = background(), operator or Operator(), FlightLog(plan.chart)
     own = [_Unhurried(f"observer {n}", it, sinks.reports) for n, it in enumerate(observers, 1)]
-    with Logbook(folder, plan, world, sinks, mission.path) as book, landing_on_interrupt(operator):
+    scene = scenery_of(world, model)
+    with (
+        Logbook(folder, plan, scene, sinks, mission.path) as book,
+        landing_on_interrupt(operator),
+    ):
         flown = fly_vehicle(
             plan,
             vehicle,

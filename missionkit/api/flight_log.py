@@ -15,12 +15,11 @@ from missionkit.recorder import track as tracks
 from missionkit.recorder.flight import FlightRecorder
 from missionkit.recorder.folder import keep_mission
 from missionkit.recorder.plot import draw
-from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.scenery import Scenery
 from missionkit.recorder.sink import RECORD, Sinks, contained
-from missionkit.recorder.summary import Summary, write_summary
+from missionkit.recorder.summary import Summary, said, write_summary
 from missionkit.recorder.track import Track
 from missionkit.sim.truth import Truth
-from missionkit.sim.world import World
 
 FILE = "flight.mcap"
 
@@ -31,7 +30,7 @@ class Logbook:
     Args:
         folder: is made if need be; None: nothing is written.
         plan: that is flown.
-        world: what stands around.
+        scenery: what stands around.
         sinks: take what is written, and reports of what fails.
         mission: path of the file that is flown, copied into the folder.
 
@@ -43,14 +42,14 @@ class Logbook:
         self,
         folder: str | Path | None,
         plan: PreparedMission,
-        world: World,
+        scenery: Scenery,
         sinks: Sinks,
         mission: Path,
     ) -> None:
         self.digest = ""
         self._folder = None if folder is None else Path(folder)
         self._sinks = sinks
-        self._scenery = scenery_of(world)
+        self._scenery = scenery
         self._track = tracks.begin()
         self._recorder: FlightRecorder | None = None
         if self._folder is not None:
@@ -105,7 +104,7 @@ class Logbook:
         reports = self._sinks.reports
         summary = with_reports(summary, reports.all)
         if self._folder is not None:
-            title = f"{summary.mission}: {summary.outcome}"
+            title = f"{summary.mission}: {said(summary.outcome)}"
             contained("track.png", draw, reports)(
                 self._folder / "track.png", self.track, self._scenery, title, summary.reason
             )

@@ -12,6 +12,7 @@ from missionkit.engine.clock import RealTime
 from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.errors import UsageError, nearest
 from missionkit.outcome import outcome, reason
+from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.sink import inline
 from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import rehearse as fly_simulated
@@ -61,7 +62,8 @@ def rehearse(
     wrong = [fault_of(text, model, world) for text in faults]
     ready = stage(model, mission.catalogue, world, seed, wrong)
     sinks, operator = inline(), operator or Operator()
-    with Logbook(folder, ready.plan, world, sinks, mission.path) as log:
+    scene = scenery_of(world, model)
+    with Logbook(folder, ready.plan, scene, sinks, mission.path) as log:
         result = fly_simulated(
             ready,
             log.observing(observers, lambda: ready.vehicle.truth),
