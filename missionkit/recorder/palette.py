@@ -17,7 +17,7 @@ WOOD, WOOD_EDGE = "#D6CCBE", "#9C8B75"
 FENCE, FENCE_DASHES = "#B3261E", (0, (6.0, 3.0))
 DASHES: tuple[Any, ...] = ("solid", (0, (3.2, 1.0)), (0, (1.0, 0.7)), (0, (4.5, 0.8, 0.9, 0.8)))
 MARKERS = ("", "o", "s", "^", "D")
-BRIGHT = 0.45  # luminance above which dark letters are read more easily
+BRIGHT = 0.35  # luminance above which dark letters are read more easily
 
 
 class Style(NamedTuple):
