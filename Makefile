@@ -5,7 +5,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
-.PHONY: run test lint types layers unit bench studies schema reference picture clean
+.PHONY: run test lint types layers unit bench studies schema reference docs picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
@@ -50,6 +50,11 @@ schema: .venv/ready
 
 reference: .venv/ready
 	$(BIN)/python -m docs.python_api
+
+docs: .venv/ready
+	$(PIP) install --constraint requirements.lock --constraint docs/constraints.txt --editable '.[docs]'
+	$(BIN)/python -m sphinx -q -W -b html -d build/doctrees docs build/docs
+	@echo build/docs/index.html
 
 .venv/ready: requirements.lock pyproject.toml
 	@echo "Installing what requirements.lock names into .venv: minutes on a slow network"

@@ -3,9 +3,10 @@
 import re
 import shlex
 import sys
+from pathlib import PurePath
 
 import pytest
-from documents import document
+from documents import ROOT, document
 from typer.testing import CliRunner
 
 from missionkit.cli.app import app
@@ -94,3 +95,11 @@ def test_a_how_to_of_plugins_runs(page, folder):
     for path in folder.glob("missionkit_*.py"):
         shown = CliRunner().invoke(app, ["plugins", "--plugin", str(path)])
         assert path.stem.removeprefix("missionkit_") in shown.output
+
+
+def test_the_site_has_every_page():
+    index = document("docs/index.md")
+    listed = re.findall(r"^([\w/*-]+)$", index, re.MULTILINE)
+    pages = [str(it.relative_to(ROOT / "docs")) for it in (ROOT / "docs").rglob("*.md")]
+    lost = [it for it in pages if not any(PurePath(it).match(f"{name}.md") for name in listed)]
+    assert lost == ["index.md"]
