@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from filterpy.kalman import KalmanFilter
 
+from missionkit.estimation.optical_flow import filterpy_axis
 from missionkit.estimation.optical_flow.axis_filter import (
     POSITION,
     VELOCITY,
@@ -148,3 +149,34 @@ def test_certainty_cannot_be_corrected_by_certainty():
 @pytest.fixture
 def rng():
     return np.random.default_rng(5)
+
+
+@pytest.mark.parametrize("part", [POSITION, VELOCITY])
+def test_the_choice_of_filterpy_is_the_kernels_to_the_last_digits(rng, part):
+    mu, S = np.array([1.0, -0.3]), np.array([[0.2, 0.05], [0.05, 0.4]])
+    theirs, P = mu.copy(), S.copy()
+    for _ in range(300):
+        u, z = rng.normal(size=2)
+        assert predict(mu, S, u, DT, VARIANCE)
+        assert filterpy_axis.predict(theirs, P, u, DT, VARIANCE)
+        assert update(mu, S, z, NOISE, part)
+        assert filterpy_axis.update(theirs, P, z, NOISE, part)
+        np.testing.assert_allclose(theirs, mu, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(P, S, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e7])
+def test_filterpy_never_gets_what_is_not_finite(bad):
+    mu, S = np.array([1.0, -0.3]), np.eye(2)
+    assert not filterpy_axis.predict(mu, S, bad, DT, VARIANCE)
+    assert not filterpy_axis.predict(mu, S, 0.0, -DT, VARIANCE)
+    assert not filterpy_axis.update(mu, S, bad, NOISE, VELOCITY)
+    assert not filterpy_axis.update(mu, S, 0.0, -NOISE, VELOCITY)
+    assert mu.tolist() == [1.0, -0.3]
+    assert S.tolist() == np.eye(2).tolist()
+
+
+def test_what_filterpy_makes_of_a_broken_covariance_does_not_count():
+    mu, S = np.array([1.0, -0.3]), np.array([[math.nan, 0.0], [0.0, 1.0]])
+    assert not filterpy_axis.update(mu, S, 0.0, NOISE, VELOCITY)
+    assert mu.tolist() == [1.0, -0.3]

@@ -206,3 +206,12 @@ states:
   land: {kind: land}
 """
 )
+
+
+def test_it_flies_on_filterpy_as_on_its_own_kernels():
+    flight = recorded(noisy=True)
+    ours, _ = through(built(), flight)
+    theirs, _ = through(built(axis_filter="filterpy"), flight)
+    assert ours.in_air
+    np.testing.assert_allclose(theirs.mu, ours.mu, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(theirs.S, ours.S, rtol=0.0, atol=1e-12)

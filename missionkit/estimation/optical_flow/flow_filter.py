@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,13 +24,8 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     QUATERNION,
 )
 from missionkit.estimation.navigator import NavState
-from missionkit.estimation.optical_flow import flow_memory, flow_state
-from missionkit.estimation.optical_flow.axis_filter import (
-    POSITION,
-    VELOCITY,
-    predict,
-    update,
-)
+from missionkit.estimation.optical_flow import axis_filter, flow_memory, flow_state
+from missionkit.estimation.optical_flow.axis_filter import POSITION, VELOCITY
 from missionkit.estimation.optical_flow.complementary_filter import carry, steer
 from missionkit.estimation.optical_flow.flow_memory import (
     EAST,
@@ -57,6 +53,13 @@ KEEP = 12
 """Poses kept, one an observation."""
 
 
+class AxisFilter(NamedTuple):
+    """The filter of one axis: `axis_filter`, or filterpy's behind the same functions."""
+
+    predict: Callable[[Vec3, Mat, float, float, float], bool]
+    update: Callable[[Vec3, Mat, float, float, int], bool]
+
+
 class FlowFilter:
     """One Kalman filter for each of north, east and height.
 
@@ -71,6 +74,11 @@ class FlowFilter:
         self._rest = VisualInertialEkf(
             align_for=s.align_for, declination_deg=s.declination_deg, baro_sd=s.baro_sd
         )
+        self._axis = AxisFilter(axis_filter.predict, axis_filter.update)
+        if s.axis_filter == "filterpy":
+            from missionkit.estimation.optical_flow import filterpy_axis  # noqa: PLC0415 heavy
+
+            self._axis = AxisFilter(filterpy_axis.predict, filterpy_axis.update)
 
     def warm_up(self) -> None:
         """Compile the kernels, or load them, by standing and flying for a moment."""
@@ -105,7 +113,7 @@ class FlowFilter:
         known, rates = self._predict(known, observation)
         known = self._steer(known, observation.mag)
         if not known.in_air:
-            return _tracked(_rest(known))
+            return _tracked(_rest(known, self._axis))
         known = self._climb(known, observation)
         return _tracked(self._flow(known, observation.flow, rates))
 
@@ -151,7 +159,7 @@ class FlowFilter:
         pull, rates = np.empty(3), np.empty(3)
         dt = carry(q, bias, imu, float(known.last[0]), self._gains, pull, rates)
         for axis, sign in ((NORTH, 1.0), (EAST, 1.0), (UP, -1.0)):
-            predict(mu[axis], S[axis], sign * pull[axis], dt, s.accel_variance[axis])
+            self._axis.predict(mu[axis], S[axis], sign * pull[axis], dt, s.accel_variance[axis])
         height = max(float(mu[UP, 0]), 0.0) if known.in_air else 0.0
         known = known._replace(attitude=q, bias=bias, mu=mu, S=S, last=last)
         return known._replace(reach=known.reach + height * dt), rates
@@ -169,9 +177,9 @@ class FlowFilter:
         s, (q, _, mu, S) = self._settings, _copies(known)
         if seen.range is not None:
             height = seen.range.distance * float(to_matrix(q)[2, 2])
-            update(mu[UP], S[UP], height, s.range_sd**2, POSITION)
+            self._axis.update(mu[UP], S[UP], height, s.range_sd**2, POSITION)
         if seen.baro is not None:
-            update(mu[UP], S[UP], seen.baro.height, s.baro_sd**2, POSITION)
+            self._axis.update(mu[UP], S[UP], seen.baro.height, s.baro_sd**2, POSITION)
         return known._replace(mu=mu, S=S)
 
     def _flow(self, known: FlowMemory, flow: OpticalFlow | None, rates: Vec3) -> FlowMemory:
@@ -184,7 +192,7 @@ class FlowFilter:
         if not (flow.quality >= s.quality and over_ground(flow.flow, rates, height, q, climb, z)):
             return known._replace(refused=known.refused + 1)
         for axis in (NORTH, EAST):
-            update(mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], VELOCITY)
+            self._axis.update(mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], VELOCITY)
         return known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0)
 
 
@@ -213,11 +221,11 @@ def _resumed(
     return known._replace(attitude=q, mu=mu, S=S, last=fresh[0].copy(), mag_at=None)
 
 
-def _rest(known: FlowMemory) -> FlowMemory:
+def _rest(known: FlowMemory, axis_of: AxisFilter) -> FlowMemory:
     """Return the memory with all velocities corrected to zero."""
     _, _, mu, S = _copies(known)
     for axis in (NORTH, EAST, UP):
-        update(mu[axis], S[axis], 0.0, REST, VELOCITY)
+        axis_of.update(mu[axis], S[axis], 0.0, REST, VELOCITY)
     return known._replace(mu=mu, S=S, flow_at=known.now, refused=0)
 
 

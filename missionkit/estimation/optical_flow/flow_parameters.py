@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -57,3 +57,6 @@ class FlowKalman(Plugin):
     blind_after: Seconds = Field(default=3.0, description="diverged: no flow in the air")
     silent_after: Seconds = Field(default=0.5, description="diverged: no inertial samples")
     max_position_sd: Metres = Field(default=20.0, gt=0, description="diverged: above it")
+    axis_filter: Literal["numba", "filterpy"] = Field(
+        default="numba", description="whose code filters an axis: ours, compiled, or filterpy's"
+    )
