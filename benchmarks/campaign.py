@@ -9,11 +9,11 @@ from statistics import median
 
 from benchmarks.flights import KNOWN_MAP, past_two_walls, ready
 from benchmarks.measure import Table, seconds, timed
-from missionkit.campaigns.pool import flown
-from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns.process_pool import flown
+from missionkit.campaigns.run_row import Case, RunOrder
 from missionkit.messages import Command, Observation, Record
 from missionkit.rehearsal import Stage, rehearse
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 REPEATS = 5
 RUNS = 200
@@ -61,7 +61,7 @@ def _flown_again(at: Stage, commands: list[Command]) -> None:
 
 
 def _workers() -> Table:
-    order = Order(str(KNOWN_MAP), {})
+    order = RunOrder(str(KNOWN_MAP), {})
     _flown(order, 2, 4)  # the fork server imports and compiles once
     times = {workers: [_flown(order, workers, RUNS) for _ in range(2)] for workers in (1, 2)}
     one, two = (min(times[workers]) for workers in (1, 2))
@@ -75,7 +75,7 @@ def _workers() -> Table:
     )
 
 
-def _flown(order: Order, workers: int, runs: int) -> float:
+def _flown(order: RunOrder, workers: int, runs: int) -> float:
     cases = (Case(n, 0, n, {}) for n in range(runs))
     with closing(flown(order, cases, workers=workers)) as rows:
         ended, took = timed(list, islice(rows, runs))

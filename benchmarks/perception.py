@@ -10,12 +10,12 @@ import numpy as np
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, seconds, spread, timed
 from missionkit.messages import Image, Observation, Record
-from missionkit.perception.detector import Detector
-from missionkit.perception.imaging import encode_jpeg
-from missionkit.perception.pose import solve
+from missionkit.perception.marker_detector import Detector
+from missionkit.perception.opencv_helpers import encode_jpeg
+from missionkit.perception.square_pose import solve
 from missionkit.rehearsal import Stage, rehearse
-from missionkit.sim.render import Renderer
-from missionkit.sim.truth import Truth
+from missionkit.sim.camera_renderer import Renderer
+from missionkit.sim.ground_truth import TrueState
 
 EVERY = 5  # ticks between two frames kept
 DICTIONARY, ID, SIZE = "DICT_6X6_250", 23, 0.40
@@ -26,7 +26,7 @@ class View(NamedTuple):
     """A frame, and the truth at the tick when it arrived."""
 
     image: Image
-    truth: Truth
+    truth: TrueState
 
 
 def tables() -> list[Table]:

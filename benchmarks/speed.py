@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from benchmarks.flights import Eyes, ready, warm_up
 from benchmarks.measure import Table, timed
 from missionkit.messages import Observation, Record
-from missionkit.recorder.flight import FlightRecorder
+from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import Rehearsal, Stage, rehearse
 

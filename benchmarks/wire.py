@@ -19,9 +19,9 @@ from missionkit.engine.clock import stopwatch
 from missionkit.geometry import vec
 from missionkit.messages import Action, Command, Observation, Record, Setpoint
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse
 from missionkit.vehicle.guardian.policy import USUAL, Patience
-from missionkit.vehicle.state import State
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from studies.over_the_wire import DIALECTS, Autopilot, free_port, sitl
 
 PERIOD = 0.05  # s
@@ -176,7 +176,7 @@ async def _changes(url: str, autopilot: Autopilot, pair: Sequence[Change]) -> Wa
     return waits
 
 
-def _shows(state: State, word: str) -> Callable[[], bool]:
+def _shows(state: AutopilotState, word: str) -> Callable[[], bool]:
     return lambda: state.mode == word
 
 

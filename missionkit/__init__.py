@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from missionkit.plugin import Plugin as Plugin
     from missionkit.plugin import Prior as Prior
     from missionkit.plugin import WindowGuard as WindowGuard
-    from missionkit.recorder.summary import Summary as Summary
+    from missionkit.recorder.run_summary import Summary as Summary
 
 __version__ = "0.1.0"
 
@@ -87,7 +87,7 @@ _HOMES = {  # module -> what it gives
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
     "plugin": ("Behavior", "Detector", "Guard", "Plugin", "Prior", "WindowGuard"),
-    "recorder.summary": ("Summary",),
+    "recorder.run_summary": ("Summary",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 

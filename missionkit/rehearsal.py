@@ -39,11 +39,18 @@ from missionkit.errors import UsageError
 from missionkit.geometry import Mat, norm
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
-from missionkit.recorder.codec import is_plain
-from missionkit.sim.faults import Fault
-from missionkit.sim.grade import Grade, Visit, grade, in_flight, judge_visit, landed_at
-from missionkit.sim.snapshot import Snapshot, restore, taken
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.recorder.value_codec import is_plain
+from missionkit.sim.fault_injection import Fault
+from missionkit.sim.flight_grading import (
+    Grade,
+    Visit,
+    grade,
+    in_flight,
+    judge_visit,
+    landed_at,
+)
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
+from missionkit.sim.vehicle_snapshot import Snapshot, restore, taken
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from missionkit.geometry import Mat
-from missionkit.sim.obstacles import nearest_gap, table
+from missionkit.sim.obstacle_distance import nearest_gap, table
 from missionkit.sim.world import Marker, World
 
 

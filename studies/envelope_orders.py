@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.sim.faults import KINDS
+from missionkit.sim.fault_injection import KINDS
 from studies.envelope_flight import Trouble
 
 WINDY, TURBULENT = 7.0, 2.0  # m/s, mean and standard deviation of the gusts

@@ -19,7 +19,7 @@ from missionkit.geometry import Mat
 from missionkit.messages import Estimate, Observation, Record, Verdict
 from missionkit.plugin import Guard
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import World
 
 MISSIONS = Path(__file__).parents[1] / "missions"

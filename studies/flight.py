@@ -14,8 +14,8 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.rehearsal import Stage, rehearse, stage, world_of
-from missionkit.sim.faults import parse_fault
-from missionkit.sim.grade import Grade
+from missionkit.sim.fault_injection import parse_fault
+from missionkit.sim.flight_grading import Grade
 from missionkit.sim.world import World
 from studies.clearance import on_the_way
 from studies.watch import Change, Sample, Watch

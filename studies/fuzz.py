@@ -29,7 +29,7 @@ from missionkit.chart.checks import findings
 from missionkit.chart.load import load
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
-from missionkit.cli.report import as_json, sources, text
+from missionkit.cli.problem_report import as_json, sources, text
 from missionkit.cli.sarif import sarif
 from missionkit.errors import FileError, Problem
 from studies.fuzz_documents import FAMILIES, ROOT, document

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 
 from missionkit.estimation.optical_flow.axis_filter import run
 from missionkit.geometry import Mat
-from missionkit.sim.parameters import Sensors
+from missionkit.sim.vehicle_parameters import Sensors
 from missionkit.sim.world import World
 from studies.assumptions import numbers
 from studies.hover_figure import draw

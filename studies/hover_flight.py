@@ -18,8 +18,8 @@ from missionkit.estimation.optical_flow.dead_reckoning import Reckoning
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, vec
 from missionkit.messages import Action, Command, Observation
-from missionkit.perception.camera import Camera
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.perception.camera_section import Camera
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 PERIOD = 0.05  # s

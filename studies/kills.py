@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from missionkit.cli.resume import Contents
+from missionkit.cli.resume_rehearsal import Contents
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import load
 from studies.flight import MISSION, Camera

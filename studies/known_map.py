@@ -14,8 +14,8 @@ from rich.progress import track
 
 from missionkit.behaviors.follow_path import FollowPath
 from missionkit.messages import Occupancy
-from missionkit.planning.inflate import margin
-from missionkit.planning.route import Route, Way, plan
+from missionkit.planning.map_inflation import margin
+from missionkit.planning.route_planning import Route, Way, plan
 from studies.known_map_figure import CLEARANCE, SHOWN, draw_clearance, draw_paths
 from studies.known_map_flight import STATE, VARIANTS, Run, fly_all, mission_of
 from studies.markdown import table

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from missionkit.messages import Occupancy
-from missionkit.planning.inflate import inflated
-from missionkit.planning.route import Route
+from missionkit.planning.map_inflation import inflated
+from missionkit.planning.route_planning import Route
 from missionkit.recorder.palette import INK, MUTED, STATES
 from studies.canvas import limit, page
 from studies.known_map_flight import Run

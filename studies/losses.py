@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from studies.flight import Run
 
 

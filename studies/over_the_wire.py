@@ -20,7 +20,7 @@ from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Stage, stage
-from missionkit.sim.grade import Grade, grade
+from missionkit.sim.flight_grading import Grade, grade
 from studies.flight import Camera, Order, staged
 from studies.leaning import noise_told, sih, with_small_markers
 from studies.markdown import table

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.progress import track
 
-from missionkit.sim.faults import KINDS
+from missionkit.sim.fault_injection import KINDS
 from studies.faults_figure import draw_faults
 from studies.flight import Camera, Order, Run, fly_all
 from studies.flights_figure import draw_flights

@@ -21,9 +21,9 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.clock import RealTime, stopwatch
 from missionkit.messages import Observation, Record
-from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.reading import read
-from missionkit.recorder.sink import background
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.record_reader import read
+from missionkit.recorder.record_sinks import background
 from missionkit.rehearsal import Stage, rehearse, stage
 from missionkit.sim.world import World
 

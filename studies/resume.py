@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from rich.progress import track
 
-from missionkit.cli.resume import Saving
+from missionkit.cli.resume_rehearsal import Saving
 from missionkit.messages import Observation, Record
 from missionkit.recorder.checkpoint import NEWEST
-from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.sink import inline
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.record_sinks import inline
 from missionkit.rehearsal import Kept, rehearse
 from studies.flight import Camera, Order, staged
 from studies.kills import PERIOD, Kill, Survived, copied, survived

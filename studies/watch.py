@@ -10,7 +10,7 @@ from missionkit.geometry import norm, wrap, yaw_of
 from missionkit.messages import Estimate, Observation, Record
 from missionkit.perception.aruco import Aruco
 from missionkit.rehearsal import Stage
-from missionkit.sim.truth import Truth
+from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.world import Marker
 
 EVERY = 10  # ticks between two samples of the estimate
@@ -69,7 +69,7 @@ class Watch:
         at = seen.targets[self._target].seen_at
         return None if at is None else seen.now - at
 
-    def _sample(self, state: str, seen: Estimate, truth: Truth) -> Sample:
+    def _sample(self, state: str, seen: Estimate, truth: TrueState) -> Sample:
         error = seen.position - truth.position
         target, relative, relative_sd = seen.targets[self._target], None, None
         if target.seen_at is not None:

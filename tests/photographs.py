@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 
 from missionkit.geometry import Mat, Transform, from_euler, vec
-from missionkit.perception.camera import Camera
-from missionkit.perception.imaging import marker_bitmap
-from missionkit.perception.pose import project, square
+from missionkit.perception.camera_section import Camera
+from missionkit.perception.opencv_helpers import marker_bitmap
+from missionkit.perception.square_pose import project, square
 
 PHOTO = Path(__file__).parents[2] / "shared/data/aruco/single_markers.jpg"
 LENS = Camera(

@@ -16,7 +16,7 @@ from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.flight_loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind, World
 
 MISSIONS = Path(__file__).parents[1] / "missions"

@@ -20,17 +20,17 @@ from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import GROUPS, builtin
 from missionkit.cli.app import app
 from missionkit.control.controller import Control
-from missionkit.control.limits import Limits
 from missionkit.control.pid import Gains
-from missionkit.control.yaw import YawLaw
+from missionkit.control.velocity_limits import Limits
+from missionkit.control.yaw_law import YawLaw
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.camera import Camera, Mount
-from missionkit.planning.known_map import KnownMap, Weight
+from missionkit.perception.camera_section import Camera, Mount
+from missionkit.planning.map_section import KnownMap, Weight
 from missionkit.planning.map_server import MapFile
-from missionkit.recorder.schemas import TOPICS
+from missionkit.recorder.topic_schemas import TOPICS
 from missionkit.rehearsal import rehearse, stage
-from missionkit.sim import parameters, world
-from missionkit.sim.faults import KINDS as FAULTS
+from missionkit.sim import vehicle_parameters, world
+from missionkit.sim.fault_injection import KINDS as FAULTS
 from missionkit.sim.world import World
 
 MISSION = document("docs/reference/mission-file.md")
@@ -99,9 +99,9 @@ def test_links_lead_somewhere(path):
         (SIMULATOR, "The world file", World),
         (SIMULATOR, "Wind", world.Wind),
         (SIMULATOR, "Markers", world.Marker),
-        (SIMULATOR, "Airframe", parameters.Quadrotor),
-        (SIMULATOR, "Autopilot", parameters.Autopilot),
-        (SIMULATOR, "Battery", parameters.BatteryModel),
+        (SIMULATOR, "Airframe", vehicle_parameters.Quadrotor),
+        (SIMULATOR, "Autopilot", vehicle_parameters.InnerAutopilotModel),
+        (SIMULATOR, "Battery", vehicle_parameters.BatteryModel),
     ],
 )
 def test_a_table_has_every_key_and_its_default(text, heading, part):
@@ -113,7 +113,7 @@ def test_the_table_of_sensors_is_complete():
     told = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, "Sensors")]
     assert told == [
         (f"{sensor}.{key}", default)
-        for sensor, it in parameters.Sensors.model_fields.items()
+        for sensor, it in vehicle_parameters.Sensors.model_fields.items()
         for key, default in defaults(it.annotation.model_fields)
     ]
 

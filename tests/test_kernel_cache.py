@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from missionkit import kernel_cache
-from missionkit.compiled import compiled
+from missionkit.jit import compiled
 from missionkit.kernel_cache import digest
 
 SOURCES = {
@@ -44,7 +44,7 @@ def test_a_change_in_anything_that_is_imported_is_noticed(tree, module):
 
 
 KERNEL = """\
-from missionkit.compiled import compiled
+from missionkit.jit import compiled
 from missionkit.inner import LIMIT
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rehearsed import flown, precise_stage
 
 from missionkit.rehearsal import rehearse, stage
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from studies.flight import builtin
 from studies.leaning import noise_told, sih, with_small_markers
 from studies.watch import Watch

@@ -13,7 +13,7 @@ from missionkit.engine.mission_success import TruthSummary, conditions, flaws
 from missionkit.errors import FileError
 from missionkit.messages import Fired, Verdict
 from missionkit.outcome import outcome, reason, succeeded
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 
 BELOW = """\
 targets: {spot: {position: [20, 0, 5]}}

@@ -9,7 +9,7 @@ import pytest
 
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim.airframes import flown_with
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind
 from studies.flight import Order, builtin, setting, staged
 from studies.watch import Watch

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from studies import envelope
 from studies.envelope_flight import Run, Trouble
 from studies.envelope_orders import STRONGEST, groups

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from missionkit.sim.faults import KINDS
+from missionkit.sim.fault_injection import KINDS
 from studies import fault_processes, faults
 from studies.fault_flights import FENCE, Outcome, Seen, outside
 from studies.fault_rows import FLIGHTS, ROWS, once

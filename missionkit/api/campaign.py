@@ -10,19 +10,26 @@ from pathlib import Path
 
 from missionkit.api.missions import LoadedMission, as_yaml, assemble, refuse
 from missionkit.api.simulation import fault_of
-from missionkit.campaigns import pool, table
+from missionkit.campaigns import process_pool, run_journal
 from missionkit.campaigns.analysis import Analysis, analysed
-from missionkit.campaigns.conduct import conduct, counted
-from missionkit.campaigns.plan import FILE, Campaign, Rule, digest_of, found, keep
-from missionkit.campaigns.progress import Progress
-from missionkit.campaigns.report import write_report
-from missionkit.campaigns.row import Row
-from missionkit.campaigns.summary import write_summary
-from missionkit.campaigns.vary import Axis, variants
+from missionkit.campaigns.campaign_loop import conduct, counted
+from missionkit.campaigns.campaign_plan import (
+    FILE,
+    Campaign,
+    Rule,
+    digest_of,
+    found,
+    keep,
+)
+from missionkit.campaigns.campaign_report import write_report
+from missionkit.campaigns.campaign_summary import write_summary
+from missionkit.campaigns.progress_line import CampaignProgress
+from missionkit.campaigns.run_row import Row
+from missionkit.campaigns.variants import Axis, variants
 from missionkit.chart.load import load
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import UsageError
-from missionkit.recorder.folder import keep_mission
+from missionkit.recorder.run_folder import keep_mission
 from missionkit.rehearsal import world_of
 
 NO_VARIANTS: Mapping[str, Sequence[object]] = {}
@@ -95,8 +102,12 @@ def campaign(
     root.mkdir(parents=True, exist_ok=True)
     keep_mission(root, mission.path)
     keep(root, plan)
-    crew = partial(pool.flown, plan.order(root), workers=workers or cores(), timeout=plan.timeout)
-    show = Progress(sys.stderr, stopwatch, [], plan.runs * plan.variants) if progress else None
+    crew = partial(
+        process_pool.flown, plan.order(root), workers=workers or cores(), timeout=plan.timeout
+    )
+    show = (
+        CampaignProgress(sys.stderr, stopwatch, [], plan.runs * plan.variants) if progress else None
+    )
     conduct(plan, root, crew, show or _silent)
     if show is not None:
         show.finish()
@@ -187,10 +198,10 @@ def reported(folder: Path) -> Analysis:
         UsageError: the folder holds no campaign, or none of its runs has ended.
     """
     plan = found(folder)
-    rows = counted(table.read(folder), plan)
+    rows = counted(run_journal.read(folder), plan)
     if not rows:
         raise UsageError(f"{folder}: no run has ended yet")
-    table.write(folder, rows)
+    run_journal.write(folder, rows)
     analysis = analysed(plan, rows)
     write_summary(folder, analysis)
     write_report(folder, analysis)

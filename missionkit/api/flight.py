@@ -14,9 +14,9 @@ from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import prepare
 from missionkit.messages import Observation, Record
+from missionkit.recorder.record_sinks import Background, Reports, background
+from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
-from missionkit.recorder.sink import Background, Reports, background
-from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import world_of
 
 

@@ -11,15 +11,15 @@ from missionkit.engine.flight_loop import Observer
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record
-from missionkit.recorder import track as tracks
-from missionkit.recorder.flight import FlightRecorder
-from missionkit.recorder.folder import keep_mission
+from missionkit.recorder import flight_track as tracks
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.plot import draw
+from missionkit.recorder.record_sinks import RECORD, Sinks, contained
+from missionkit.recorder.run_folder import keep_mission
+from missionkit.recorder.run_summary import Summary, said, write_summary
 from missionkit.recorder.scenery import Scenery
-from missionkit.recorder.sink import RECORD, Sinks, contained
-from missionkit.recorder.summary import Summary, said, write_summary
-from missionkit.recorder.track import Track
-from missionkit.sim.truth import Truth
+from missionkit.sim.ground_truth import TrueState
 
 FILE = "flight.mcap"
 
@@ -75,12 +75,12 @@ class Logbook:
         self._sinks.close()
 
     @property
-    def track(self) -> Track:
+    def track(self) -> FlightTrack:
         """What the flight looked like from afar."""
         return self._track if self._recorder is None else self._recorder.track
 
     def observing(
-        self, observers: Sequence[Observer], truth: Callable[[], Truth | None] = lambda: None
+        self, observers: Sequence[Observer], truth: Callable[[], TrueState | None] = lambda: None
     ) -> tuple[Observer, ...]:
         """Return observers that keep the flight, then call others; nothing they raise ends it.
 

@@ -12,12 +12,12 @@ from missionkit.engine.clock import RealTime
 from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.errors import UsageError, nearest
 from missionkit.outcome import outcome, reason
+from missionkit.recorder.record_sinks import inline
+from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
-from missionkit.recorder.sink import inline
-from missionkit.recorder.summary import Summary, summarise
 from missionkit.rehearsal import rehearse as fly_simulated
 from missionkit.rehearsal import stage, world_of
-from missionkit.sim.faults import Fault, parse_fault
+from missionkit.sim.fault_injection import Fault, parse_fault
 from missionkit.sim.world import World
 
 

@@ -9,13 +9,18 @@ import numpy as np
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import FileError, Problem, UsageError
 from missionkit.messages import Frame
-from missionkit.perception.camera import Camera as Section
-from missionkit.perception.camera import numbered
+from missionkit.perception.camera_section import Camera as Section
+from missionkit.perception.camera_section import numbered
 from missionkit.sim.world import World
-from missionkit.vehicle.camera import Camera, NoCamera, Painter, Rendered
-from missionkit.vehicle.device import Device, Wanted, opened
-from missionkit.vehicle.pose import Pose
-from missionkit.vehicle.source import found, is_film
+from missionkit.vehicle.camera.camera_device import CaptureSettings, Device, opened
+from missionkit.vehicle.camera.frame_source import (
+    Camera,
+    NoCamera,
+    Painter,
+    Rendered,
+)
+from missionkit.vehicle.camera.image_source import found, is_film
+from missionkit.vehicle.telemetry.reported_pose import Pose
 
 RENDERED = "rendered"  # as the option: no device is opened, whatever the mission says
 
@@ -89,7 +94,7 @@ def named(source: int | str) -> int | str:
 
 def _device(section: Section, source: int | str, speed: float) -> Device:
     period = 1.0 / (section.rate * speed) if is_film(source) else 0.0
-    wanted = Wanted(section.width, section.height, section.rate)
+    wanted = CaptureSettings(section.width, section.height, section.rate)
     return Device(lambda: opened(source), wanted, section.latency, period)
 
 
@@ -98,7 +103,7 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
     rng, model = np.random.default_rng(seed), section.model()
     exposure, nothing = section.exposure, frozenset[int]()
     if section.drawn:
-        from missionkit.sim.render import Renderer  # noqa: PLC0415 (imports cv2)
+        from missionkit.sim.camera_renderer import Renderer  # noqa: PLC0415 (imports cv2)
 
         renderer = Renderer(world, model, rng)
 
@@ -107,8 +112,8 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
             return Frame(at, renderer.render(pose.body, *turned, exposure, nothing))
 
         return paint
-    from missionkit.sim.obstacles import table  # noqa: PLC0415 (compiles kernels)
-    from missionkit.sim.sight import Spotter  # noqa: PLC0415
+    from missionkit.sim.marker_visibility import Spotter  # noqa: PLC0415
+    from missionkit.sim.obstacle_distance import table  # noqa: PLC0415 (compiles kernels)
 
     spotter = Spotter(world.markers, model, table(world), rng)
 

@@ -21,14 +21,14 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError, nearest
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
-from missionkit.recorder.sink import CHECKPOINTS, Reports, contained
+from missionkit.recorder.record_sinks import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse
+from missionkit.vehicle.command.estimate_sharing import NOTHING, Share
 from missionkit.vehicle.guardian.policy import USUAL, Patience
-from missionkit.vehicle.inspection import become_fit
-from missionkit.vehicle.reliance import FIX, FLOW, SCAN
-from missionkit.vehicle.sharing import NOTHING, Share
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.preflight.inspection import become_fit
+from missionkit.vehicle.telemetry.required_inputs import FIX, FLOW, SCAN
 
 NOTED = "what is noted of a tick"
 

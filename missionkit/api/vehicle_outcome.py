@@ -11,8 +11,8 @@ from missionkit.engine.flight_loop import FlightEnd, FlownFlight, Observer
 from missionkit.engine.mission_success import conditions, flaws
 from missionkit.messages import Observation, Record
 from missionkit.outcome import aborted, missing, succeeded
-from missionkit.recorder.summary import Outcome
-from missionkit.recorder.track import Track
+from missionkit.recorder.flight_track import FlightTrack
+from missionkit.recorder.run_summary import Outcome
 from missionkit.vehicle.adapter import MavsdkVehicle
 
 
@@ -24,7 +24,7 @@ class FlightLog:
         past: the track of the parts before, of a flight that was resumed.
     """
 
-    def __init__(self, chart: Chart, past: Track | None = None) -> None:
+    def __init__(self, chart: Chart, past: FlightTrack | None = None) -> None:
         visits = () if past is None else past.visits
         self.passage = FlightHistory({it.state: (it.start, it.end) for it in reversed(visits)})
         for at, fired in () if past is None else past.transitions:

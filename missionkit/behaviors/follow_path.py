@@ -14,7 +14,7 @@ from typing_extensions import override
 from missionkit.behaviors.go_to import HOME
 from missionkit.geometry import norm, vec
 from missionkit.messages import Estimate, Goal, Guidance, Occupancy, Spot, Step
-from missionkit.planning import follow
+from missionkit.planning import path_following
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
 
@@ -101,11 +101,11 @@ class FollowPath(Behavior):
                 return self._waiting(on, towards)
             on = self._planned(seen, seen.map, goal, on)
             events = (PLANNED if on.spots else NO_PATH,)
-        path = follow.legs(on.spots)
+        path = path_following.legs(on.spots)
         if not path:
             return self._waiting(on, towards, events)
         here = _spot(seen)
-        on = on._replace(along=follow.nearest(path, on.along, here))
+        on = on._replace(along=path_following.nearest(path, on.along, here))
         if self._blocked(seen, seen.map, path, on.along):
             held = on.held if on.along < AWAY and on.held is not None else _braked(seen)
             on = on._replace(spots=(), held=held, why="the path is blocked: stopping")
@@ -157,7 +157,7 @@ class FollowPath(Behavior):
 
     def _planned(self, seen: Estimate, known: Occupancy, goal: Spot, on: OnPath) -> OnPath:
         """Return the memory with a path, round what was sensed; or with why there is none."""
-        from missionkit.planning.route import NoRouteError, Way, plan  # noqa: PLC0415
+        from missionkit.planning.route_planning import NoRouteError, Way, plan  # noqa: PLC0415
 
         now = _sensed(seen, known)
         tried = product(
@@ -177,11 +177,11 @@ class FollowPath(Behavior):
         return on._replace(again=seen.now + self.patience, why=why)
 
     def _blocked(
-        self, seen: Estimate, known: Occupancy, path: tuple[follow.Leg, ...], along: float
+        self, seen: Estimate, known: Occupancy, path: tuple[path_following.Leg, ...], along: float
     ) -> bool:
-        from missionkit.planning.blockage import in_the_way, walled  # noqa: PLC0415
+        from missionkit.planning.path_blockage import in_the_way, walled  # noqa: PLC0415
 
-        ahead = tuple(follow.pieces(path, along, self.look_ahead))
+        ahead = tuple(path_following.pieces(path, along, self.look_ahead))
         if walled(known, ahead):
             return True
         return seen.obstacles is not None and in_the_way(
@@ -190,7 +190,7 @@ class FollowPath(Behavior):
 
     def _kept_off(self, seen: Estimate, held: Spot) -> Spot:
         """Return where to stand, with the clearance to what the scan sees: reckoning drifts."""
-        from missionkit.planning.blockage import backed_off  # noqa: PLC0415
+        from missionkit.planning.path_blockage import backed_off  # noqa: PLC0415
 
         return held if seen.obstacles is None else backed_off(held, seen.obstacles, self._keep)
 
@@ -201,14 +201,14 @@ class FollowPath(Behavior):
             guidance = Guidance(vec(*on.held, on.down), self.speed, yaw=on.yaw)
         return Step(guidance, goal=towards, note=on.why, memory=on, events=events)
 
-    def _guidance(self, path: tuple[follow.Leg, ...], on: OnPath, here: Spot) -> Guidance:
-        spot = follow.leg_at(path, on.along).at(on.along)
-        speed = follow.allowed_speed(path, on.along, self.speed, self.deceleration)
-        way = follow.leg_at(path, on.along + LEAD * speed).way
+    def _guidance(self, path: tuple[path_following.Leg, ...], on: OnPath, here: Spot) -> Guidance:
+        spot = path_following.leg_at(path, on.along).at(on.along)
+        speed = path_following.allowed_speed(path, on.along, self.speed, self.deceleration)
+        way = path_following.leg_at(path, on.along + LEAD * speed).way
         left = path[-1].begins + path[-1].length - on.along
         if left < LEAD * speed:
             spot, speed = path[-1].at(math.inf), 0.0
-        ahead = follow.leg_at(path, on.along + LOOK).at(on.along + LOOK)
+        ahead = path_following.leg_at(path, on.along + LOOK).at(on.along + LOOK)
         yaw: float | None = on.yaw
         if self.heading == "path":
             turned = ahead[0] - here[0], ahead[1] - here[1]

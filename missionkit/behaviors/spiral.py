@@ -13,7 +13,7 @@ from missionkit.control.half_space import inside
 from missionkit.geometry import Vec3, norm
 from missionkit.goal_pose import bound_of
 from missionkit.messages import Estimate, Goal, Guidance, HalfSpace, Step, Target
-from missionkit.planning.spiral import Spiral as Curve
+from missionkit.planning.spiral_search import SpiralPath as Curve
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, RadiansPerSecond
 

@@ -9,13 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.campaigns.chain import Chain, Way, estimate, likeliest
-from missionkit.campaigns.paired import Paired, compared
-from missionkit.campaigns.plan import Campaign
-from missionkit.campaigns.row import NO_FLIGHT, Row
+from missionkit.campaigns.campaign_plan import Campaign
+from missionkit.campaigns.markov_chain import (
+    Chain,
+    Way,
+    estimate,
+    likeliest,
+)
+from missionkit.campaigns.paired_comparison import Paired, compared
+from missionkit.campaigns.run_row import NO_FLIGHT, Row
 from missionkit.campaigns.statistics import Interval, bootstrap, differences, quantile, wilson
-from missionkit.campaigns.stopping import Decision, decision
-from missionkit.campaigns.vary import name_of, variants
+from missionkit.campaigns.stopping_rule import StopDecision, decision
+from missionkit.campaigns.variants import name_of, variants
 
 QUANTILES = (0.05, 0.5, 0.95)
 WORST, ALIKE = 10, 3  # runs shown, and of them with the same reason
@@ -39,7 +44,7 @@ class Variant(NamedTuple):
     outcomes: Mapping[str, int]
     reasons: tuple[tuple[str, int], ...]  # without success, the most frequent first
     success: Interval
-    decision: Decision | None
+    decision: StopDecision | None
     measures: tuple[Measure, ...]
     chain: Chain
     failure: Way | None  # the most probable one

@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from missionkit.campaigns.chain import Chain, absorbed, time_left
-from missionkit.campaigns.charted import Charted
-from missionkit.campaigns.diary import parts
-from missionkit.campaigns.tally import Tally, failsafes
-from missionkit.campaigns.wording import percent, plural
+from missionkit.campaigns.chart_coverage import ChartCoverage, failsafes
+from missionkit.campaigns.flown_chart import Charted
+from missionkit.campaigns.markov_chain import Chain, absorbed, time_left
+from missionkit.campaigns.number_format import percent, plural
+from missionkit.campaigns.visit_log import parts
 from missionkit.chart.drawing.overlay import End, Move, Note, Overlay, Tone
 
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
@@ -23,7 +23,7 @@ LEGEND = (
 )
 
 
-def notes(charted: Charted, counts: Tally, chain: Chain, name: str) -> Overlay:
+def notes(charted: Charted, counts: ChartCoverage, chain: Chain, name: str) -> Overlay:
     """Return what is drawn over a chart.
 
     Args:
@@ -66,7 +66,7 @@ def expected(chain: Chain) -> dict[str, Expected]:
     return dict(zip(chain.states, map(Expected, good, hurt, left.tolist()), strict=True))
 
 
-def _state(name: str, counts: Tally, chain: Expected | None) -> Note:
+def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> Note:
     """Return a state's note; one that does not command is no state of the chain."""
     runs, visits = counts.passed[name], counts.entries[name]
     if not visits:
@@ -86,18 +86,18 @@ def _chances(success: float, crash: float) -> str:
     return f"{percent(success)} succeed" + (f", {percent(crash)} crash" if crash > 0 else "")
 
 
-def _way(counts: Tally, called: str) -> Note:
+def _way(counts: ChartCoverage, called: str) -> Note:
     count = counts.ways[called]
     return _taken(count, parts(called)[0], counts) if count else Note((NEVER,), pale=True)
 
 
-def _taken(count: int, source: str, counts: Tally) -> Note:
+def _taken(count: int, source: str, counts: ChartCoverage) -> Note:
     share = min(1.0, count / max(counts.entries[source], 1))
     weight = min(1.0, count / max(counts.flights, 1))
     return Note((f"{plural(count, 'time')}, {percent(share)}",), weight)
 
 
-def _undeclared(charted: Charted, counts: Tally) -> Iterator[Move]:
+def _undeclared(charted: Charted, counts: ChartCoverage) -> Iterator[Move]:
     """Yield what was taken besides the chart's arrows."""
     known, drawn = set(charted.ways.values()), set(charted.mission.by_name())
     for called in sorted(counts.ways.keys() - known):
@@ -106,7 +106,7 @@ def _undeclared(charted: Charted, counts: Tally) -> Iterator[Move]:
             yield Move(source, to, reason, _way(counts, called))
 
 
-def _ends(counts: Tally) -> Iterator[End]:
+def _ends(counts: ChartCoverage) -> Iterator[End]:
     totals = Counter[str]()
     for (_, outcome), count in counts.ends.items():
         totals[outcome] += count
@@ -116,7 +116,7 @@ def _ends(counts: Tally) -> Iterator[End]:
             yield End(_spelled(outcome), (f"{plural(totals[outcome], 'flight')}, {share}",), tone)
 
 
-def _endings(counts: Tally) -> Iterator[Move]:
+def _endings(counts: ChartCoverage) -> Iterator[Move]:
     for (state, outcome), count in sorted(counts.ends.items()):
         yield Move(state, _spelled(outcome), "", _taken(count, state, counts), ends=True)
 

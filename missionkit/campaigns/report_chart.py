@@ -6,13 +6,18 @@ from collections.abc import Iterator
 from html import escape
 
 from missionkit.campaigns.analysis import Variant
-from missionkit.campaigns.chain import passed
+from missionkit.campaigns.campaign_plan import Campaign
+from missionkit.campaigns.chart_coverage import (
+    Unflown,
+    countable,
+    coverage,
+    unflown,
+)
 from missionkit.campaigns.chart_notes import expected, notes
-from missionkit.campaigns.charted import Charted, flown_chart
-from missionkit.campaigns.plan import Campaign
+from missionkit.campaigns.flown_chart import Charted, flown_chart
+from missionkit.campaigns.markov_chain import passed
+from missionkit.campaigns.number_format import percent, plural, table
 from missionkit.campaigns.statistics import wilson
-from missionkit.campaigns.tally import Unflown, countable, tally, unflown
-from missionkit.campaigns.wording import percent, plural, table
 from missionkit.chart.drawing.picture import svg
 from missionkit.errors import UsageError
 
@@ -54,7 +59,7 @@ def never(variant: Variant, chart: Drawable) -> str:
     """Return in one sentence how much of the chart no flight has shown."""
     if isinstance(chart, str):
         return "What of the chart was never flown is not known: it could not be read any more."
-    missed = list(unflown(chart, tally(variant.rows)))
+    missed = list(unflown(chart, coverage(variant.rows)))
     if not missed:
         return "Every state, transition and failsafe of the chart was flown."
     totals = len(chart.names), len(chart.ways), len(chart.mission.failsafes)
@@ -79,7 +84,7 @@ def chart_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
     if isinstance(chart, str):
         yield f'<p class="soft">The chart is not drawn: {escape(chart)}.</p>'
     else:
-        counts = tally(variant.rows)
+        counts = coverage(variant.rows)
         drawn = svg(
             chart.mission, overlay=notes(chart, counts, variant.chain, variant.name), key=key
         )

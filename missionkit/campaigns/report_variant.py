@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from missionkit.campaigns import plots
+from missionkit.campaigns import svg_plots
 from missionkit.campaigns.analysis import Measure, Variant, conditions_of
+from missionkit.campaigns.number_format import (
+    figure,
+    number,
+    percent,
+    scaled,
+    table,
+    title_of,
+)
 from missionkit.campaigns.report_chart import Drawable, chart_section
-from missionkit.campaigns.wording import figure, number, percent, scaled, table, title_of
 
 
 def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
@@ -68,12 +75,12 @@ def _numbers(variant: Variant) -> Iterator[str]:
         values = [(row.succeeded, row.metrics.get(name)) for row in variant.rows]
         good = scaled(name, [v for success, v in values if success and v is not None])
         bad = scaled(name, [v for success, v in values if not success and v is not None])
-        yield figure(plots.histogram(good, bad, title_of(name)), title_of(name))
+        yield figure(svg_plots.histogram(good, bad, title_of(name)), title_of(name))
     yield "</div>"
     yield (
         '<p class="small soft">Runs in each column; '
-        f'<span style="color:{plots.GOOD}">■</span> with success, '
-        f'<span style="color:{plots.BAD}">■</span> without.</p>'
+        f'<span style="color:{svg_plots.GOOD}">■</span> with success, '
+        f'<span style="color:{svg_plots.BAD}">■</span> without.</p>'
     )
 
 

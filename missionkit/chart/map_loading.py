@@ -15,7 +15,7 @@ from missionkit.chart.text.located_data import Table, shown
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
 from missionkit.messages import Occupancy
-from missionkit.planning.known_map import MOST_CELLS
+from missionkit.planning.map_section import MOST_CELLS
 from missionkit.planning.map_server import MapFile
 
 if TYPE_CHECKING:

@@ -7,9 +7,16 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.camera import camera as camera_commands
+from missionkit.cli.camera_commands import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
-from missionkit.cli.options import Json, MissionFile, Plugins, Settings, System, told
+from missionkit.cli.command_options import (
+    Json,
+    MissionFile,
+    Plugins,
+    Settings,
+    System,
+    told,
+)
 from missionkit.errors import ExitCode, UsageError
 
 app = typer.Typer(
@@ -89,8 +96,8 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Fly a mission in the simulator; Ctrl-C lands."""
-    from missionkit.cli import run as command  # noqa: PLC0415
-    from missionkit.cli.order import Order  # noqa: PLC0415
+    from missionkit.cli import run_command as command  # noqa: PLC0415
+    from missionkit.cli.run_options import RunOptions  # noqa: PLC0415
 
     if mission is None and resume is None:
         raise UsageError("name the mission file to fly, or --resume RUN")
@@ -100,7 +107,7 @@ def run(
         raise UsageError("--system is for --vehicle: the simulator has one vehicle")
     if share and vehicle is None:
         raise UsageError("--share is for --vehicle: nobody else is there to be told")
-    order = Order(
+    order = RunOptions(
         mission or Path(),
         tuple(settings or ()),
         tuple(plugin or ()),
@@ -139,19 +146,21 @@ def validate(
     as_json: Annotated[bool, typer.Option("--json", help="the same as --format json")] = False,
 ) -> None:
     """Check mission files without flying them, and say all that is wrong."""
-    from missionkit.cli import inspect  # noqa: PLC0415
+    from missionkit.cli import mission_commands  # noqa: PLC0415
 
     form = "json" if as_json else form
-    raise typer.Exit(inspect.validate(missions, settings or (), plugin or (), form, strict=strict))
+    raise typer.Exit(
+        mission_commands.validate(missions, settings or (), plugin or (), form, strict=strict)
+    )
 
 
 @app.command()
 @told
 def explain(mission: MissionFile, settings: Settings = None, plugin: Plugins = None) -> None:
     """Say in plain sentences what a mission does, state by state."""
-    from missionkit.cli import inspect  # noqa: PLC0415
+    from missionkit.cli import mission_commands  # noqa: PLC0415
 
-    inspect.explain(mission, settings or (), plugin or ())
+    mission_commands.explain(mission, settings or (), plugin or ())
 
 
 @app.command()
@@ -163,9 +172,9 @@ def plugins(
     as_json: Json = False,
 ) -> None:
     """List guards, behaviours and other plug-ins, with parameters, units and defaults."""
-    from missionkit.cli import manual  # noqa: PLC0415
+    from missionkit.cli import plugin_manual  # noqa: PLC0415
 
-    manual.plugins(name, plugin or (), as_json=as_json)
+    plugin_manual.plugins(name, plugin or (), as_json=as_json)
 
 
 @app.command()
@@ -178,9 +187,9 @@ def schema(
     ] = None,
 ) -> None:
     """Print the JSON Schema of mission or world files, for editors."""
-    from missionkit.cli import inspect  # noqa: PLC0415
+    from missionkit.cli import mission_commands  # noqa: PLC0415
 
-    inspect.schema(kind, plugin or (), write)
+    mission_commands.schema(kind, plugin or (), write)
 
 
 @app.command()
@@ -199,9 +208,9 @@ def graph(
     plugin: Plugins = None,
 ) -> None:
     """Draw the chart of a mission; what `validate` finds is marked in red."""
-    from missionkit.cli import inspect  # noqa: PLC0415
+    from missionkit.cli import mission_commands  # noqa: PLC0415
 
-    inspect.graph(mission, out, settings or (), plugin or (), campaign)
+    mission_commands.graph(mission, out, settings or (), plugin or (), campaign)
 
 
 @app.command()
@@ -212,9 +221,9 @@ def new(
     to: Annotated[Path, typer.Option(help="folder to write into")] = Path(),
 ) -> None:
     """Write a working example to start from."""
-    from missionkit.cli import inspect  # noqa: PLC0415
+    from missionkit.cli import mission_commands  # noqa: PLC0415
 
-    inspect.new(kind, name, to)
+    mission_commands.new(kind, name, to)
 
 
 @app.command()
@@ -230,10 +239,10 @@ def preflight(
     yes: Annotated[bool, typer.Option("--yes", help="do not ask; for scripts")] = False,
 ) -> None:
     """Look at a MAVLink vehicle and say whether it is fit to fly; nothing is commanded."""
-    from missionkit.cli.preflight import Wanted  # noqa: PLC0415
-    from missionkit.cli.preflight import preflight as command  # noqa: PLC0415
+    from missionkit.cli.preflight_command import PreflightOptions  # noqa: PLC0415
+    from missionkit.cli.preflight_command import preflight as command  # noqa: PLC0415
 
-    raise typer.Exit(command(Wanted(address, system, as_json, write, yes)))
+    raise typer.Exit(command(PreflightOptions(address, system, as_json, write, yes)))
 
 
 @app.command()
@@ -253,12 +262,12 @@ def fence(
     plugin: Plugins = None,
 ) -> None:
     """Give the mission's fence to the autopilot itself, and read it back."""
-    from missionkit.cli.fence import Wanted  # noqa: PLC0415
-    from missionkit.cli.fence import fence as command  # noqa: PLC0415
+    from missionkit.cli.fence_command import FenceOptions  # noqa: PLC0415
+    from missionkit.cli.fence_command import fence as command  # noqa: PLC0415
 
     points = tuple(rally or ())
     files = tuple(settings or ()), tuple(plugin or ())
-    wanted = Wanted(address, mission, *files, margin, points, system)
+    wanted = FenceOptions(address, mission, *files, margin, points, system)
     raise typer.Exit(command(wanted))
 
 
@@ -293,10 +302,10 @@ def sitl(
     as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
 ) -> None:
     """Simulate an autopilot that speaks MAVLink; Ctrl-C ends it."""
-    from missionkit.cli.sitl import Wanted  # noqa: PLC0415
-    from missionkit.cli.sitl import sitl as command  # noqa: PLC0415
+    from missionkit.cli.sitl_command import SitlOptions  # noqa: PLC0415
+    from missionkit.cli.sitl_command import sitl as command  # noqa: PLC0415
 
-    wanted = Wanted(
+    wanted = SitlOptions(
         world,
         dialect,
         tuple(link or ()),

@@ -12,9 +12,14 @@ from typing import Any, NamedTuple
 from missionkit.api.vehicle_camera import named
 from missionkit.errors import UsageError
 from missionkit.perception import charuco
-from missionkit.perception.calibration import NAMES, Lens, calibrate, doubts
-from missionkit.vehicle.device import Wanted
-from missionkit.vehicle.images import images
+from missionkit.perception.lens_calibration import (
+    NAMES,
+    CalibratedLens,
+    calibrate,
+    doubts,
+)
+from missionkit.vehicle.camera.camera_device import CaptureSettings
+from missionkit.vehicle.camera.image_stream import images
 
 
 class Squares(NamedTuple):
@@ -69,14 +74,14 @@ def calibration(sources: Sequence[str], squares: Squares, size: str | None, most
         print(f"warning: {doubt}", file=sys.stderr)  # noqa: T201
 
 
-def _size(text: str) -> Wanted:
+def _size(text: str) -> CaptureSettings:
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise UsageError(f"--size {text}: expected WIDTHxHEIGHT, such as 1280x720")
-    return Wanted(int(width), int(height), 0.0)
+    return CaptureSettings(int(width), int(height), 0.0)
 
 
-def _section(lens: Lens) -> Iterator[str]:
+def _section(lens: CalibratedLens) -> Iterator[str]:
     """Yield the lines of a mission's camera, with comments on how well it is known."""
     least, most = map(math.degrees, lens.tilts)
     yield f"# reprojection error {lens.error:.3f} px over {lens.views} views"
@@ -92,7 +97,7 @@ def _section(lens: Lens) -> Iterator[str]:
     yield f"  distortion: [{_numbers(lens.distortion)}]"
 
 
-def _deviations(lens: Lens) -> str:
+def _deviations(lens: CalibratedLens) -> str:
     spreads = {name: lens.deviations[name] for name in NAMES}
     return ", ".join(f"{name} {it:.2g}" for name, it in spreads.items() if not math.isnan(it))
 

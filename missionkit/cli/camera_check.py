@@ -11,16 +11,22 @@ from missionkit.api.missions import assemble
 from missionkit.api.vehicle_camera import named, source_of
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
-from missionkit.cli.camera_words import Look, Subject, markers, others, timing
+from missionkit.cli.camera_report import (
+    Look,
+    Subject,
+    markers,
+    others,
+    timing,
+)
 from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.checkup import Checkup
-from missionkit.perception.dictionaries import known
-from missionkit.perception.pictures import write
-from missionkit.vehicle.device import Wanted, unfit
-from missionkit.vehicle.images import images
-from missionkit.vehicle.timing import wall
+from missionkit.perception.image_files import write
+from missionkit.perception.marker_check import Checkup
+from missionkit.perception.marker_dictionaries import known
+from missionkit.vehicle.camera.camera_device import CaptureSettings, unfit
+from missionkit.vehicle.camera.image_stream import images
+from missionkit.vehicle.link.clocks import wall
 
 DICTIONARY = "DICT_6X6_250"
 
@@ -92,7 +98,7 @@ def _of(mission: Mission, dictionary: str | None) -> tuple[Aruco, ...]:
 
 def _looked(subject: Subject, most: int) -> tuple[list[Look], Checkup]:
     camera = subject.camera
-    wanted = None if camera is None else Wanted(camera.width, camera.height, camera.rate)
+    wanted = None if camera is None else CaptureSettings(camera.width, camera.height, camera.rate)
     model = None if camera is None else camera.model()
     looks: list[Look] = []
     checkup = Checkup(subject.names)

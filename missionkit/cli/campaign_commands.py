@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.options import Json, Plugins, Settings
+from missionkit.cli.command_options import Json, Plugins, Settings
 
 
 def campaign(
@@ -59,9 +59,9 @@ def campaign(
     as_json: Json = False,
 ) -> None:
     """Fly a mission many times in the simulator and say what that proves."""
-    from missionkit.cli import campaign as command  # noqa: PLC0415
+    from missionkit.cli import run_campaign as command  # noqa: PLC0415
 
-    wanted = command.Wanted(
+    wanted = command.CampaignOptions(
         mission,
         runs,
         seed,
@@ -89,6 +89,6 @@ def report(
     as_json: Json = False,
 ) -> None:
     """Write the table, the summary and the report of a campaign anew."""
-    from missionkit.cli import campaign as command  # noqa: PLC0415
+    from missionkit.cli import run_campaign as command  # noqa: PLC0415
 
     raise typer.Exit(command.report(folder, as_json=as_json))

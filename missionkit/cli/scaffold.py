@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from string import Template
 
-from missionkit.cli import templates
+from missionkit.cli import scaffold_templates
 from missionkit.errors import UsageError, nearest
 
 Files = dict[str, str]
@@ -23,7 +23,12 @@ def guard_files(name: str, taken: Collection[str] = ()) -> Files:
     """
     checked = _identifier(name, "guard", taken)
     return _package(
-        checked, "guard", "guards", templates.GUARD, templates.GUARD_TEST, templates.GUARD_USAGE
+        checked,
+        "guard",
+        "guards",
+        scaffold_templates.GUARD,
+        scaffold_templates.GUARD_TEST,
+        scaffold_templates.GUARD_USAGE,
     )
 
 
@@ -38,9 +43,9 @@ def behavior_files(name: str, taken: Collection[str] = ()) -> Files:
         checked,
         "behavior",
         "behaviors",
-        templates.BEHAVIOR,
-        templates.BEHAVIOR_TEST,
-        templates.BEHAVIOR_USAGE,
+        scaffold_templates.BEHAVIOR,
+        scaffold_templates.BEHAVIOR_TEST,
+        scaffold_templates.BEHAVIOR_USAGE,
     )
 
 
@@ -57,8 +62,8 @@ def mission_files(name: str, taken: Collection[str] = ()) -> Files:
         )
     _refuse_taken(name, "mission", taken)
     return {
-        f"{name}.yaml": Template(templates.MISSION).substitute(name=name),
-        f"worlds/{name}.yaml": Template(templates.WORLD).substitute(name=name),
+        f"{name}.yaml": Template(scaffold_templates.MISSION).substitute(name=name),
+        f"worlds/{name}.yaml": Template(scaffold_templates.WORLD).substitute(name=name),
     }
 
 
@@ -115,8 +120,8 @@ def _package(name: str, what: str, group: str, code: str, test: str, usage: str)
     }
     words["usage"] = Template(usage).substitute(words)
     texts = {
-        "pyproject.toml": templates.PROJECT,
-        "README.md": templates.READ_ME,
+        "pyproject.toml": scaffold_templates.PROJECT,
+        "README.md": scaffold_templates.READ_ME,
         f"{words['module']}.py": code,
         f"tests/test_{name}.py": test,
     }

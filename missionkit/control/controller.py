@@ -9,10 +9,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from missionkit.control import half_space, pid
-from missionkit.control.limits import ZERO, Limits, Triple, finite
 from missionkit.control.pid import Gains, PidMemory, Tracking
-from missionkit.control.smoothing import alpha_at, smoothed
-from missionkit.control.yaw import YawLaw, YawMemory
+from missionkit.control.velocity_limits import (
+    ZERO,
+    Limits,
+    Triple,
+    finite,
+)
+from missionkit.control.velocity_smoothing import alpha_at, smoothed
+from missionkit.control.yaw_law import YawLaw, YawMemory
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, Guidance, HalfSpace, Mode, Setpoint
 from missionkit.units import Fraction

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from missionkit.control.limits import Limits, Triple
+from missionkit.control.velocity_limits import Limits, Triple
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, HalfSpace
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from missionkit.control.limits import Limits
+from missionkit.control.velocity_limits import Limits
 from missionkit.geometry import Vec3, norm
 from missionkit.messages import Estimate, Guidance
 

@@ -7,7 +7,13 @@ from typing import Annotated, NamedTuple, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from missionkit.control.limits import ZERO, Limits, Triple, approach_speed, within
+from missionkit.control.velocity_limits import (
+    ZERO,
+    Limits,
+    Triple,
+    approach_speed,
+    within,
+)
 from missionkit.units import Metres, MetresPerSecond, Number
 
 Pair: TypeAlias = tuple[Number, Number]

@@ -10,7 +10,7 @@ import numpy as np
 from missionkit.chart.semantics.compiled_chart import State
 from missionkit.control.controller import ControlMemory
 from missionkit.control.hold_point import guidance_to
-from missionkit.control.limits import ZERO
+from missionkit.control.velocity_limits import ZERO
 from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.ground_floor import above_floor
 from missionkit.engine.obstacle_brake import blind, braked, scanned

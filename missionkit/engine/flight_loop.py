@@ -160,7 +160,7 @@ async def fly(
     """Fly the mission.
 
     The command alone must succeed: what `observers` and `keeper` raise ends the flight, so that
-    over a vehicle they are to hand over what may fail or wait to sinks (`recorder.sink`).
+    over a vehicle they are to hand over what may fail or wait to sinks (`recorder.record_sinks`).
 
     Args:
         plan: the mission, ready to fly.

@@ -10,7 +10,7 @@ from missionkit.control.controller import ControlMemory
 from missionkit.control.hold_point import HoldPoint
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Scan, VehicleStatus
-from missionkit.perception.eye import EyeMemory
+from missionkit.perception.vision_pipeline import VisionMemory
 from missionkit.planning.potential_field import FieldMemory
 
 
@@ -18,7 +18,7 @@ class SensorState(NamedTuple):
     """What was sensed last, and the filters' memories."""
 
     navigation: Any  # the navigator's memory
-    eye: EyeMemory
+    eye: VisionMemory
     battery: Battery | None = None
     status: VehicleStatus | None = None
     scan: Scan | None = None

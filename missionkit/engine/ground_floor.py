@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from missionkit.control.limits import ZERO, Limits
+from missionkit.control.velocity_limits import ZERO, Limits
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Setpoint
 from missionkit.plugin import Behavior

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from missionkit.control.controller import ControlMemory
-from missionkit.control.limits import finite
+from missionkit.control.velocity_limits import finite
 from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.messages import Estimate, Guidance, Setpoint

@@ -25,9 +25,9 @@ from missionkit.estimation.warm_up import warm_up
 from missionkit.geometry import Quat, Transform, Vec3
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Occupancy
-from missionkit.perception.eye import Eye
+from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.planning import warm_up as planning
-from missionkit.planning.avoiding import Avoids
+from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import PotentialField, brake_of
 from missionkit.plugin import Plugin
 
@@ -37,10 +37,10 @@ class PreparedMission(NamedTuple):
 
     chart: Chart
     navigator: Navigator
-    eye: Eye
+    eye: VisionPipeline
     camera: CameraModel
     control: Control
-    field: Avoids | None
+    field: AvoidancePlanner | None
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
@@ -73,7 +73,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     return PreparedMission(
         chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
-        eye=Eye(camera, [detector.plugin for detector in mission.perception]),
+        eye=VisionPipeline(camera, [detector.plugin for detector in mission.perception]),
         camera=camera,
         control=mission.control,
         field=None if mission.avoid is None else _planner(mission.avoid),
@@ -99,9 +99,9 @@ def _navigator(
     return contained(kind, plugin, built)
 
 
-def _planner(use: Use[Plugin]) -> Avoids:
+def _planner(use: Use[Plugin]) -> AvoidancePlanner:
     planner = use.plugin
-    if not isinstance(planner, Avoids):
+    if not isinstance(planner, AvoidancePlanner):
         raise UsageError(f"planner {use.kind!r} cannot be used: it lacks begin or step")
     try:
         planner.begin()

@@ -11,8 +11,8 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import Estimate, Look, Observation, Points, Sighting, Target
-from missionkit.perception.eye import EyeMemory
 from missionkit.perception.marker_search import Priors
+from missionkit.perception.vision_pipeline import VisionMemory
 from missionkit.plugin_containment import Containment
 
 STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
@@ -65,7 +65,7 @@ def _look(
     state: NavState,
     seen: Observation,
     contain: Containment,
-) -> tuple[EyeMemory, tuple[Look, ...], tuple[Sighting, ...]]:
+) -> tuple[VisionMemory, tuple[Look, ...], tuple[Sighting, ...]]:
     goal = memory.acting.goal
     priors = Priors(
         body=lambda at: plan.navigator.pose_at(navigation, at),

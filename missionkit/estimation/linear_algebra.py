@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from missionkit import geometry
-from missionkit.compiled import compiled
 from missionkit.geometry import Mat
+from missionkit.jit import compiled
 
 conjugate = compiled(geometry.conjugate)
 exp = compiled(geometry.exp)

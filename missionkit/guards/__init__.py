@@ -1,21 +1,21 @@
 """Guards: predicates over the estimate that answer holds, does not hold, or cannot tell."""
 
 from missionkit.guards.battery import BatteryBelow
-from missionkit.guards.camera import CameraSilent
-from missionkit.guards.confidence import ArucoConfidence
+from missionkit.guards.camera_silence import CameraSilent
 from missionkit.guards.converged import Converged
-from missionkit.guards.disturbed import Disturbed
-from missionkit.guards.estimate import EstimateBad, GnssLost
-from missionkit.guards.fence import InsideFence
-from missionkit.guards.ground import GroundTouched
-from missionkit.guards.link import LinkLost
-from missionkit.guards.plugins import PluginFailed
-from missionkit.guards.progress import Done, Elapsed, GoalUnreachable
-from missionkit.guards.range import NearGoal, Within
-from missionkit.guards.ready import Ready
-from missionkit.guards.target import TargetLost, TargetSeen
-from missionkit.guards.timing import TickOverrun
-from missionkit.guards.visual import GpsToVisual
+from missionkit.guards.detection_confidence import ArucoConfidence
+from missionkit.guards.distances import NearGoal, Within
+from missionkit.guards.disturbance import Disturbed
+from missionkit.guards.estimate_quality import EstimateBad, GnssLost
+from missionkit.guards.geofence import InsideFence
+from missionkit.guards.gps_to_visual import GpsToVisual
+from missionkit.guards.ground_touched import GroundTouched
+from missionkit.guards.link_loss import LinkLost
+from missionkit.guards.plugin_failure import PluginFailed
+from missionkit.guards.readiness import Ready
+from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
+from missionkit.guards.target_visibility import TargetLost, TargetSeen
+from missionkit.guards.tick_timing import TickOverrun
 
 ALL = (
     ArucoConfidence,

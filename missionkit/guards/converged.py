@@ -9,7 +9,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import norm, wrap
-from missionkit.guards.range import GOAL_DISTANCE
+from missionkit.guards.distances import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
 from missionkit.messages.region import NO, YES, Interval, Quantity, Region
 from missionkit.plugin import Guard

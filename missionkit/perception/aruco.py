@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from missionkit.perception.dictionaries import SIZES, DictionaryName
+from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
 from missionkit.plugin import Plugin
 from missionkit.units import Metres, Point
 

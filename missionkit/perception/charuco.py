@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from missionkit.messages import Image
-from missionkit.perception.imaging import dictionary, grey
+from missionkit.perception.opencv_helpers import dictionary, grey
 
 LEAST_CORNERS: Final = 8
 LEAST_MOVED: Final = 0.02

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from missionkit.geometry import Transform, Vec3
 from missionkit.messages import CameraModel, Detection, Frame, Sighting, Target
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.detector import Detector
-from missionkit.perception.select import area_of
-from missionkit.perception.sighting import sight
+from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_selection import area_of
+from missionkit.perception.target_sighting import sight
 
 
 class Priors(NamedTuple):

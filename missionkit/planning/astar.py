@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.compiled import compiled
+from missionkit.jit import compiled
 from missionkit.messages.occupancy import Costs
 
 Heuristic = Literal["manhattan", "euclidean", "octile"]

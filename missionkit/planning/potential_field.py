@@ -12,10 +12,12 @@ from pydantic import Field
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, Guidance, Points
 from missionkit.planning import firas
-from missionkit.planning.brake import (
+from missionkit.planning.boundary_following import BoundaryProgress, follow, shorter_side
+from missionkit.planning.firas import Distances
+from missionkit.planning.obstacle_braking import (
     STILL,
+    NearbyObstacles,
     Stopping,
-    Surroundings,
     admissible_speed,
     backed_off,
     braked,
@@ -23,8 +25,6 @@ from missionkit.planning.brake import (
     stopping_distance,
     within_sight,
 )
-from missionkit.planning.escape import Progress, follow, shorter_side
-from missionkit.planning.firas import Distances
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
 
@@ -43,13 +43,13 @@ class FieldMemory(NamedTuple):
     scanned_at: float = -math.inf  # s, when it was measured
     sight: float = math.inf  # m, how far it saw
     goal: tuple[float, float, float] | None = None  # m, NED
-    progress: Progress = Progress()
+    progress: BoundaryProgress = BoundaryProgress()
 
     def clear(self) -> FieldMemory:
         """Return the memory when nothing is near: no escape, no waiting for progress."""
         if self.progress.since == math.inf:
             return self
-        return self._replace(progress=Progress(self.progress.best))
+        return self._replace(progress=BoundaryProgress(self.progress.best))
 
 
 class PotentialField(Plugin):
@@ -139,7 +139,7 @@ class PotentialField(Plugin):
             return np.zeros(3), memory
         return push, memory._replace(progress=progress)
 
-    def repulsion(self, around: Surroundings) -> Vec3:
+    def repulsion(self, around: NearbyObstacles) -> Vec3:
         """Return v_rep (3,), m/s, NED, normalised and clamped as the class describes."""
         mean = firas.mean_repulsion(
             around.away, np.sqrt(around.squared), self.radius, self._gain, self.body_radius
@@ -231,10 +231,10 @@ class PotentialField(Plugin):
         """Begin afresh with a new goal."""
         x, y, z = goal.tolist()
         if memory.goal is None or math.dist(memory.goal, (x, y, z)) > 1.0:
-            return memory._replace(goal=(x, y, z), progress=Progress())
+            return memory._replace(goal=(x, y, z), progress=BoundaryProgress())
         return memory
 
-    def _near(self, memory: FieldMemory, seen: Estimate, velocity: Vec3) -> Surroundings | None:
+    def _near(self, memory: FieldMemory, seen: Estimate, velocity: Vec3) -> NearbyObstacles | None:
         """Return the scan around the vehicle, or None if at this velocity it does not matter."""
         points = memory.points
         if points is None or not len(points) or seen.now - memory.scanned_at > self.max_age:
@@ -249,11 +249,17 @@ class PotentialField(Plugin):
             return None
         z = away[:, 2]
         away[:, 2] = z - np.minimum(self.column, np.maximum(-self.column, z))
-        return Surroundings(away, np.vecdot(away, away))
+        return NearbyObstacles(away, np.vecdot(away, away))
 
     def _progress(
-        self, last: Progress, seen: Estimate, goal: Vec3, around: Surroundings, *, hindered: bool
-    ) -> Progress:
+        self,
+        last: BoundaryProgress,
+        seen: Estimate,
+        goal: Vec3,
+        around: NearbyObstacles,
+        *,
+        hindered: bool,
+    ) -> BoundaryProgress:
         to_goal = goal - seen.position
         distance = _length(to_goal)
         if last.since == math.inf:
@@ -262,9 +268,9 @@ class PotentialField(Plugin):
             farther = distance > last.best - self.step_size
             patient = seen.now - last.since < self.longest
             away = (farther and patient) or self._blocked(around, to_goal, distance)
-            return last if away else Progress(distance, seen.now)
+            return last if away else BoundaryProgress(distance, seen.now)
         if distance < last.best - self.step_size:
-            return Progress(distance, seen.now)
+            return BoundaryProgress(distance, seen.now)
         if not hindered or distance < self.step_size:
             return last._replace(since=seen.now)
         if seen.now - last.since < self.patience:
@@ -272,12 +278,12 @@ class PotentialField(Plugin):
         passage = 2.0 * self.stopping.width
         return last._replace(side=shorter_side(around.away, to_goal, seen.velocity, passage))
 
-    def _blocked(self, around: Surroundings, to_goal: Vec3, distance: float) -> bool:
+    def _blocked(self, around: NearbyObstacles, to_goal: Vec3, distance: float) -> bool:
         how = self.stopping
         free = free_path(around, to_goal / distance, how)
         return free < min(distance, stopping_distance(self.escape_speed, how))
 
-    def _past(self, around: Surroundings, seen: Estimate, side: int, wanted: Vec3) -> Vec3:
+    def _past(self, around: NearbyObstacles, seen: Estimate, side: int, wanted: Vec3) -> Vec3:
         i = int(around.squared.argmin())
         gap = math.sqrt(around.squared[i]) - self.body_radius
         along = follow(around.away[i], gap, self.keep, self.escape_speed, side)

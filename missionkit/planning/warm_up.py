@@ -13,8 +13,8 @@ from missionkit.messages.occupancy import Occupancy
 @cache
 def warm_up() -> None:
     """Plan past one wall, and see that the path is free."""
-    from missionkit.planning.blockage import in_the_way, walled  # noqa: PLC0415
-    from missionkit.planning.route import Way, plan  # noqa: PLC0415
+    from missionkit.planning.path_blockage import in_the_way, walled  # noqa: PLC0415
+    from missionkit.planning.route_planning import Way, plan  # noqa: PLC0415
 
     costs = np.ones((5, 5))
     costs[2, :2] = np.inf

@@ -20,8 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.errors import UsageError
-from missionkit.recorder import codec
-from missionkit.recorder.codec import NotReadableError
+from missionkit.recorder import value_codec
+from missionkit.recorder.value_codec import NotReadableError
 
 KIND = "missionkit checkpoint "
 HEADER = f"{KIND}3"  # the version grows when a saved type is renamed, moved or changed
@@ -58,7 +58,7 @@ class Loaded(NamedTuple):
 
 def sealed(value: Any) -> str:
     """Return a value as the text of a file that shows when it was cut short or changed."""
-    body = codec.written(value)
+    body = value_codec.written(value)
     return f"{HEADER} sha256 {_digest(body)}\n{body}\n"
 
 
@@ -76,7 +76,7 @@ def opened(text: str) -> Any:
         raise NotReadableError("this is not a checkpoint of this missionkit")
     if header != f"{HEADER} sha256 {_digest(body)}":
         raise NotReadableError("it was cut short or changed")
-    return codec.read(body)
+    return value_codec.read(body)
 
 
 def write_surely(path: Path, text: str, before: Path | None = None) -> None:

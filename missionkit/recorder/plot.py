@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK, MUTED, RULE, Style, styles
 from missionkit.recorder.plot_close_up import draw_close_up, last_goal
 from missionkit.recorder.plot_ground import Flown, Scene
@@ -25,7 +26,6 @@ from missionkit.recorder.plot_page import DPI, WIDE, page_of
 from missionkit.recorder.plot_states import draw_states
 from missionkit.recorder.plot_text import Font, Ruler
 from missionkit.recorder.scenery import Scenery
-from missionkit.recorder.track import Track
 
 CROWDED = 40  # transitions above which lines over time hide more than they show
 MARGIN = 56.0  # px
@@ -49,7 +49,7 @@ STYLE: Any = {
 }
 
 
-def draw(path: Path, track: Track, scenery: Scenery, title: str, subtitle: str = "") -> None:
+def draw(path: Path, track: FlightTrack, scenery: Scenery, title: str, subtitle: str = "") -> None:
     """Draw a run into a PNG, 1400 px wide and as high as its states and transitions ask for.
 
     Args:
@@ -63,7 +63,7 @@ def draw(path: Path, track: Track, scenery: Scenery, title: str, subtitle: str =
         picture(track, scenery, title, subtitle).savefig(path, format="png")
 
 
-def picture(track: Track, scenery: Scenery, title: str, subtitle: str = "") -> Figure:
+def picture(track: FlightTrack, scenery: Scenery, title: str, subtitle: str = "") -> Figure:
     """Return the page that `draw` saves, laid out and not yet rendered."""
     figure = Figure(dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
@@ -96,7 +96,7 @@ def _head(figure: Figure, ruler: Ruler, title: str, subtitle: str) -> None:
     figure.text(left, 1.0 - 66.0 / high, below, va="top", color=MUTED, **SUBTITLE.keywords)
 
 
-def _draw_height(axes: Axes, track: Track, looks: dict[str, Style]) -> None:
+def _draw_height(axes: Axes, track: FlightTrack, looks: dict[str, Style]) -> None:
     """Draw the height of truth and estimate over time, on a background of states."""
     axes.set_title("Height above the take-off point", pad=10)
     axes.set_ylabel("m")
@@ -121,7 +121,7 @@ def _draw_height(axes: Axes, track: Track, looks: dict[str, Style]) -> None:
     )
 
 
-def _share_time(track: Track, panels: Sequence[Axes]) -> None:
+def _share_time(track: FlightTrack, panels: Sequence[Axes]) -> None:
     """Put transitions and the same limits of time on every panel over time."""
     for axes in panels:
         for at, _ in track.transitions if len(track.transitions) <= CROWDED else ():

@@ -8,18 +8,18 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionkit.messages import Goal
+from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK
 from missionkit.recorder.plot_ground import Flown, Scene, draw_ground
 from missionkit.recorder.plot_map import frame
 from missionkit.recorder.plot_map_labels import NAME, dots, label_close_up
-from missionkit.recorder.track import Track
 
 LEAST, MOST = 0.1, 4.0  # m, half the height of the close-up
 AROUND = 3.0  # times the error that is seen on either side
 LATE, SHORT = 0.1, 1.0  # share of the visit in which the vehicle has arrived, at least this, s
 
 
-def last_goal(track: Track) -> Goal | None:
+def last_goal(track: FlightTrack) -> Goal | None:
     """Return the last goal at a target other than home, which deserves a close look."""
     aims = [goal for goal in track.goals if goal.target not in {None, "home"}]
     return aims[-1] if aims and track.times else None

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from missionkit.messages import Goal
+from missionkit.recorder.flight_track import FlightTrack, Place
 from missionkit.recorder.palette import FENCE, FENCE_DASHES, INK, MUTED, WOOD, WOOD_EDGE, Style
 from missionkit.recorder.plot_text import Ruler
 from missionkit.recorder.scenery import Ground, Scenery
-from missionkit.recorder.track import Place, Track
 
 Spot = tuple[float, float]  # m, east and north
 
@@ -33,13 +33,13 @@ class Goals(NamedTuple):
 class Flown(NamedTuple):
     """A flight seen from above."""
 
-    track: Track
+    track: FlightTrack
     times: npt.NDArray[np.float64]  # (N,), s
     path: Ground  # (N, 2), m, east and north: the truth where it is known, else the estimate
     estimated: Ground  # (N, 2), m, east and north
 
     @classmethod
-    def of(cls, track: Track) -> Flown:
+    def of(cls, track: FlightTrack) -> Flown:
         """Return a track seen from above."""
         estimated = _from_above(track.estimated)
         path = _from_above(track.true) if track.true else estimated

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from missionkit.recorder.flight_track import FlightTrack, Span
 from missionkit.recorder.palette import HOLDS, INK, MUTED, NOT, UNKNOWN
 from missionkit.recorder.plot_text import Font, Ruler
-from missionkit.recorder.track import Span, Track
 
 MOST = 14  # rows
 ROW, NAMES = 20.0, 200.0  # px: height of a row; room for the names
@@ -18,12 +18,12 @@ FONT = Font(9.5)
 TICK = 0.05  # s, so that an answer given once is seen
 
 
-def guard_rows(track: Track) -> int:
+def guard_rows(track: FlightTrack) -> int:
     """Return how many rows the panel has."""
     return max(min(len(track.guards), MOST) + (len(track.guards) > MOST), 1)
 
 
-def draw_guards(axes: Axes, ruler: Ruler, track: Track) -> None:
+def draw_guards(axes: Axes, ruler: Ruler, track: FlightTrack) -> None:
     """Draw one row per guard: what it said while it was asked, nothing while it was not."""
     names = _liveliest(track)
     rows = guard_rows(track)
@@ -83,7 +83,7 @@ def _bar(it: Span) -> tuple[float, float]:
     return it.start, it.end - it.start + TICK
 
 
-def _liveliest(track: Track) -> list[str]:
+def _liveliest(track: FlightTrack) -> list[str]:
     """Return the guards in the order they were first asked, at most `MOST`.
 
     When there are more, those that changed their answer most often stay.

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from matplotlib.axes import Axes
 
 from missionkit.messages import Fired
+from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK, MUTED, OTHER, Style, disc, letters_on
 from missionkit.recorder.plot_text import Font, Ruler
-from missionkit.recorder.track import Track
 
 MOST, LAST = 24, 8  # rows; those of the end of the flight among them if there are more
 ROWS = {1: 23.0, 2: 35.0}  # px, height of a row whose reason takes so many lines
@@ -29,12 +29,14 @@ class Columns(NamedTuple):
     reason: float
 
 
-def list_height(track: Track, lines: int) -> float:
+def list_height(track: FlightTrack, lines: int) -> float:
     """Return how high (px) the list is whose reasons take so many lines (1 or 2)."""
     return ROWS[lines] * max(min(len(track.transitions), MOST + 2), 4)
 
 
-def draw_list(axes: Axes, ruler: Ruler, track: Track, looks: dict[str, Style], lines: int) -> None:
+def draw_list(
+    axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, Style], lines: int
+) -> None:
     """Write each transition with its number on the map, its time and its reason.
 
     Of more than `MOST` + 2 the first and the last are written; a last line says which are not.
@@ -80,7 +82,7 @@ def draw_list(axes: Axes, ruler: Ruler, track: Track, looks: dict[str, Style], l
         _tell(axes, columns.states, high * (MOST + 1.5), words)
 
 
-def _shown(track: Track) -> tuple[list[Numbered], int]:
+def _shown(track: FlightTrack) -> tuple[list[Numbered], int]:
     """Return the transitions that are written, with their numbers, and how many are not."""
     rows = [(number, at, fired) for number, (at, fired) in enumerate(track.transitions, 1)]
     if len(rows) <= MOST + 2:

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from missionkit.recorder import plot_guards, plot_states
+from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.plot_list import list_height
-from missionkit.recorder.track import Track
 
 DPI = 100
 WIDE, LEAST = 1400.0, 1290.0  # px: width of the page, least height of what is beside a tall map
@@ -41,7 +41,7 @@ class Area(NamedTuple):
     height: float
 
 
-def page_of(figure: Figure, track: Track, *, tall: float, close: bool) -> Page:
+def page_of(figure: Figure, track: FlightTrack, *, tall: float, close: bool) -> Page:
     """Make the figure as high as it has to be, and its panels.
 
     Args:
@@ -55,7 +55,7 @@ def page_of(figure: Figure, track: Track, *, tall: float, close: bool) -> Page:
     return _above(figure, track, close=close)
 
 
-def _beside(figure: Figure, track: Track, *, close: bool) -> Page:
+def _beside(figure: Figure, track: FlightTrack, *, close: bool) -> Page:
     left, wide = 76.0, 460.0
     high = max(sum(_heights(track, 2)) + 3.0 * BETWEEN, LEAST)
     _resize(figure, TOP + high + BOTTOM)
@@ -67,7 +67,7 @@ def _beside(figure: Figure, track: Track, *, close: bool) -> Page:
     return Page(place, close_up, *_column(figure, heights, TOP, 840.0, 620.0), lines=2)
 
 
-def _above(figure: Figure, track: Track, *, close: bool) -> Page:
+def _above(figure: Figure, track: FlightTrack, *, close: bool) -> Page:
     left, high, beside = 76.0, 680.0, 440.0
     heights = _heights(track, 1)
     top = TOP + high + BELOW_MAP
@@ -79,7 +79,7 @@ def _above(figure: Figure, track: Track, *, close: bool) -> Page:
     return Page(place, close_up, *_column(figure, heights, top, 290.0, 56.0), lines=1)
 
 
-def _heights(track: Track, lines: int, room: float = 0.0) -> list[float]:
+def _heights(track: FlightTrack, lines: int, room: float = 0.0) -> list[float]:
     """Return how high (px) height, states, guards and list are; the first takes what is spare."""
     states = plot_states.ROW * plot_states.state_rows(track) + 6.0
     guards = plot_guards.ROW * plot_guards.guard_rows(track) + 6.0

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 
+from missionkit.recorder.flight_track import FlightTrack, Visit
 from missionkit.recorder.palette import INK, MUTED, Style
 from missionkit.recorder.plot_text import Font, Ruler
-from missionkit.recorder.track import Track, Visit
 
 MOST = 64  # rows
 ROW, NAMES = 15.0, 160.0  # px: height of a row; room for the names
@@ -18,13 +18,13 @@ FONT = Font(9.0)
 TICK = 0.05  # s, so that a visit of one tick is seen
 
 
-def state_rows(track: Track) -> int:
+def state_rows(track: FlightTrack) -> int:
     """Return how many rows the panel has."""
     states = len({it.state for it in track.visits})
     return max(min(states, MOST) + (states > MOST), 1)
 
 
-def draw_states(axes: Axes, ruler: Ruler, track: Track, looks: dict[str, Style]) -> None:
+def draw_states(axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, Style]) -> None:
     """Draw when the vehicle was in each state, in the order of the first visits.
 
     Of more than `MOST` states those are shown that lasted longest.

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.model.mission import Mission
 from missionkit.geometry import IDENTITY, Quat, Vec3, rotate, vec
-from missionkit.recorder import wire
+from missionkit.recorder import json_fragments
 
 Ground = npt.NDArray[np.float64]  # (N, 2), m, north and east
 Spot = tuple[float, float]  # m, north and east
 
-BARK = wire.colour(0.45, 0.35, 0.25, 0.9)
-PAPER = wire.colour(0.95, 0.95, 0.95)
+BARK = json_fragments.colour(0.45, 0.35, 0.25, 0.9)
+PAPER = json_fragments.colour(0.95, 0.95, 0.95)
 
 
 class Round(NamedTuple):
@@ -140,13 +140,13 @@ def _round(it: Round) -> tuple[str, Vec3]:
     """Return pose and extent."""
     middle = vec(*it.at, -0.5 * (it.bottom + it.top))
     size = vec(2.0 * it.radius, 2.0 * it.radius, it.top - it.bottom)
-    return wire.pose(middle, IDENTITY), size
+    return json_fragments.pose(middle, IDENTITY), size
 
 
 def _cylinder(it: Round) -> str:
     pose, size = _round(it)
     return (
-        f'{{"pose":{pose},"size":{wire.vector(size)},"bottom_scale":1,"top_scale":1,'
+        f'{{"pose":{pose},"size":{json_fragments.vector(size)},"bottom_scale":1,"top_scale":1,'
         f'"color":{BARK}}}'
     )
 
@@ -154,12 +154,12 @@ def _cylinder(it: Round) -> str:
 def _box(it: Box) -> str:
     (n0, e0), (n1, e1) = it.low, it.high
     middle = vec(0.5 * (n0 + n1), 0.5 * (e0 + e1), -0.5 * (it.bottom + it.top))
-    return _solid(wire.pose(middle, IDENTITY), vec(n1 - n0, e1 - e0, it.top - it.bottom))
+    return _solid(json_fragments.pose(middle, IDENTITY), vec(n1 - n0, e1 - e0, it.top - it.bottom))
 
 
 def _marker(it: Marker) -> str:
-    return _solid(wire.pose(it.position, it.attitude), vec(it.size, it.size, 0.02), PAPER)
+    return _solid(json_fragments.pose(it.position, it.attitude), vec(it.size, it.size, 0.02), PAPER)
 
 
 def _solid(pose: str, size: Vec3, colour: str = BARK) -> str:
-    return f'{{"pose":{pose},"size":{wire.vector(size)},"color":{colour}}}'
+    return f'{{"pose":{pose},"size":{json_fragments.vector(size)},"color":{colour}}}'

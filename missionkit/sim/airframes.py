@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from missionkit.errors import UsageError, nearest
-from missionkit.sim.parameters import Autopilot, ImuModel, Quadrotor
+from missionkit.sim.vehicle_parameters import ImuModel, InnerAutopilotModel, Quadrotor
 from missionkit.sim.world import World
 
 
@@ -14,7 +14,7 @@ class Airframe(NamedTuple):
     """Body, inner autopilot and inertial unit that belong together."""
 
     quadrotor: Quadrotor
-    autopilot: Autopilot
+    autopilot: InnerAutopilotModel
     imu: ImuModel
 
 
@@ -29,7 +29,7 @@ SIH = Airframe(
         drag_linear=1.0,
         drag_quadratic=0.0,
     ),
-    Autopilot(
+    InnerAutopilotModel(
         velocity_gain=1.8,
         integral_gain=0.4,
         integral_limit=5.0,

@@ -11,10 +11,10 @@ import numpy as np
 
 from missionkit.geometry import Mat, Vec3, from_euler
 from missionkit.messages import Action, Setpoint
-from missionkit.sim import layout as at
-from missionkit.sim.flight import fly
-from missionkit.sim.noise import Normals
-from missionkit.sim.obstacles import table
+from missionkit.sim import kernel_layout as at
+from missionkit.sim.obstacle_distance import table
+from missionkit.sim.physics_steps import fly
+from missionkit.sim.random_blocks import Normals
 from missionkit.sim.world import World
 
 
@@ -55,7 +55,7 @@ class Plant:
 
     @property
     def mode(self) -> int:
-        """The autopilot's mode, one of `layout.HOLD` and its siblings."""
+        """The autopilot's mode, one of `kernel_layout.HOLD` and its siblings."""
         return int(self.memory[at.MODE])
 
     @property

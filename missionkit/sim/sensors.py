@@ -1,6 +1,6 @@
 """Sensors outside the kernels: satellite fix, barometer, magnetometer, battery gauge.
 
-Each is given the true state (see `layout`) and draws from its own stream.
+Each is given the true state (see `kernel_layout`) and draws from its own stream.
 """
 
 from __future__ import annotations
@@ -11,9 +11,14 @@ import numpy as np
 
 from missionkit.geometry import Vec3, conjugate, norm, rotate, vec
 from missionkit.messages import Baro, Battery, Gnss, Magnetometer
-from missionkit.sim.layout import RATE, gauss_markov
-from missionkit.sim.noise import Normals
-from missionkit.sim.parameters import BaroModel, BatteryModel, GnssModel, MagnetometerModel
+from missionkit.sim.kernel_layout import RATE, gauss_markov
+from missionkit.sim.random_blocks import Normals
+from missionkit.sim.vehicle_parameters import (
+    BaroModel,
+    BatteryModel,
+    GnssModel,
+    MagnetometerModel,
+)
 
 
 class Beat:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from missionkit.perception.camera import Camera
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.perception.camera_section import Camera
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 

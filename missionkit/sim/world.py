@@ -13,8 +13,14 @@ from pydantic import Field, model_validator
 
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
-from missionkit.perception.dictionaries import SIZES, DictionaryName
-from missionkit.sim.parameters import Autopilot, BatteryModel, Frozen, Quadrotor, Sensors
+from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
+from missionkit.sim.vehicle_parameters import (
+    BatteryModel,
+    Frozen,
+    InnerAutopilotModel,
+    Quadrotor,
+    Sensors,
+)
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
 WindSpeed = Annotated[MetresPerSecond, Field(ge=-100, le=100)]
@@ -155,7 +161,7 @@ class World(Frozen):
     sensors: Sensors = Sensors()
     battery: BatteryModel = BatteryModel()
     quadrotor: Quadrotor = Quadrotor()
-    autopilot: Autopilot = Autopilot()
+    autopilot: InnerAutopilotModel = InnerAutopilotModel()
     start: Spot = (0.0, 0.0)
     start_yaw_deg: Degrees = 0.0
 

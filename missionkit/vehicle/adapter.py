@@ -17,32 +17,32 @@ from typing import Any, TypeVar
 
 from missionkit.errors import VehicleError
 from missionkit.messages import CONTROL_RESUMED, Command, Observation, Record, Setpoint
-from missionkit.vehicle import velocity_correction
-from missionkit.vehicle.address import Address
-from missionkit.vehicle.cache import Cache, Message
-from missionkit.vehicle.camera import Camera, NoCamera
-from missionkit.vehicle.commands import Report
-from missionkit.vehicle.connection import Link, listed
-from missionkit.vehicle.dialect import Dialect, dialect_of
+from missionkit.vehicle.autopilot_dialect import Dialect, dialect_of
+from missionkit.vehicle.camera.frame_source import Camera, NoCamera
+from missionkit.vehicle.command import velocity_correction
+from missionkit.vehicle.command.autopilot_commands import CommandReport
+from missionkit.vehicle.command.command_transaction import CommandOutcome
+from missionkit.vehicle.command.estimate_sharing import NOTHING, Share, Sharing
+from missionkit.vehicle.command.setpoint_stream import Streamer
+from missionkit.vehicle.command.velocity_correction import Correction
+from missionkit.vehicle.connected_vehicle import ConnectedVehicle
 from missionkit.vehicle.guardian.policy import USUAL, Patience
-from missionkit.vehicle.guarding import Guardian
-from missionkit.vehicle.lock import LinkLock
-from missionkit.vehicle.message_check import MessageCheck
-from missionkit.vehicle.observation import Observer
-from missionkit.vehicle.parts import Parts
-from missionkit.vehicle.pose import Pose, reported_pose
-from missionkit.vehicle.reliance import Reliance
-from missionkit.vehicle.scaled import Scaled
-from missionkit.vehicle.setpoints import Streamer
-from missionkit.vehicle.sharing import NOTHING, Share, Sharing
-from missionkit.vehicle.state import State
-from missionkit.vehicle.streams import NAMES, QUEUED, Streams
-from missionkit.vehicle.timing import MissionClock, wall
-from missionkit.vehicle.transaction import Outcome
-from missionkit.vehicle.vehicle_type import unfit
-from missionkit.vehicle.velocity_correction import Correction, Moving
+from missionkit.vehicle.link.clocks import MissionClock, wall
+from missionkit.vehicle.link.connection import Link, listed
+from missionkit.vehicle.link.guardian_client import Guardian
+from missionkit.vehicle.link.link_address import Address
+from missionkit.vehicle.link.link_lock import LinkLock
+from missionkit.vehicle.link.message_cache import Cache, Message
+from missionkit.vehicle.link.message_check import MessageCheck
+from missionkit.vehicle.link.message_rates import NAMES, QUEUED, Streams
+from missionkit.vehicle.link.vehicle_type import unfit
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
+from missionkit.vehicle.telemetry.reported_pose import Pose, reported_pose
+from missionkit.vehicle.telemetry.required_inputs import Reliance
+from missionkit.vehicle.telemetry.scaled_messages import Scaled
 
-PATIENCE = 10.0  # s to wait for an answer
+ANSWER_TIMEOUT = 10.0  # s to wait for an answer
 CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
 WORDS_WITHIN = 3.0  # s (wall; longer where time passes slowly) to wait for a heartbeat
 
@@ -69,7 +69,7 @@ class MavsdkVehicle:
         address: Address,
         camera: Camera | None = None,
         pace: float = 1.0,
-        patience: float = PATIENCE,
+        patience: float = ANSWER_TIMEOUT,
         lock: LinkLock | None = None,
         share: Share = NOTHING,
         system: int | None = None,
@@ -78,7 +78,7 @@ class MavsdkVehicle:
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
-        self.reports: list[Report] = []  # of every command that has ended
+        self.reports: list[CommandReport] = []  # of every command that has ended
         self._camera = NoCamera() if camera is None else camera
         self._pace = pace
         self._patience = patience
@@ -97,7 +97,7 @@ class MavsdkVehicle:
         self._correction = Correction()
         self._reliance = Reliance(relies_on)
         self._workers = ThreadPoolExecutor(2, thread_name_prefix="vehicle")
-        self._parts: Parts | None = None
+        self._parts: ConnectedVehicle | None = None
 
     @property
     def dialect(self) -> Dialect:
@@ -105,7 +105,7 @@ class MavsdkVehicle:
         return self._joined.dialect
 
     @property
-    def state(self) -> State:
+    def state(self) -> AutopilotState:
         """What the autopilot says about itself."""
         return self._joined.state
 
@@ -205,7 +205,7 @@ class MavsdkVehicle:
         self._correction = velocity_correction.step(
             self._correction,
             self._now,
-            None if own is None else Moving(known_at, own),
+            None if own is None else TimedVelocity(known_at, own),
             observer.moving(velocity_correction.FRESH / self._pace),
         )
         if not isinstance(command.setpoint, Setpoint):
@@ -252,7 +252,7 @@ class MavsdkVehicle:
         return self._clock.at(wall_time)
 
     @property
-    def _joined(self) -> Parts:
+    def _joined(self) -> ConnectedVehicle:
         if self._parts is None:
             raise VehicleError(f"{self.address.url}: not connected")
         return self._parts
@@ -272,7 +272,9 @@ class MavsdkVehicle:
             raise VehicleError(f"{self.address.url}: the autopilot is silent")
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
         said = self.note, self.remark, self._check
-        self._parts = Parts(link, dialect, self.cache, self._clock, *said, self._pace, idle)
+        self._parts = ConnectedVehicle(
+            link, dialect, self.cache, self._clock, *said, self._pace, idle
+        )
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
@@ -319,12 +321,12 @@ class MavsdkVehicle:
             guardian.close()
         self._lock.release()
 
-    def _take_reports(self, parts: Parts) -> None:
+    def _take_reports(self, parts: ConnectedVehicle) -> None:
         for report in parts.commander.reports():
             self.reports.append(report)
-            if report.result.outcome is Outcome.ABANDONED or report.result.good:
+            if report.result.outcome is CommandOutcome.ABANDONED or report.result.good:
                 continue
-            ending = "refused" if report.result.outcome is Outcome.REFUSED else "unconfirmed"
+            ending = "refused" if report.result.outcome is CommandOutcome.REFUSED else "unconfirmed"
             self.note(f"{report.wish[0]}_{ending}")
 
     def note(self, event: str) -> None:

@@ -11,8 +11,8 @@ from playing import at, play
 from missionkit.behaviors import FollowPath
 from missionkit.geometry import norm, vec
 from missionkit.messages import Health, Target
-from missionkit.planning import follow
-from missionkit.planning.polygons import drawn
+from missionkit.planning import path_following
+from missionkit.planning.polygon_cells import drawn
 
 AREA = ((-2.0, -2.0), (12.0, 8.0))
 WALL = [(4.0, -2.0), (4.2, -2.0), (4.2, 3.0), (4.0, 3.0)]
@@ -74,7 +74,7 @@ def test_it_keeps_its_height_or_the_one_it_began_with():
 def test_the_nose_looks_along_the_path_or_stays():
     _, along = flown(FLY, 5.0)
     route = along[20].memory.spots
-    ahead = follow.leg_at(follow.legs(route), along[20].memory.along + 1.0)
+    ahead = path_following.leg_at(path_following.legs(route), along[20].memory.along + 1.0)
     assert along[20].guidance.yaw == pytest.approx(math.atan2(ahead.way[1], ahead.way[0]), abs=0.4)
     free = FollowPath(target="goal", heading="free")
     turned = play(free, [seen(10.0 + n, 0.0, 0.0, -2.0, yaw=1.2) for n in range(3)])
@@ -103,14 +103,14 @@ def test_an_unsure_filter_keeps_further_off_where_there_is_room():
     for known in (ROOM, narrow):
         for health in (SURE, unsure):
             (step,) = play(FLY, [seen(10.0, 0.0, 0.0, -2.0, health=health, map=known)])
-            path = follow.legs(step.memory.spots)
+            path = path_following.legs(step.memory.spots)
             gaps.append(min(known.gap(path[0].at(0) if not s else _at(path, s)) for s in range(12)))
     assert gaps[1] > gaps[0] + 0.2
     assert gaps[3] > 1.0
 
 
 def _at(path, along):
-    return follow.leg_at(path, along).at(along)
+    return path_following.leg_at(path, along).at(along)
 
 
 def door(north, east, down=-2.0):
@@ -134,7 +134,8 @@ def test_what_the_scan_sees_on_the_path_stops_it_and_leads_round():
     assert stopped.guidance.position[:2].tolist() == [0.0, 0.0]  # it has hardly left it
     gap = [
         min(
-            math.dist(_at(follow.legs(step.memory.spots), s), point[:2]) for point in door(1.3, 1.2)
+            math.dist(_at(path_following.legs(step.memory.spots), s), point[:2])
+            for point in door(1.3, 1.2)
         )
         for step in (begun, planned)
         for s in np.arange(0.0, 6.0, 0.1)
@@ -147,7 +148,7 @@ def test_what_the_scan_sees_on_the_path_stops_it_and_leads_round():
 
 def test_it_stops_where_it_is_once_it_has_left_the_place_where_it_stood():
     begun = FLY.step(seen(10.0, 0.0, 0.0, -2.0), FLY.begin(seen(10.0, 0.0, 0.0, -2.0)))
-    on, ahead = begun.memory, _at(follow.legs(begun.memory.spots), 0.5)
+    on, ahead = begun.memory, _at(path_following.legs(begun.memory.spots), 0.5)
     blocking = door(ahead[0] + 0.9, ahead[1] + 0.9)
     moving = seen(11.0, *ahead, -2.0, obstacles=blocking, velocity=vec(0.3, 0.3, 0.0))
     stopped = FLY.step(moving, on)
@@ -159,7 +160,7 @@ def test_a_path_that_is_blocked_before_it_is_flown_does_not_move_the_place_where
     """Blown 5 cm each time it tries, it would be carried into the wall that it stands before."""
     memory, places = FLY.begin(seen(10.0, 0.0, 0.0, -2.0)), []
     for n in range(60):
-        way = follow.legs(memory.spots)
+        way = path_following.legs(memory.spots)
         block = door(*_at(way, 1.5)) if way else door(-1.5, 0.0)
         drifted = seen(10.0 + 0.3 * n, 0.005 * n, 0.0, -2.0, obstacles=block)
         step = FLY.step(drifted, memory)
@@ -222,17 +223,19 @@ def test_what_is_seen_no_more_is_forgotten_when_there_is_no_other_way():
 
 
 def test_speed_falls_before_corners_and_the_end():
-    path = follow.legs(((0.0, 0.0), (5.0, 0.0), (5.0, 5.0)))
-    speeds = [follow.allowed_speed(path, along, 2.0, 0.5) for along in (0.0, 4.0, 5.0, 6.0, 9.9)]
+    path = path_following.legs(((0.0, 0.0), (5.0, 0.0), (5.0, 5.0)))
+    speeds = [
+        path_following.allowed_speed(path, along, 2.0, 0.5) for along in (0.0, 4.0, 5.0, 6.0, 9.9)
+    ]
     assert speeds[0] == 2.0
     assert speeds[1] == pytest.approx(math.sqrt(0.01 + 1.0))
-    assert speeds[2] == pytest.approx(follow.SLOWEST)
+    assert speeds[2] == pytest.approx(path_following.SLOWEST)
     assert speeds[3] == 2.0
     assert speeds[4] == pytest.approx(math.sqrt(0.1))
 
 
 def test_the_nearest_point_is_never_behind_and_not_on_a_later_lap():
-    path = follow.legs(((0.0, 0.0), (5.0, 0.0), (5.0, 0.5), (0.0, 0.5)))
-    assert follow.nearest(path, 1.0, (1.7, 0.4)) == pytest.approx(1.7)
-    assert follow.nearest(path, 3.0, (1.7, 0.4)) == 3.0
-    assert follow.nearest(path, 4.8, (4.9, 0.6)) == pytest.approx(5.6)
+    path = path_following.legs(((0.0, 0.0), (5.0, 0.0), (5.0, 0.5), (0.0, 0.5)))
+    assert path_following.nearest(path, 1.0, (1.7, 0.4)) == pytest.approx(1.7)
+    assert path_following.nearest(path, 3.0, (1.7, 0.4)) == 3.0
+    assert path_following.nearest(path, 4.8, (4.9, 0.6)) == pytest.approx(5.6)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from samples import HOP
 
-from missionkit.campaigns.row import Case, Row
+from missionkit.campaigns.run_row import Case, Row
 
 BOMBED = HOP.replace("2.0}", '2.0, how: "no"}').replace(
     "when: done", "when: {all: [done, {use: bomb, how: $how}]}"

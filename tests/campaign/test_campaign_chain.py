@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from campaigns import row
 
-from missionkit.campaigns.chain import (
+from missionkit.campaigns.markov_chain import (
     Chain,
     Ending,
     absorbed,

@@ -9,13 +9,13 @@ from xml.etree import ElementTree as ET
 import pytest
 from campaigns import row
 
-from missionkit.campaigns.chain import estimate
+from missionkit.campaigns.chart_coverage import countable, coverage, unflown
 from missionkit.campaigns.chart_notes import notes
-from missionkit.campaigns.charted import charted
-from missionkit.campaigns.diary import parts
-from missionkit.campaigns.row import Case, Order
-from missionkit.campaigns.runs import fly, loaded
-from missionkit.campaigns.tally import countable, tally, unflown
+from missionkit.campaigns.flown_chart import charted
+from missionkit.campaigns.markov_chain import estimate
+from missionkit.campaigns.run_row import Case, RunOrder
+from missionkit.campaigns.single_run import fly, loaded
+from missionkit.campaigns.visit_log import parts
 from missionkit.chart.drawing.diagram import mermaid
 from missionkit.chart.drawing.picture import svg
 
@@ -69,7 +69,7 @@ states:
 def order(tmp_path_factory):
     path = tmp_path_factory.mktemp("regions") / "regions.yaml"
     path.write_text(CHART)
-    return Order(str(path), {}, (), ("link_lost@pause+9",))
+    return RunOrder(str(path), {}, (), ("link_lost@pause+9",))
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def chart(order):
 @pytest.fixture(scope="module")
 def over(chart, calm, alarmed):
     rows = [calm, alarmed, row(2, "crash", visits=(("idle", 4.0),), entries={"idle": 1}, ways={})]
-    return notes(chart, tally(rows), estimate(rows), "as written")
+    return notes(chart, coverage(rows), estimate(rows), "as written")
 
 
 def texts(picture):
@@ -148,7 +148,7 @@ def test_counted_and_chain_stand_side_by_side_where_they_differ(chart):
         row(0, visits=(("idle", 1.0), ("home", 1.0), ("land", 1.0)), entries=long),
         row(1, "crash", visits=(("idle", 1.0), ("land", 1.0)), entries={"idle": 1, "land": 1}),
     ]
-    over = notes(chart, tally(rows), estimate(rows), "x")
+    over = notes(chart, coverage(rows), estimate(rows), "x")
     assert over.states["home"].lines[2:] == (
         "100 % succeed",
         "chain: 50.0 % succeed, 50.0 % crash",
@@ -157,13 +157,13 @@ def test_counted_and_chain_stand_side_by_side_where_they_differ(chart):
 
 
 def test_what_was_never_flown_is_listed(chart, calm, alarmed):
-    missed = list(unflown(chart, tally([alarmed])))
+    missed = list(unflown(chart, coverage([alarmed])))
     assert [it.name for it in missed if it.what == "state"] == ["old", "home"]
     assert ("failsafe", "weak", 1) in missed
     by_name = {it.name: it.chances for it in missed if it.what == "transition"}
     assert by_name["home → land, when done"] == 0
     assert by_name["out → pause, after 60 s"] == alarmed.entries["out"]
-    both = list(unflown(chart, tally([calm, alarmed])))
+    both = list(unflown(chart, coverage([calm, alarmed])))
     assert [it.name for it in both] == ["out → pause, after 60 s", "weak"]
 
 

@@ -8,8 +8,8 @@ from concurrent.futures import CancelledError
 import pytest
 from campaigns import bombed, cases, hop
 
-from missionkit.campaigns import cluster, pool
-from missionkit.campaigns.row import Case, Order
+from missionkit.campaigns import dask_cluster, process_pool
+from missionkit.campaigns.run_row import Case, RunOrder
 from missionkit.errors import UsageError, VehicleError
 
 ADDRESS = "tcp://127.0.0.1:1"
@@ -19,13 +19,13 @@ PATIENCE = 60.0  # s for a run that is not to hang
 def test_without_dask_it_says_what_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match=r"pip install 'missionkit\[cluster\]'"):
-        next(cluster.flown(Order("m.yaml", {}), cases(1), address=ADDRESS))
+        next(dask_cluster.flown(RunOrder("m.yaml", {}), cases(1), address=ADDRESS))
 
 
 def test_an_address_without_a_scheduler_is_told(monkeypatch):
-    monkeypatch.setattr(cluster, "CONNECTING", 0.3)
+    monkeypatch.setattr(dask_cluster, "CONNECTING", 0.3)
     with pytest.raises(VehicleError, match=f"no Dask cluster answers at {ADDRESS}"):
-        next(cluster.flown(Order("m.yaml", {}), cases(1), address=ADDRESS))
+        next(dask_cluster.flown(RunOrder("m.yaml", {}), cases(1), address=ADDRESS))
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +54,9 @@ def address(tmp_path_factory):
 
 @pytest.mark.filterwarnings("default")
 def test_two_dask_workers_give_the_rows_of_the_pool(address, tmp_path):
-    order = Order(hop(tmp_path), {})
-    here = sorted(pool.flown(order, cases(6), workers=2), key=lambda it: it.number)
-    rows = cluster.flown(order, cases(6), address=address, timeout=PATIENCE)
+    order = RunOrder(hop(tmp_path), {})
+    here = sorted(process_pool.flown(order, cases(6), workers=2), key=lambda it: it.number)
+    rows = dask_cluster.flown(order, cases(6), address=address, timeout=PATIENCE)
     assert sorted(rows, key=lambda it: it.number) == here
     assert [it.outcome for it in here] == ["success"] * 6
 
@@ -73,13 +73,13 @@ def test_a_worker_that_breaks_is_a_row_and_replaced(
     address, tmp_path, how, timeout, outcome, reason
 ):
     mission, plugin = bombed(tmp_path)
-    order = Order(mission, {}, (plugin,))
+    order = RunOrder(mission, {}, (plugin,))
     bad = Case(9, 0, 0, {"how": how})
-    (row,) = cluster.flown(order, [bad], address=address, timeout=timeout)
+    (row,) = dask_cluster.flown(order, [bad], address=address, timeout=timeout)
     assert (row.number, row.outcome) == (9, outcome)
     assert row.reason == reason
     assert row.visits == ()
-    rows = cluster.flown(order, cases(3), address=address, timeout=PATIENCE)
+    rows = dask_cluster.flown(order, cases(3), address=address, timeout=PATIENCE)
     assert [it.outcome for it in rows] == ["success"] * 3
 
 
@@ -120,9 +120,9 @@ class Future:
     "error", [ConnectionResetError("reset by peer"), TimeoutError(), CancelledError()]
 )
 def test_a_scheduler_that_vanishes_is_told_in_a_sentence(monkeypatch, error, answers):
-    monkeypatch.setattr(cluster, "_client", lambda *_: Vanishing(error, answers))
-    monkeypatch.setattr(cluster, "_ended", lambda _, flying: list(flying))
+    monkeypatch.setattr(dask_cluster, "_client", lambda *_: Vanishing(error, answers))
+    monkeypatch.setattr(dask_cluster, "_ended", lambda _, flying: list(flying))
     with pytest.raises(VehicleError, match=f"the Dask cluster at {ADDRESS} has gone") as told:
-        list(cluster.flown(Order("m.yaml", {}), cases(3), address=ADDRESS))
+        list(dask_cluster.flown(RunOrder("m.yaml", {}), cases(3), address=ADDRESS))
     assert "the same command goes on with the others" in str(told.value)
     assert told.value.exit_code == 3

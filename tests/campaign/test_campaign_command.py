@@ -14,10 +14,10 @@ from campaigns import bombed, hop
 from typer.testing import CliRunner
 
 from missionkit import __version__
-from missionkit.campaigns.conduct import conduct
-from missionkit.campaigns.plan import found
-from missionkit.campaigns.row import Row
-from missionkit.campaigns.table import JOURNAL, read
+from missionkit.campaigns.campaign_loop import conduct
+from missionkit.campaigns.campaign_plan import found
+from missionkit.campaigns.run_journal import JOURNAL, read
+from missionkit.campaigns.run_row import Row
 from missionkit.cli.app import app
 
 

@@ -9,7 +9,7 @@ import pytest
 from campaigns import bombed, hop
 from typer.testing import CliRunner
 
-from missionkit.campaigns.table import JOURNAL
+from missionkit.campaigns.run_journal import JOURNAL
 from missionkit.cli.app import app
 
 FOLDER = "runs/hop-campaign-seed0"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from missionkit.campaigns.paired import compared, gain_interval
+from missionkit.campaigns.paired_comparison import compared, gain_interval
 
 # true rates: only the first succeeds, only the second does
 RATES = ((0.02, 0.02), (0.05, 0.05), (0.02, 0.1), (0.1, 0.1), (0.1, 0.3), (0.0, 0.1), (0.0, 0.02))

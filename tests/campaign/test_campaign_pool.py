@@ -9,9 +9,9 @@ import signal
 import pytest
 from campaigns import bombed, cases, hop
 
-from missionkit.campaigns.pool import flown
-from missionkit.campaigns.row import Case, Order
-from missionkit.campaigns.runs import fly
+from missionkit.campaigns.process_pool import flown
+from missionkit.campaigns.run_row import Case, RunOrder
+from missionkit.campaigns.single_run import fly
 
 
 def by_number(rows):
@@ -20,7 +20,7 @@ def by_number(rows):
 
 @pytest.fixture
 def order(tmp_path):
-    return Order(hop(tmp_path), {})
+    return RunOrder(hop(tmp_path), {})
 
 
 def test_rows_are_the_same_in_this_process_and_in_any_number_of_workers(order):
@@ -58,7 +58,7 @@ def test_runs_that_hang_or_kill_their_worker_are_rows_with_their_reason(tmp_path
     mission, plugin = bombed(tmp_path)
     harm = ["no", "die", "hang", "no"]
     todo = [Case(n, 0, n, {"how": how}) for n, how in enumerate(harm)]
-    rows = by_number(flown(Order(mission, {}, (plugin,)), todo, workers=2, timeout=2.5))
+    rows = by_number(flown(RunOrder(mission, {}, (plugin,)), todo, workers=2, timeout=2.5))
     assert [it.outcome for it in rows] == ["success", "lost", "hung", "success"]
     assert rows[1].reason == "the process that flew it died, exit code 7"
     assert rows[2].reason == "no result within 2.5 s"
@@ -66,6 +66,6 @@ def test_runs_that_hang_or_kill_their_worker_are_rows_with_their_reason(tmp_path
 
 
 def test_a_run_that_breaks_is_a_row_with_its_reason(tmp_path):
-    (row,) = flown(Order(str(tmp_path / "gone.yaml"), {}), cases(1), workers=1)
+    (row,) = flown(RunOrder(str(tmp_path / "gone.yaml"), {}), cases(1), workers=1)
     assert row.outcome == "error"
     assert "gone.yaml" in row.reason

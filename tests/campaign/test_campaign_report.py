@@ -13,14 +13,14 @@ import typer
 from campaigns import hop, row
 from documents import document, table
 
-from missionkit.campaigns import plots
+from missionkit.campaigns import svg_plots
 from missionkit.campaigns.analysis import analysed, worst
-from missionkit.campaigns.plan import Campaign, Rule, digest_of
-from missionkit.campaigns.progress import Progress, line, spell
-from missionkit.campaigns.report import page as page_of
+from missionkit.campaigns.campaign_plan import Campaign, Rule, digest_of
+from missionkit.campaigns.campaign_report import page as page_of
+from missionkit.campaigns.number_format import number, percent
+from missionkit.campaigns.progress_line import CampaignProgress, line, spell
 from missionkit.campaigns.report_chart import drawable
 from missionkit.campaigns.statistics import wilson
-from missionkit.campaigns.wording import number, percent
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
@@ -95,26 +95,26 @@ def test_the_worst_come_first_and_not_all_for_the_same_reason():
 
 def test_a_histogram_shows_every_run_once():
     rng = np.random.default_rng(0)
-    drawn = plots.histogram(rng.normal(size=80).tolist(), rng.normal(size=20).tolist(), "n")
+    drawn = svg_plots.histogram(rng.normal(size=80).tolist(), rng.normal(size=20).tolist(), "n")
     bars = shapes(drawn, "rect")
     tall = {fill: sum(float(b["height"]) for b in bars if b["fill"] == fill)
-            for fill in (plots.GOOD, plots.BAD)}  # fmt: skip
-    assert tall[plots.GOOD] / tall[plots.BAD] == pytest.approx(4.0, rel=0.01)
-    assert shapes(plots.histogram([3.0, 3.0], [], "n"), "rect")[0]["fill"] == plots.GOOD
+            for fill in (svg_plots.GOOD, svg_plots.BAD)}  # fmt: skip
+    assert tall[svg_plots.GOOD] / tall[svg_plots.BAD] == pytest.approx(4.0, rel=0.01)
+    assert shapes(svg_plots.histogram([3.0, 3.0], [], "n"), "rect")[0]["fill"] == svg_plots.GOOD
 
 
 def test_rates_stand_where_they_belong():
-    drawn = plots.rates([("a", wilson(10, 20)), ("b", wilson(20, 20))], goal=0.9)
+    drawn = svg_plots.rates([("a", wilson(10, 20)), ("b", wilson(20, 20))], goal=0.9)
     a, b = (float(it["cx"]) for it in shapes(drawn, "circle"))
     (goal,) = [float(it["x1"]) for it in shapes(drawn, "line") if "stroke-dasharray" in it]
     assert (goal - a) / (b - a) == pytest.approx(0.8, abs=0.01)
 
 
 def test_the_running_rate_ends_where_the_campaign_does():
-    drawn = plots.running([True, False] * 50)
+    drawn = svg_plots.running([True, False] * 50)
     (curve,) = shapes(drawn, "polyline")
     assert len(curve["points"].split()) == 100
-    assert shapes(plots.running([]), "polygon")[0]["points"] == ""
+    assert shapes(svg_plots.running([]), "polygon")[0]["points"] == ""
 
 
 def test_a_chart_that_cannot_be_read_any_more_is_no_reason_to_write_no_report():
@@ -130,11 +130,11 @@ def test_a_chart_that_cannot_be_read_any_more_is_no_reason_to_write_no_report():
 @pytest.mark.parametrize(
     ("outcomes", "require", "colour"),
     [
-        (["success"] * 5, None, plots.GOOD),
-        (["success"] * 5, 0.5, plots.FAIR),  # not decided yet
-        (["success"] * 4 + ["ended_safely"], None, plots.FAIR),
-        (["success"] * 2 + ["ended_safely"] * 3, None, plots.BAD),
-        (["success"] * 9 + ["crash"], None, plots.BAD),
+        (["success"] * 5, None, svg_plots.GOOD),
+        (["success"] * 5, 0.5, svg_plots.FAIR),  # not decided yet
+        (["success"] * 4 + ["ended_safely"], None, svg_plots.FAIR),
+        (["success"] * 2 + ["ended_safely"] * 3, None, svg_plots.BAD),
+        (["success"] * 9 + ["crash"], None, svg_plots.BAD),
     ],
 )
 def test_the_colour_of_the_page_is_its_alarm(outcomes, require, colour):
@@ -170,7 +170,7 @@ def test_a_page_has_the_chart_of_each_variant_with_its_own_arrows(tmp_path):
 
 def test_progress_is_a_line_now_and_then():
     now, stream = [0.0], StringIO()
-    progress = Progress(stream, lambda: now[0], [row(0)], 100)
+    progress = CampaignProgress(stream, lambda: now[0], [row(0)], 100)
     for n in range(1, 31):
         now[0] += 1.0
         progress(row(n, "success" if n % 3 else "crash"))

@@ -11,17 +11,17 @@ from campaigns import hop
 from typer.testing import CliRunner
 
 from missionkit.campaigns.analysis import command
-from missionkit.campaigns.diary import Diary, parts, way
-from missionkit.campaigns.plan import Campaign
-from missionkit.campaigns.row import Case, Order
-from missionkit.campaigns.runs import fly
+from missionkit.campaigns.campaign_plan import Campaign
+from missionkit.campaigns.run_row import Case, RunOrder
+from missionkit.campaigns.single_run import fly
+from missionkit.campaigns.visit_log import VisitLog, parts, way
 from missionkit.cli.app import app
 
 
 def test_the_command_of_a_row_flies_it_again(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mission, faults = hop(tmp_path), ("gnss_drift=0.3@2",)
-    row = fly(Order(mission, {}, (), faults), Case(4, 1, 9, {"height": "3"}))
+    row = fly(RunOrder(mission, {}, (), faults), Case(4, 1, 9, {"height": "3"}))
     told = Campaign(mission=mission, name="hop", runs=9, faults=faults, digest="")
     words = shlex.split(command(told, row))
     result = CliRunner().invoke(app, [*words[1:], "--headless"])
@@ -37,20 +37,20 @@ def test_the_command_of_a_row_flies_it_again(tmp_path, monkeypatch):
 
 
 def test_times_add_up(tmp_path):
-    row = fly(Order(hop(tmp_path), {}), Case(0, 0, 0, {}))
+    row = fly(RunOrder(hop(tmp_path), {}), Case(0, 0, 0, {}))
     assert row.times == pytest.approx(dict(row.visits))
     assert sum(row.times.values()) == pytest.approx(row.metrics["duration"])
 
 
 def test_a_record_is_kept_when_asked_for(tmp_path):
-    order = Order(hop(tmp_path), {}, records=str(tmp_path / "records"))
+    order = RunOrder(hop(tmp_path), {}, records=str(tmp_path / "records"))
     for _ in range(2):  # a campaign that was killed flies it again
         assert fly(order, Case(7, 0, 0, {})).succeeded
     assert (tmp_path / "records/7/flight.mcap").stat().st_size > 10_000
 
 
 def test_a_crash_is_told_with_its_reason(tmp_path):
-    row = fly(Order(hop(tmp_path), {}, (), ("battery_sag=1@4",)), Case(0, 0, 0, {}))
+    row = fly(RunOrder(hop(tmp_path), {}, (), ("battery_sag=1@4",)), Case(0, 0, 0, {}))
     assert (row.outcome, row.reason) == ("crash", "hit an obstacle or the ground")
 
 
@@ -60,7 +60,7 @@ def seen(state, *fired, active=()):
 
 
 def test_a_diary_tells_visits_times_and_transitions():
-    diary = Diary(0.5)
+    diary = VisitLog(0.5)
     for record in [
         seen("a"),
         seen("a"),
@@ -78,7 +78,7 @@ def test_a_diary_tells_visits_times_and_transitions():
 
 
 def test_a_diary_counts_entries_of_states_around_and_in_regions():
-    inside, diary = ("out", "x", "y"), Diary(0.5)
+    inside, diary = ("out", "x", "y"), VisitLog(0.5)
     for record in [
         seen("x", active=inside),
         seen("x", ("y", "y"), active=inside),  # acts only, in another region

@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 from campaigns import row
 
-from missionkit.campaigns.conduct import counted
-from missionkit.campaigns.plan import Campaign, Rule
+from missionkit.campaigns.campaign_loop import counted
+from missionkit.campaigns.campaign_plan import Campaign, Rule
 from missionkit.campaigns.statistics import wilson
-from missionkit.campaigns.stopping import LEAST, decision, enough, narrow_at, sprt
+from missionkit.campaigns.stopping_rule import (
+    LEAST,
+    decision,
+    enough,
+    narrow_at,
+    sprt,
+)
 
 ABOVE = Rule(require=0.98)
 

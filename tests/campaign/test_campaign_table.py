@@ -5,7 +5,12 @@ import csv
 import pytest
 from campaigns import row
 
-from missionkit.campaigns.table import JOURNAL, Journal, read, write
+from missionkit.campaigns.run_journal import (
+    JOURNAL,
+    Journal,
+    read,
+    write,
+)
 from missionkit.errors import UsageError
 
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.campaigns.plan import Campaign
-from missionkit.campaigns.vary import axes, name_of, variants
+from missionkit.campaigns.campaign_plan import Campaign
+from missionkit.campaigns.variants import axes, name_of, variants
 from missionkit.errors import UsageError
 
 

@@ -79,7 +79,9 @@ def test_a_file_that_is_missing(tmp_path: Path, catalogue: Catalogue):
 
 def test_two_plugins_of_one_name_are_refused(tmp_path: Path, catalogue: Catalogue):
     path = written(tmp_path, PLUGIN.format(kind="within", method="check"))
-    with pytest.raises(UsageError, match=r"'within': missionkit\.guards\.range\.Within and .*mine"):
+    with pytest.raises(
+        UsageError, match=r"'within': missionkit\.guards\.distances\.Within and .*mine"
+    ):
         catalogue.with_file(path)
 
 
@@ -94,7 +96,7 @@ def installed(monkeypatch: pytest.MonkeyPatch, value: str, name: str = "mine") -
 
 def test_installed_plugins_are_found(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue):
     without = Catalogue(**{**vars(catalogue), "guards": {}})
-    installed(monkeypatch, "missionkit.guards.range:Within")
+    installed(monkeypatch, "missionkit.guards.distances:Within")
     assert list(without.with_entry_points().guards) == ["within"]
 
 
@@ -111,7 +113,7 @@ states: {idle: {kind: idle, transitions: [{to: idle, when: %s}]}}
     ("value", "message"),
     [
         ("missionkit.nowhere:Within", "missionkit.nowhere:Within cannot be imported: Module"),
-        ("missionkit.guards.range:norm", "is not a class derived from Guard or WindowGuard"),
+        ("missionkit.guards.distances:norm", "is not a class derived from Guard or WindowGuard"),
         ("missionkit.plugin:Guard", "Guard has no `kind`"),
         ("missionkit.behaviors.hold:Hold", "is not a class derived from Guard or WindowGuard"),
     ],

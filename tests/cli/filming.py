@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import typer.testing
 
-from missionkit.cli.camera import camera
-from missionkit.perception.imaging import marker_bitmap
+from missionkit.cli.camera_commands import camera
+from missionkit.perception.opencv_helpers import marker_bitmap
 
 MARKED = """\
 missionkit: 1

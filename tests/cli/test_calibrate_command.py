@@ -14,8 +14,8 @@ from boards import LENS, MATRIX, astray, photographs
 from cli.filming import MARKED, Driver, call, film, wall_with
 from documents import document
 
-from missionkit.perception.camera import Camera
-from missionkit.vehicle import images
+from missionkit.perception.camera_section import Camera
+from missionkit.vehicle.camera import image_stream
 
 VIEWS = [f"views/{n:02}.png" for n in range(24)]
 NUMBER = r"-?\d+(\.\d+)?(e-\d+)?"
@@ -67,7 +67,7 @@ def test_a_size_that_is_none_is_refused(tmp_path):
 
 def test_a_device_is_asked_for_the_size(monkeypatch):
     driver = Driver(wall_with(23))
-    monkeypatch.setattr(images, "opened", {0: driver}.get)
+    monkeypatch.setattr(image_stream, "opened", {0: driver}.get)
     call("calibrate", "0", "--size", "1280x720", "--images", 1)
     assert (cv2.CAP_PROP_FRAME_HEIGHT, 720) in driver.asked
 
@@ -103,7 +103,7 @@ def test_the_how_to_is_what_the_commands_do(tmp_path, monkeypatch):
     for n, it in enumerate(photographs(24)):
         cv2.imwrite(f"views/{n:02}.png", it)
     Path("mission.yaml").write_text(MARKED % 0)
-    monkeypatch.setattr(images, "opened", {0: Driver(wall_with(23))}.get)
+    monkeypatch.setattr(image_stream, "opened", {0: Driver(wall_with(23))}.get)
     told = {}
     for line in re.findall(r"^missionkit camera (.*)$", page, re.M):
         name, *words = shlex.split(line.replace("views/*.png", " ".join(sorted(VIEWS))))

@@ -9,7 +9,7 @@ import pytest
 from cli.filming import MARKED, Driver, call, film, wall_with
 from photographs import PHOTO, drawn
 
-from missionkit.vehicle import images
+from missionkit.vehicle.camera import image_stream
 
 
 @pytest.fixture
@@ -102,8 +102,8 @@ def test_images_of_another_size_are_refused(desk):
 )
 def test_the_age_of_the_images_is_told_if_the_driver_stamps_them(stamps, told, desk, monkeypatch):
     driver = Driver(wall_with(23), stamps)
-    monkeypatch.setattr(images, "opened", {2: driver}.get)
-    monkeypatch.setattr(images, "wall", lambda: driver.now)
+    monkeypatch.setattr(image_stream, "opened", {2: driver}.get)
+    monkeypatch.setattr(image_stream, "wall", lambda: driver.now)
     done = call("check", "--mission", desk(2), "--images", 3)
     assert done.exit_code == 0, done.output
     assert re.search(told, done.output)

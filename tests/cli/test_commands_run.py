@@ -11,9 +11,9 @@ import pytest
 from child import default_signals
 
 from missionkit.api.interrupts import TOGETHER
-from missionkit.cli import rehearsed as command
+from missionkit.cli import run_in_simulator as command
 from missionkit.errors import VehicleError
-from missionkit.recorder.reading import read
+from missionkit.recorder.record_reader import read
 
 FILES = {"flight.mcap", "mission.yaml", "summary.json", "track.png"}
 

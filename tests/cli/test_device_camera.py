@@ -14,11 +14,11 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Command, Mode, Observation, Record
-from missionkit.perception.camera import Camera
+from missionkit.perception.camera_section import Camera
 from missionkit.rehearsal import stage, world_of
 from missionkit.sim.world import World
-from missionkit.vehicle.camera import Rendered
-from missionkit.vehicle.pose import Pose
+from missionkit.vehicle.camera.frame_source import Rendered
+from missionkit.vehicle.telemetry.reported_pose import Pose
 
 ADDRESS = "udpin://127.0.0.1:14540"
 DEVICE = HOP.replace("use: none", "use: device, source: 2")

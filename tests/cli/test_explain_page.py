@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from missionkit.chart.prose.state_text import item, said, topic
-from missionkit.cli.explain import page, width
+from missionkit.cli.explain_command import page, width
 
 
 def test_paragraphs_are_wrapped_with_their_margins():

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from missionkit.recorder import checkpoint
-from missionkit.recorder.channels import Channels
+from missionkit.recorder.mcap_channels import Channels
 
 HOP = "runs/hop-seed0"
 

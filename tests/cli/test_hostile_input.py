@@ -2,7 +2,7 @@
 
 import pytest
 
-from missionkit.sim.faults import KINDS
+from missionkit.sim.fault_injection import KINDS
 
 ESC, RTL = "\\e[2J", "\\u202E"
 MAPPED = "map: {file: %s}\n"

@@ -10,13 +10,13 @@ from rehearsed import MISSIONS
 
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.order import Order
-from missionkit.cli.origin import differences, origin_of, stamp
+from missionkit.cli.run_options import RunOptions
+from missionkit.cli.run_origin import differences, origin_of, stamp
 from missionkit.recorder.checkpoint import opened, sealed
 
 
 def origin(path):
-    order = Order(path, (), (), 0, (), None, path.parent, headless=True, as_json=False)
+    order = RunOptions(path, (), (), 0, (), None, path.parent, headless=True, as_json=False)
     return origin_of(order, load(path, builtin()))
 
 

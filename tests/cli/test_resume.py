@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from missionkit.cli import rehearsed as command
+from missionkit.cli import run_in_simulator as command
 from missionkit.recorder import checkpoint
 from missionkit.recorder.checkpoint import BEFORE, NEWEST, load
-from missionkit.recorder.folder import held
-from missionkit.recorder.reading import read
+from missionkit.recorder.record_reader import read
+from missionkit.recorder.run_folder import held
 from missionkit.rehearsal import Kept
 
 STAY = """\
@@ -361,9 +361,9 @@ def test_a_plug_in_that_was_changed_is_refused_before_it_is_run(call, killed, tm
 
 SUICIDE = """\
 import os, signal
-from missionkit.engine import loop
+from missionkit.engine import flight_loop
 
-ticks, tick = 0, loop.tick
+ticks, tick = 0, flight_loop.tick
 
 
 def last(*arguments):
@@ -374,7 +374,7 @@ def last(*arguments):
     return tick(*arguments)
 
 
-loop.tick = last
+flight_loop.tick = last
 from missionkit.cli.app import app
 
 app(["run", "stay.yaml", "--headless"])

@@ -5,7 +5,7 @@ from missionkit.api.vehicle_flight import share_of
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import UsageError
-from missionkit.vehicle.sharing import Share
+from missionkit.vehicle.command.estimate_sharing import Share
 
 PADS = parse(
     HOP + "targets: {pad: {position: [1, 0, 0]}, tree: {position: [9, 0, -2]}}\n", "hop", builtin()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from missionkit.control.controller import Control, ControlMemory
-from missionkit.control.limits import Limits
+from missionkit.control.velocity_limits import Limits
 from missionkit.geometry import IDENTITY, vec
 from missionkit.messages import Estimate, Guidance, Health, Mode
 

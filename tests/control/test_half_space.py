@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from missionkit.control.half_space import OUTWARD, admissible_speed, inside, kept
-from missionkit.control.limits import Limits
+from missionkit.control.velocity_limits import Limits
 from missionkit.geometry import vec
 from missionkit.messages import HalfSpace
 

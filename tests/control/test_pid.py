@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from missionkit.control import pid
-from missionkit.control.limits import Limits
 from missionkit.control.pid import Gains, PidMemory, Tracking
+from missionkit.control.velocity_limits import Limits
 
 LIMITS = Limits()
 small = st.floats(-0.4, 0.4)

@@ -16,7 +16,7 @@ from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
 from missionkit.plugin_containment import Containment
 from missionkit.rehearsal import rehearse, stage
-from missionkit.sim.faults import parse_fault
+from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import World
 
 HOP = """

@@ -22,7 +22,7 @@ from missionkit.engine.flight_loop import (
 from missionkit.errors import UsageError, VehicleError
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.rehearsal import Stage
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 HOP = """\
 initial: idle

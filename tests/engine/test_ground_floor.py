@@ -6,7 +6,7 @@ from rehearsed import precise_stage
 from samples import calm
 
 from missionkit.behaviors import GoTo, Land, Spiral, TakeOff
-from missionkit.control.limits import Limits
+from missionkit.control.velocity_limits import Limits
 from missionkit.engine.flight_loop import Operator
 from missionkit.engine.ground_floor import above_floor, floor_of
 from missionkit.geometry import vec

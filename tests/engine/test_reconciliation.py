@@ -24,7 +24,7 @@ from missionkit.engine.resume.reconciliation import (
 )
 from missionkit.engine.resume.restore_chart import stands
 from missionkit.errors import VehicleError
-from missionkit.guards.progress import GoalUnreachable
+from missionkit.guards.state_progress import GoalUnreachable
 from missionkit.messages import Goal, VehicleStatus
 from missionkit.rehearsal import Kept, Stage, rehearse
 

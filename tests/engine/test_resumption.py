@@ -28,7 +28,7 @@ from missionkit.estimation.error_state_ekf.realignment import SPAN
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.rehearsal import Again, Kept, Stage, rehearse
-from missionkit.sim.vehicle import SimulatedVehicle
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 STAY = """\
 initial: idle

@@ -10,18 +10,18 @@ import numpy as np
 
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Action, Command, Observation, Setpoint
-from missionkit.perception.camera import Camera
-from missionkit.sim.parameters import (
-    Autopilot,
+from missionkit.perception.camera_section import Camera
+from missionkit.sim.ground_truth import TrueState
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
+from missionkit.sim.vehicle_parameters import (
     BaroModel,
     FlowModel,
     ImuModel,
+    InnerAutopilotModel,
     MagnetometerModel,
     RangeModel,
     Sensors,
 )
-from missionkit.sim.truth import Truth
-from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 QUIET_IMU = ImuModel(
@@ -40,13 +40,16 @@ HERE = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
 
 def world(sensors: Sensors = QUIET) -> World:
     return World(
-        world="hall", sensors=sensors, autopilot=Autopilot(velocity_sd=0.0), start_yaw_deg=50.0
+        world="hall",
+        sensors=sensors,
+        autopilot=InnerAutopilotModel(velocity_sd=0.0),
+        start_yaw_deg=50.0,
     )
 
 
 def observed(
     seconds: float, sensors: Sensors = QUIET, seed: int = 1, *, still: bool = False
-) -> Iterator[tuple[Observation, Truth]]:
+) -> Iterator[tuple[Observation, TrueState]]:
     """Rest, take off at 5 s, from 15 s on fly legs of 5 s; satellites are left out."""
     vehicle = SimulatedVehicle(world(sensors), Camera(use="none"), seed)
     for tick in range(1, round(seconds / 0.05) + 1):
@@ -63,9 +66,9 @@ def observed(
 
 def through(
     navigator: Any,
-    flight: Iterable[tuple[Observation, Truth]],
+    flight: Iterable[tuple[Observation, TrueState]],
     change: Callable[[Observation], Observation] = lambda seen: seen,
-) -> tuple[Any, Truth]:
+) -> tuple[Any, TrueState]:
     """Return the memory after a flight, and the truth then."""
     known, last = navigator.begin(), None
     for seen, truth in flight:

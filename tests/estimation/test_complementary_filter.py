@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from missionkit import compiled
+from missionkit import jit
 from missionkit.estimation.optical_flow import axis_filter, complementary_filter, flow_velocity
 from missionkit.estimation.optical_flow.complementary_filter import carry, lean, steer
 from missionkit.geometry import conjugate, from_euler, multiply, rotate, to_euler, vec
@@ -63,7 +63,7 @@ def test_mean_acceleration_and_rates_over_intervals():
 
 def plain(module, monkeypatch):
     """Load a module of kernels afresh with a `compiled` that does nothing."""
-    monkeypatch.setattr(compiled, "compiled", lambda function: function)
+    monkeypatch.setattr(jit, "compiled", lambda function: function)
     spec = importlib.util.find_spec(module.__name__)
     fresh = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(fresh)

@@ -11,7 +11,7 @@ from missionkit.estimation.error_state_ekf import measurement_models, state_layo
 from missionkit.estimation.error_state_ekf.measurement_log import row
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import exp, from_euler, multiply
-from missionkit.sim.parameters import Sensors
+from missionkit.sim.vehicle_parameters import Sensors
 
 
 def plus(x, d):

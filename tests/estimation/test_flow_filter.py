@@ -17,9 +17,9 @@ from missionkit.estimation.optical_flow import dead_reckoning
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import vec
 from missionkit.messages import Imu, Observation
-from missionkit.recorder import codec
+from missionkit.recorder import value_codec
 from missionkit.rehearsal import stage
-from missionkit.sim.parameters import FlowModel, Sensors
+from missionkit.sim.vehicle_parameters import FlowModel, Sensors
 from missionkit.sim.world import World
 
 
@@ -156,12 +156,12 @@ def test_it_knows_its_recent_poses():
 def test_a_memory_is_a_value_and_can_be_saved():
     navigator = built()
     known, _ = through(navigator, recorded()[:400])
-    text = codec.written(known)
+    text = value_codec.written(known)
     seen = recorded()[400][0]
     after = navigator.propagate(known, seen)
-    assert codec.written(known) == text
-    again = navigator.propagate(codec.read(text), seen)
-    assert codec.written(again) == codec.written(after)
+    assert value_codec.written(known) == text
+    again = navigator.propagate(value_codec.read(text), seen)
+    assert value_codec.written(again) == value_codec.written(after)
 
 
 def test_flow_alone_sums_up_and_suffers_from_its_own_gyroscope():

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from missionkit import compiled
+from missionkit import jit
 from missionkit.estimation.error_state_ekf import process_model, replay, state_layout
 from missionkit.estimation.error_state_ekf.measurement_log import row
 from missionkit.geometry import normalised, vec
@@ -25,7 +25,7 @@ KERNELS = (
 @pytest.fixture
 def plain(monkeypatch):
     """Load the kernels afresh with a `compiled` that does nothing."""
-    monkeypatch.setattr(compiled, "compiled", lambda function: function)
+    monkeypatch.setattr(jit, "compiled", lambda function: function)
     for part in KERNELS:
         name = f"missionkit.estimation.{part}"
         spec = importlib.util.find_spec(name)

@@ -12,9 +12,9 @@ from missionkit.geometry import Transform, from_euler
 from missionkit.guards import ArucoConfidence, GpsToVisual
 from missionkit.messages import Frame, Goal, Observation, Sighting, Target, Verdict
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.detector import Detector
-from missionkit.perception.eye import Eye
+from missionkit.perception.marker_detector import Detector
 from missionkit.perception.marker_search import Priors
+from missionkit.perception.vision_pipeline import VisionPipeline
 
 CAMERA = LENS.model()
 FALSE = Aruco(target="trunk", dictionary=SMALL, id=FALSE_ID, size=0.40)
@@ -40,7 +40,7 @@ def watched(marker: Aruco, trunk: Target | None) -> tuple[Verdict, Verdict, list
 
     Without a `trunk` the target is believed to be wherever the marker puts it: the worst case.
     """
-    eye = Eye(CAMERA, (marker,))
+    eye = VisionPipeline(CAMERA, (marker,))
     priors = Priors(lambda _: BODY, {} if trunk is None else {"trunk": trunk}, None)
     sure, whole = ArucoConfidence(target="trunk"), GpsToVisual(target="trunk")
     memory, known, window = eye.begin(), sure.begin(), whole.begin()

@@ -10,10 +10,10 @@ import numpy as np
 from missionkit.geometry import IDENTITY, Transform, from_euler, vec
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Frame, Observation, Target
-from missionkit.perception.camera import Camera
-from missionkit.perception.imaging import marker_bitmap
+from missionkit.perception.camera_section import Camera
 from missionkit.perception.marker_search import Priors
-from missionkit.perception.pose import project, square
+from missionkit.perception.opencv_helpers import marker_bitmap
+from missionkit.perception.square_pose import project, square
 
 DICTIONARY = "DICT_6X6_250"
 CAMERA = Camera().model()

@@ -5,8 +5,8 @@ import pytest
 from pydantic import ValidationError
 
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.dictionaries import SIZES
-from missionkit.perception.imaging import dictionary
+from missionkit.perception.marker_dictionaries import SIZES
+from missionkit.perception.opencv_helpers import dictionary
 
 
 def test_the_table_of_dictionaries_is_opencvs():

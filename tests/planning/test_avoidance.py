@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionkit.geometry import norm, vec
-from missionkit.planning.escape import Progress
+from missionkit.planning.boundary_following import BoundaryProgress
 from missionkit.planning.potential_field import BLIND, FieldMemory, PotentialField
 
 FIELD = PotentialField()
@@ -81,10 +81,10 @@ def test_an_edge_may_stand_between_two_rays():
 def test_escape_ends_nearer_to_the_goal_and_only_in_the_open(obstacle, goes_on):
     points = np.array([[*obstacle, -3.0]])
     seen = estimate(1.0, vec(10, 0, -3), np.zeros(3), points)
-    memory = FieldMemory(goal=(40.0, 0.0, -3.0), progress=Progress(30.5, 0.5, side=1))
+    memory = FieldMemory(goal=(40.0, 0.0, -3.0), progress=BoundaryProgress(30.5, 0.5, side=1))
     _, after = FIELD.step(memory, seen, GOAL, CRUISE)
-    assert after.progress == (memory.progress if goes_on else Progress(30.0, 1.0))
-    farther = memory._replace(progress=Progress(29.5, 0.5, side=1))
+    assert after.progress == (memory.progress if goes_on else BoundaryProgress(30.0, 1.0))
+    farther = memory._replace(progress=BoundaryProgress(29.5, 0.5, side=1))
     assert FIELD.step(farther, seen, GOAL, CRUISE)[1].progress.side == 1
 
 

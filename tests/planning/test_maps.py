@@ -11,9 +11,9 @@ from pydantic import ValidationError
 
 from missionkit.messages import Occupancy
 from missionkit.perception.map_image import decode_shades
-from missionkit.planning.known_map import KnownMap
+from missionkit.planning.map_section import KnownMap
 from missionkit.planning.map_server import DEAREST, MapFile
-from missionkit.planning.polygons import drawn
+from missionkit.planning.polygon_cells import drawn
 
 INF = math.inf
 FILE = MapFile(image="map.pgm", resolution=0.5, origin=(10.0, 20.0, 0.0))

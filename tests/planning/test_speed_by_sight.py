@@ -10,7 +10,12 @@ from flat_world import RANGE, Box, estimate, fly
 
 from missionkit.geometry import norm, vec
 from missionkit.messages import Guidance
-from missionkit.planning.brake import Stopping, Surroundings, backed_off, stopping_distance
+from missionkit.planning.obstacle_braking import (
+    NearbyObstacles,
+    Stopping,
+    backed_off,
+    stopping_distance,
+)
 from missionkit.planning.potential_field import BLIND, LEAST_GAP, PotentialField
 
 FIELD = PotentialField()
@@ -86,7 +91,7 @@ def test_what_pushes_the_vehicle_in_is_answered_the_harder_the_further_in_it_is(
     how = Stopping(0.75, 2.0, 0.7)
     pushed = [
         backed_off(
-            vec(0, 0.2, 0), Surroundings(np.array([[-gap, 0, 0]]), np.array([gap**2])), how, 3.0
+            vec(0, 0.2, 0), NearbyObstacles(np.array([[-gap, 0, 0]]), np.array([gap**2])), how, 3.0
         )
         for gap in (0.8, 0.7, 0.5)
     ]

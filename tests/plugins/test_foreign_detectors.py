@@ -25,8 +25,8 @@ from missionkit.errors import UsageError
 from missionkit.geometry import Transform, vec
 from missionkit.messages import Frame, Observation
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.eye import Eye
 from missionkit.perception.marker_search import MarkerSearch, Priors
+from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import Containment
 
@@ -66,7 +66,7 @@ def frame():
 
 
 def seen_by(detector, contain=None):
-    eye = Eye(CAMERA, [detector])
+    eye = VisionPipeline(CAMERA, [detector])
     return eye.look(eye.begin(), frame(), priors(), contain)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from missionkit.geometry import vec
 from missionkit.messages import Fired, Goal
-from missionkit.recorder import track as tracks
+from missionkit.recorder import flight_track as tracks
+from missionkit.recorder.flight_track import FlightTrack, Span, Visit
 from missionkit.recorder.scenery import Fence, Marker, Round, Scenery, Target
-from missionkit.recorder.track import Span, Track, Visit
 
 REASONS = (
     "when done",
@@ -36,7 +36,7 @@ def poles(count: int, north: float, east: float, seed: int = 0) -> Scenery:
     )
 
 
-def flight(states: int, transitions: int, scenery: Scenery, seed: int = 0) -> Track:
+def flight(states: int, transitions: int, scenery: Scenery, seed: int = 0) -> FlightTrack:
     """Fly from pole to pole, through every state at least once, back to some of them often."""
     rng = np.random.default_rng(seed)
     work = ("approach", "servo", "inject")

@@ -12,7 +12,7 @@ from recorder.made_up import poles
 
 from missionkit.geometry import vec
 from missionkit.messages import Fired, Goal
-from missionkit.recorder import track as tracks
+from missionkit.recorder import flight_track as tracks
 from missionkit.recorder.plot import STYLE, draw, picture
 from missionkit.recorder.plot_close_up import reach, rounded
 from missionkit.recorder.plot_ground import Flown, draw_goals

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from missionkit.messages import Verdict
+from missionkit.recorder.json_fragments import verdict
 from missionkit.recorder.scenery import Box, Round, scenery_of
-from missionkit.recorder.wire import verdict
 
 
 def test_a_world_becomes_scenery():

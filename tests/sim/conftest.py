@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from missionkit.messages import Action, Command, Observation, Setpoint
-from missionkit.perception.camera import Camera
-from missionkit.sim.faults import parse_fault
-from missionkit.sim.parameters import (
-    Autopilot,
+from missionkit.perception.camera_section import Camera
+from missionkit.sim.fault_injection import parse_fault
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
+from missionkit.sim.vehicle_parameters import (
     BaroModel,
     GnssModel,
     ImuModel,
+    InnerAutopilotModel,
     MagnetometerModel,
     ScanModel,
     Sensors,
 )
-from missionkit.sim.vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
 TICK = 0.05
@@ -60,7 +60,7 @@ def perfect() -> World:
     """No wind, no noise."""
     return World(
         world="perfect",
-        autopilot=Autopilot(velocity_sd=0.0, drift=0.0),
+        autopilot=InnerAutopilotModel(velocity_sd=0.0, drift=0.0),
         sensors=Sensors(
             imu=ImuModel(
                 accel_noise=0, gyro_noise=0, accel_bias=0, gyro_bias=0, accel_walk=0, gyro_walk=0

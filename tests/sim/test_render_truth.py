@@ -10,7 +10,7 @@ import pytest
 
 from missionkit.geometry import Transform, from_euler, from_matrix, to_matrix, vec
 from missionkit.messages import CameraModel
-from missionkit.sim.render import Renderer
+from missionkit.sim.camera_renderer import Renderer
 from missionkit.sim.world import World
 
 AXES = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # camera to body

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from missionkit.geometry import conjugate, exp, from_euler, multiply, rotate, yaw_of
-from missionkit.sim.layout import gauss_markov
-from missionkit.sim.noise import Normals, streams
-from missionkit.sim.parameters import (
+from missionkit.sim.kernel_layout import gauss_markov
+from missionkit.sim.random_blocks import Normals, streams
+from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
+from missionkit.sim.vehicle_parameters import (
     BaroModel,
     BatteryModel,
     GnssModel,
@@ -17,7 +18,6 @@ from missionkit.sim.parameters import (
     MagnetometerModel,
     Sensors,
 )
-from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
 from missionkit.sim.world import Box, Wind, World
 
 REST = np.array([3.0, -2.0, -5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from missionkit.geometry import to_matrix
-from missionkit.sim.obstacles import nearest_gap, table
+from missionkit.sim.obstacle_distance import nearest_gap, table
 from missionkit.sim.world import World, marker_attitude
 
 ANGLES = st.floats(-180.0, 180.0)

@@ -16,8 +16,8 @@ from pathlib import Path
 from vehicle.flying import NORTH, Flight
 
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.link.link_lock import LinkLock
 
 HEAP = [[] for _ in range(60_000)]  # each collection looks at all of them
 

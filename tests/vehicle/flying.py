@@ -15,11 +15,11 @@ import numpy as np
 
 from missionkit.geometry import vec
 from missionkit.messages import Action, Command, Setpoint
-from missionkit.sim.mavlink.server import Setup, serving
+from missionkit.sitl.sitl_server import Setup, serving
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse
 from missionkit.vehicle.guardian.policy import Patience
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.link.link_lock import LinkLock
 
 SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done

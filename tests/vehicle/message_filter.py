@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import copy
 
-from missionkit.sim.mavlink.dialect import mavlink
+from missionkit.sitl.pymavlink_dialect import mavlink
 
 
 class MessageFilter:

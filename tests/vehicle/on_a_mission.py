@@ -12,8 +12,8 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlownFlight
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse as address_of
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.link.link_address import parse as address_of
+from missionkit.vehicle.link.link_lock import LinkLock
 
 LIMIT = 300.0  # s of mission time, however a flight goes wrong
 

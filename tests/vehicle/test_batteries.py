@@ -1,6 +1,11 @@
 import pytest
 
-from missionkit.vehicle.batteries import all_of, battery, counted, pack_of
+from missionkit.vehicle.telemetry.batteries import (
+    all_of,
+    battery,
+    counted,
+    pack_of,
+)
 
 UNKNOWN, ALL, PROPULSION, AVIONICS, PAYLOAD = range(5)
 CELLS = [4100, 4100, 4090, 4110, *(65535,) * 6]

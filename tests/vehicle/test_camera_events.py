@@ -5,8 +5,8 @@ import asyncio
 import numpy as np
 from vehicle.flying import flying, sitl
 
-from missionkit.vehicle import device
-from missionkit.vehicle.device import Device, Wanted
+from missionkit.vehicle.camera import camera_device
+from missionkit.vehicle.camera.camera_device import CaptureSettings, Device
 
 
 class Reel:
@@ -30,9 +30,9 @@ class Reel:
 
 
 def test_a_mission_hears_that_its_camera_went_away_and_came_back(tmp_path, monkeypatch):
-    monkeypatch.setattr(device, "AGAIN", 0.05)
+    monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.05)
     reels = iter([Reel(5), Reel(0), Reel(10**9)])
-    camera = Device(lambda: next(reels), Wanted(64, 48, 100.0), 0.0, period=0.01)
+    camera = Device(lambda: next(reels), CaptureSettings(64, 48, 100.0), 0.0, period=0.01)
 
     async def fly():
         with sitl() as autopilot:

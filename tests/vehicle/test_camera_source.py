@@ -2,7 +2,7 @@
 
 import pytest
 
-from missionkit.vehicle.source import found, is_device, is_film
+from missionkit.vehicle.camera.image_source import found, is_device, is_film
 
 
 @pytest.mark.parametrize(

@@ -2,18 +2,17 @@
 
 import pytest
 
-from missionkit.vehicle.cache import Message
-from missionkit.vehicle.control_authority import (
+from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
+from missionkit.vehicle.command.control_authority import (
     GIVEN_UP,
-    NOWHERE,
-    OURS,
+    MISSION_STATES,
     TRANSITIONS,
     ControlAuthority,
-    Whereabouts,
     ends,
 )
-from missionkit.vehicle.dialect import ARDUPILOT, PX4
-from missionkit.vehicle.heartbeat_check import Said
+from missionkit.vehicle.link.heartbeat_check import Said
+from missionkit.vehicle.link.message_cache import Message
+from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
 
 ACTIVE, CRITICAL = 4, 5  # MAV_STATE
 PX4_MODES = {word: number for number, word in PX4.modes.items()}
@@ -88,7 +87,7 @@ def test_every_trigger_in_every_state(trigger, state):
 
 def test_the_table_is_complete():
     assert TABLE.keys() == {row[0] for row in TRANSITIONS}
-    assert tuple(STATES) == (*OURS, *GIVEN_UP)
+    assert tuple(STATES) == (*MISSION_STATES, *GIVEN_UP)
 
 
 @pytest.mark.parametrize("state", STATES)
@@ -97,7 +96,7 @@ def test_a_mode_is_asked_for_only_while_nothing_is_doubted(state):
     authority.state = state
     assert authority.order("land") is (state in {"ground", "commanding"})
     assert authority.aim == ("land" if state in {"ground", "commanding"} else "")
-    assert authority.ours is (state in OURS)
+    assert authority.ours is (state in MISSION_STATES)
 
 
 def test_a_whole_flight_takes_nothing_over():

@@ -7,7 +7,7 @@ import ast
 import pytest
 from documents import ROOT, document, table
 
-from missionkit.sim.mavlink.faults import BODY, WIRE
+from missionkit.sitl.wire_faults import BODY, WIRE
 
 ROWS = table(document("docs/reference/faults.md"), "The table")
 

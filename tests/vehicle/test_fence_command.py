@@ -10,7 +10,7 @@ from vehicle.flying import flying, sitl
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
-from missionkit.cli.fence import Box, box_of
+from missionkit.cli.fence_command import Box, box_of
 from missionkit.errors import UsageError
 
 FENCE = "{{use: inside_fence, north: [{}, {}], east: [-40, 60], height: {}}}"

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from missionkit.vehicle.ground_sensors import (
+from missionkit.vehicle.telemetry.ground_sensors import (
     GroundSensors,
     flow_rate,
     ground_range,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from missionkit.sim.mavlink.dialect import mavlink
-from missionkit.vehicle.dialect import PX4
+from missionkit.sitl.pymavlink_dialect import mavlink
+from missionkit.vehicle.autopilot_dialect import PX4
 from missionkit.vehicle.guardian import frames
 from missionkit.vehicle.guardian.frames import Frame, Route
 

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from missionkit.sim.mavlink.dialect import mavlink
+from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.vehicle.guardian.links import Poller
 from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.guardian.relay import Ends, Relay

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from missionkit.vehicle.boot_epoch import SEVERAL, BootEpoch, Stamp
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.control_authority import ControlAuthority
-from missionkit.vehicle.dialect import PX4 as PX4_DIALECT
-from missionkit.vehicle.message_check import MessageCheck
+from missionkit.vehicle.autopilot_dialect import PX4 as PX4_DIALECT
+from missionkit.vehicle.command.control_authority import ControlAuthority
+from missionkit.vehicle.link.boot_epoch import SEVERAL, BootEpoch, Stamp
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.link.message_check import MessageCheck
 
 QUADROTOR, FIXED_WING, PX4, ARDUPILOT = 2, 1, 12, 3
 OFFBOARD, POSITION = 6 << 16, 3 << 16

@@ -3,7 +3,7 @@
 from vehicle.flying import over_the_wire
 from vehicle.message_filter import MessageFilter
 
-from missionkit.sim.mavlink.dialect import mavlink
+from missionkit.sitl.pymavlink_dialect import mavlink
 
 
 def test_it_alters_drops_adds_and_spoofs(tmp_path):

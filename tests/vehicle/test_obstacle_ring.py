@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from missionkit.geometry import from_euler, rotate
-from missionkit.vehicle.obstacle_ring import points_of, refusal, ring_of, sectors, together
+from missionkit.vehicle.telemetry.obstacle_ring import (
+    points_of,
+    refusal,
+    ring_of,
+    sectors,
+    together,
+)
 
 NOWHERE = 1201  # cm, beyond the reach
 TILTED = from_euler(0.2, -0.1, 1.0)

@@ -5,13 +5,13 @@ import io
 import pytest
 from vehicle.flying import sitl
 
-from missionkit.cli import preflight as command
-from missionkit.cli.preflight import Wanted, preflight
+from missionkit.cli import preflight_command as command
+from missionkit.cli.preflight_command import PreflightOptions, preflight
 from missionkit.errors import ExitCode, UsageError
-from missionkit.sim.mavlink.parameters import TABLES
-from missionkit.vehicle.dialect import ARDUPILOT, PX4
-from missionkit.vehicle.failsafes import Level
-from missionkit.vehicle.parameter_setting import Written, proposed, write
+from missionkit.sitl.parameter_protocol import TABLES
+from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
+from missionkit.vehicle.failsafe_parameters import FailsafeLevel
+from missionkit.vehicle.preflight.parameter_setting import Written, proposed, write
 
 
 class Keeper:
@@ -43,7 +43,7 @@ def test_a_real_ardupilots_time_out_comes_first():
 def test_what_is_written_is_judged_safe_and_exists(dialect):
     for failsafe in dialect.failsafes:
         if failsafe.safe is not None:
-            assert failsafe.judge(failsafe.safe)[0] is Level.GOOD
+            assert failsafe.judge(failsafe.safe)[0] is FailsafeLevel.GOOD
     table = TABLES[dialect.name.lower()]
     assert [it.parameter for it in dialect.failsafes if it.parameter not in table] == []
     defaults = {change.parameter for change in proposed(dialect, table)}
@@ -72,7 +72,7 @@ def test_it_asks_and_writes_over_the_wire(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.setattr(command.sys, "stdin", Terminal("y\n\n\n"))
     with sitl("ardupilot") as autopilot:
-        preflight(Wanted(autopilot.url, write=True))
+        preflight(PreflightOptions(autopilot.url, write=True))
         told = capsys.readouterr().out
         values = {
             name: autopilot.ask(parameter=name)["value"]
@@ -88,10 +88,10 @@ def test_integers_of_px4_are_written_too(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     with sitl("px4") as autopilot:
         autopilot.ask(parameter="COM_OBL_RC_ACT", value=7)
-        preflight(Wanted(autopilot.url, write=True, yes=True))
+        preflight(PreflightOptions(autopilot.url, write=True, yes=True))
         assert autopilot.ask(parameter="COM_OBL_RC_ACT")["value"] == 5
         assert autopilot.ask(parameter="COM_OF_LOSS_T")["value"] == 1.0
-        code = preflight(Wanted(autopilot.url))
+        code = preflight(PreflightOptions(autopilot.url))
     told = capsys.readouterr().out
     assert "COM_OBL_RC_ACT was 7, is 5" in told
     assert code is ExitCode.SUCCESS
@@ -100,8 +100,8 @@ def test_integers_of_px4_are_written_too(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("wanted", "says"),
     [
-        (Wanted("udpin://127.0.0.1:14801", write=True), "add --yes"),
-        (Wanted("udpin://127.0.0.1:14801", as_json=True, write=True), "leave out --json"),
+        (PreflightOptions("udpin://127.0.0.1:14801", write=True), "add --yes"),
+        (PreflightOptions("udpin://127.0.0.1:14801", as_json=True, write=True), "leave out --json"),
     ],
 )
 def test_it_writes_nothing_where_nobody_can_answer(wanted, says, monkeypatch):

@@ -2,8 +2,8 @@
 
 from vehicle.test_time import Wall
 
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.payload import SET_ACTUATOR, Payload
+from missionkit.vehicle.command.payload import SET_ACTUATOR, Payload
+from missionkit.vehicle.link.message_cache import Cache
 
 AGAIN = 0.6  # s, until it is sent again
 

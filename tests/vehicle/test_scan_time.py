@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from missionkit.geometry import IDENTITY, from_euler, rotate
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.dialect import PX4
-from missionkit.vehicle.observation import Observer
-from missionkit.vehicle.state import State
-from missionkit.vehicle.streams import QUEUED
-from missionkit.vehicle.timing import MissionClock
+from missionkit.vehicle.autopilot_dialect import PX4
+from missionkit.vehicle.link.clocks import MissionClock
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.link.message_rates import QUEUED
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.observer import Observer
 
 RING = {
     "frame": 12, "sensor_type": 0, "distances": [500, *[1201] * 71], "increment": 5,
@@ -28,7 +28,7 @@ class Link:
         self.cache = Cache(lambda: self.now, QUEUED)
         clock = MissionClock()
         clock.tick(0.0, 0.0)
-        self.observer = Observer(self.cache, State(self.cache, PX4), clock)
+        self.observer = Observer(self.cache, AutopilotState(self.cache, PX4), clock)
 
     def turned(self, attitude) -> None:
         q = dict(zip(("q1", "q2", "q3", "q4"), attitude.tolist(), strict=True))

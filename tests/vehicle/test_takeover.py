@@ -2,10 +2,10 @@
 
 import pytest
 
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.control_authority import ControlAuthority
-from missionkit.vehicle.dialect import PX4
-from missionkit.vehicle.state import State
+from missionkit.vehicle.autopilot_dialect import PX4
+from missionkit.vehicle.command.control_authority import ControlAuthority
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 
 ACTIVE, CRITICAL = 4, 5  # MAV_STATE
 POSITION, OFFBOARD = 3 << 16, 6 << 16
@@ -48,11 +48,11 @@ def test_a_vehicle_that_has_disarmed_does_not_fly_whatever_was_said_last(armed, 
     cache = Cache(lambda: 0.0)
     cache.put("EXTENDED_SYS_STATE", {"landed_state": IN_AIR})
     cache.put("HEARTBEAT", beat(LAND, armed=armed))
-    assert State(cache, PX4).in_air is flies
+    assert AutopilotState(cache, PX4).in_air is flies
 
 
 @pytest.mark.parametrize(("status", "flies"), [(3, False), (ACTIVE, True), (CRITICAL, True)])
 def test_under_power_counts_as_flying_where_nothing_else_is_said(status, flies):
     cache = Cache(lambda: 0.0)
     cache.put("HEARTBEAT", beat(LAND, status))
-    assert State(cache, PX4).in_air is flies
+    assert AutopilotState(cache, PX4).in_air is flies

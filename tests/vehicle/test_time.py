@@ -2,14 +2,14 @@ import math
 
 import numpy as np
 import pytest
-from vehicle.test_readings import HIGHRES
+from vehicle.test_message_readings import HIGHRES
 
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.dialect import PX4
-from missionkit.vehicle.observation import Observer
-from missionkit.vehicle.state import State
-from missionkit.vehicle.streams import QUEUED, Streams, boot_time
-from missionkit.vehicle.timing import BootClock, MissionClock
+from missionkit.vehicle.autopilot_dialect import PX4
+from missionkit.vehicle.link.clocks import BootClock, MissionClock
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.link.message_rates import QUEUED, Streams, boot_time
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.observer import Observer
 
 
 class Wall:
@@ -71,7 +71,7 @@ def test_stamps_since_1970_and_zeros_are_not_taken_for_time_since_boot():
 def test_what_is_seen_after_the_last_inertial_sample_has_to_wait_for_the_next():
     wall, clock = Wall(), MissionClock()
     cache = Cache(wall, QUEUED)
-    observer = Observer(cache, State(cache, PX4), clock)
+    observer = Observer(cache, AutopilotState(cache, PX4), clock)
     clock.tick(0.0, wall.now)
     assert observer.moved_until == math.inf
     cache.put("HIGHRES_IMU", {**HIGHRES, "time_usec": 5_000_000})

@@ -2,21 +2,21 @@
 
 import numpy as np
 import pytest
-from vehicle.test_observation import HOME, turned
-from vehicle.test_readings import FIX
+from vehicle.test_message_readings import FIX
+from vehicle.test_observer import HOME, turned
 from vehicle.test_time import Wall
 
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import IDENTITY, Transform, vec
-from missionkit.vehicle.cache import Cache, Message
-from missionkit.vehicle.dialect import ARDUPILOT
-from missionkit.vehicle.observation import Observer
-from missionkit.vehicle.scaled import Scaled
-from missionkit.vehicle.state import State
-from missionkit.vehicle.streams import QUEUED
-from missionkit.vehicle.time_sync import TimeSync
-from missionkit.vehicle.timing import SLACK, BootClock, MissionClock
+from missionkit.vehicle.autopilot_dialect import ARDUPILOT
+from missionkit.vehicle.link.clocks import SLACK, BootClock, MissionClock
+from missionkit.vehicle.link.message_cache import Cache, Message
+from missionkit.vehicle.link.message_rates import QUEUED
+from missionkit.vehicle.link.time_sync import TimeSync
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.observer import Observer
+from missionkit.vehicle.telemetry.scaled_messages import Scaled
 
 STEP, TICK = 0.01, 5  # s of the mission; steps
 AXES = {f"{axis}{what}": 0 for axis in "xyz" for what in ("acc", "gyro", "mag")}
@@ -38,7 +38,7 @@ class Starved:
         self.wall, self.clock, self.now, self.steps = Wall(), MissionClock(3.0), 0.0, 0
         self.cache, self.notes = Cache(self.wall, QUEUED), []
         self.sync = TimeSync(self, self.wall, 3.0, self.notes.append)
-        state = State(self.cache, ARDUPILOT)
+        state = AutopilotState(self.cache, ARDUPILOT)
         self.observer = Observer(self.cache, state, self.clock, self.sync.take)
         self.put = Scaled(self.cache.put)
         self.cache.listen(self.sync.hear)

@@ -7,10 +7,10 @@ import numpy as np
 
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Frame
-from missionkit.vehicle import device
-from missionkit.vehicle.camera import Rendered
-from missionkit.vehicle.device import Device, Wanted
-from missionkit.vehicle.pose import Pose
+from missionkit.vehicle.camera import camera_device
+from missionkit.vehicle.camera.camera_device import CaptureSettings, Device
+from missionkit.vehicle.camera.frame_source import Rendered
+from missionkit.vehicle.telemetry.reported_pose import Pose
 
 ZERO = vec(0.0, 0.0, 0.0)
 
@@ -100,7 +100,7 @@ class Film:
 
 def watched(films, **options):
     reels = iter(films)
-    return Device(lambda: next(reels), Wanted(64, 48, 25.0), latency=0.1, **options)
+    return Device(lambda: next(reels), CaptureSettings(64, 48, 25.0), latency=0.1, **options)
 
 
 @contextmanager
@@ -122,7 +122,7 @@ def wait(holds):
 
 
 def test_a_camera_that_goes_away_is_opened_again_and_the_mission_hears_both(monkeypatch):
-    monkeypatch.setattr(device, "AGAIN", 0.01)
+    monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.01)
     films = [Film(2), Film(0, opens=False), Film(10**9)]
     camera = watched(films)
     with running(camera) as around:
@@ -134,7 +134,7 @@ def test_a_camera_that_goes_away_is_opened_again_and_the_mission_hears_both(monk
 
 
 def test_a_camera_that_was_never_there_is_gone_once_and_says_why(monkeypatch):
-    monkeypatch.setattr(device, "AGAIN", 0.001)
+    monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.001)
     camera = watched([Film(0, opens=False) for _ in range(4000)])
     with running(camera) as around:
         wait(lambda: camera.opened > 5)
@@ -159,11 +159,11 @@ def test_images_are_stamped_with_the_middle_of_their_exposure():
     camera = watched([Film(10**9)])
     with running(camera):
         (frame,) = taken(camera, 1)
-        assert 0.0 < device.wall() - frame.at - 0.1 < 1.0
+        assert 0.0 < camera_device.wall() - frame.at - 0.1 < 1.0
 
 
 def test_images_of_another_size_than_calibrated_are_refused_once_with_a_sentence(monkeypatch):
-    monkeypatch.setattr(device, "AGAIN", 0.001)
+    monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.001)
     camera = watched([Film(1, shape=(24, 32, 3)) for _ in range(4000)])
     with running(camera) as around:
         wait(lambda: camera.opened > 5)
@@ -178,7 +178,9 @@ def test_a_video_file_is_read_through_opencv(tmp_path):
     for grey in range(0, 200, 20):
         film.write(np.full((48, 64, 3), grey, np.uint8))
     film.release()
-    camera = Device(lambda: device.opened(path), Wanted(64, 48, 20.0), 0.0, period=0.005)
+    camera = Device(
+        lambda: camera_device.opened(path), CaptureSettings(64, 48, 20.0), 0.0, period=0.005
+    )
     with running(camera):
         frames = taken(camera, 3)
     greys = [float(frame.image.mean()) for frame in frames]
@@ -187,9 +189,9 @@ def test_a_video_file_is_read_through_opencv(tmp_path):
 
 
 def test_a_stream_that_never_answers_does_not_keep_the_camera_for_long(monkeypatch):
-    monkeypatch.setattr(device, "PATIENCE", 0.2)
+    monkeypatch.setattr(camera_device, "STREAM_TIMEOUT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as mute:
         address = "http://{}:{}/stream".format(*mute.getsockname())
-        before = device.wall()
-        assert not device.opened(address).isOpened()
-        assert device.wall() - before < 10.0  # without a limit it is 30
+        before = camera_device.wall()
+        assert not camera_device.opened(address).isOpened()
+        assert camera_device.wall() - before < 10.0  # without a limit it is 30

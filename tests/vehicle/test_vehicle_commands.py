@@ -6,11 +6,11 @@ import time
 import pytest
 
 from missionkit.messages import Action
-from missionkit.vehicle.cache import Cache
-from missionkit.vehicle.commands import OFFBOARD, Commander
-from missionkit.vehicle.dialect import ARDUPILOT, PX4
-from missionkit.vehicle.state import State
-from missionkit.vehicle.transaction import Outcome
+from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
+from missionkit.vehicle.command.autopilot_commands import OFFBOARD, Commander
+from missionkit.vehicle.command.command_transaction import CommandOutcome
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 
 PATIENCE = 20.0  # s; only what is broken needs that long
 
@@ -81,7 +81,7 @@ def desk(dialect=PX4, ours=True, **faults):
         orders.append(mode)
         return ours
 
-    state = State(cache, dialect)
+    state = AutopilotState(cache, dialect)
     return Commander(autopilot, cache, dialect, state, order, pace=20.0), autopilot, orders
 
 
@@ -91,7 +91,7 @@ def ids(autopilot):
 
 def test_px4_holds_before_it_arms():
     commander, autopilot, orders = desk()
-    assert commander.carry_out((Action.ARM, None)).outcome is Outcome.DONE
+    assert commander.carry_out((Action.ARM, None)).outcome is CommandOutcome.DONE
     assert autopilot.told[0][:4] == (176, 1.0, 4.0, 3.0)
     assert autopilot.told[1][:3] == (400, 1.0, 0.0)
     assert orders == ["hold"]
@@ -99,14 +99,14 @@ def test_px4_holds_before_it_arms():
 
 def test_ardupilot_arms_in_guided_never_in_brake():
     commander, autopilot, _ = desk(ARDUPILOT)
-    assert commander.carry_out((Action.ARM, None)).outcome is Outcome.DONE
+    assert commander.carry_out((Action.ARM, None)).outcome is CommandOutcome.DONE
     assert autopilot.told[0][:3] == (176, 1.0, 4.0)
 
 
 def test_arming_is_not_even_tried_when_holding_is_refused():
     commander, autopilot, _ = desk(denies=(176,))
     result = commander.carry_out((Action.ARM, None))
-    assert (result.outcome, result.why) == (Outcome.REFUSED, "denied")
+    assert (result.outcome, result.why) == (CommandOutcome.REFUSED, "denied")
     assert ids(autopilot) == [176]
 
 
@@ -132,37 +132,37 @@ def test_the_height_goes_to_px4_as_a_parameter_and_to_ardupilot_with_the_command
 @pytest.mark.parametrize("dialect", [PX4, ARDUPILOT])
 def test_a_return_counts_when_the_mode_shows_it(dialect):
     commander, autopilot, orders = desk(dialect)
-    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.DONE
+    assert commander.carry_out((Action.RETURN, None)).outcome is CommandOutcome.DONE
     assert (ids(autopilot), orders) == ([20], ["return"])
     commander, _, _ = desk(dialect, ignores=(20,))
-    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.UNCONFIRMED
+    assert commander.carry_out((Action.RETURN, None)).outcome is CommandOutcome.UNCONFIRMED
     commander, autopilot, _ = desk(dialect, ours=False)
-    assert commander.carry_out((Action.RETURN, None)).outcome is Outcome.ABANDONED
+    assert commander.carry_out((Action.RETURN, None)).outcome is CommandOutcome.ABANDONED
     assert autopilot.told == []
 
 
 def test_lost_acks_do_not_matter_when_telemetry_shows_it():
     commander, autopilot, _ = desk(loses=(176, 400))
     result = commander.carry_out((Action.ARM, None))
-    assert (result.outcome, result.took) == (Outcome.DONE, None)
+    assert (result.outcome, result.took) == (CommandOutcome.DONE, None)
     assert ids(autopilot) == [176, 400]
 
 
 def test_an_ack_does_not_count_when_telemetry_does_not_show_it():
     commander, _, _ = desk(ignores=(21,))
-    assert commander.carry_out((Action.LAND, None)).outcome is Outcome.UNCONFIRMED
+    assert commander.carry_out((Action.LAND, None)).outcome is CommandOutcome.UNCONFIRMED
 
 
 def test_silence_means_unknown_after_a_few_repetitions():
     commander, autopilot, _ = desk(loses=(21,), ignores=(21,))
-    assert commander.carry_out((Action.LAND, None)).outcome is Outcome.UNKNOWN
+    assert commander.carry_out((Action.LAND, None)).outcome is CommandOutcome.UNKNOWN
     assert ids(autopilot) == [21] * 4
 
 
 def test_the_pilot_is_not_overruled():
     commander, autopilot, _ = desk(ours=False)
     for wish in ((Action.LAND, None), (Action.ARM, None), (OFFBOARD, None)):
-        assert commander.carry_out(wish).outcome is Outcome.ABANDONED
+        assert commander.carry_out(wish).outcome is CommandOutcome.ABANDONED
     assert autopilot.told == []
 
 
@@ -181,7 +181,7 @@ def test_a_more_urgent_wish_overtakes_one_that_waits_in_vain():
     finally:
         commander.stop()
     ended = {report.wish[0]: report.result.outcome for report in commander.reports()}
-    assert ended == {Action.TAKE_OFF: Outcome.ABANDONED, Action.LAND: Outcome.DONE}
+    assert ended == {Action.TAKE_OFF: CommandOutcome.ABANDONED, Action.LAND: CommandOutcome.DONE}
 
 
 def test_the_link_may_break_without_ending_the_worker():
@@ -198,4 +198,4 @@ def test_the_link_may_break_without_ending_the_worker():
     finally:
         commander.stop()
     (report,) = commander.reports()
-    assert (report.result.outcome, report.result.why) == (Outcome.UNKNOWN, "no link")
+    assert (report.result.outcome, report.result.why) == (CommandOutcome.UNKNOWN, "no link")

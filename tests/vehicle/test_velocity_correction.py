@@ -9,20 +9,20 @@ from hypothesis import strategies as st
 
 from missionkit.geometry import vec
 from missionkit.messages import Setpoint
-from missionkit.vehicle.velocity_correction import (
+from missionkit.vehicle.command.velocity_correction import (
     FRESH,
     LARGEST,
     Correction,
-    Moving,
     corrected,
     step,
 )
+from missionkit.vehicle.telemetry.observer import TimedVelocity
 
 PERIOD = 0.05
 BIAS = vec(0.2, -0.15, 0.05)
 ANYTHING = st.floats(allow_nan=True, allow_infinity=True)
 VELOCITIES = st.tuples(ANYTHING, ANYTHING, ANYTHING).map(lambda each: vec(*each))
-MOVING = st.none() | st.builds(Moving, ANYTHING, VELOCITIES)
+MOVING = st.none() | st.builds(TimedVelocity, ANYTHING, VELOCITIES)
 
 
 def run(ticks, own, said, correction=None):
@@ -36,11 +36,11 @@ def run(ticks, own, said, correction=None):
 
 
 def still(now):
-    return Moving(now, vec(0.0, 0.0, 0.0))
+    return TimedVelocity(now, vec(0.0, 0.0, 0.0))
 
 
 def biased(now):
-    return Moving(now - 0.03, BIAS)
+    return TimedVelocity(now - 0.03, BIAS)
 
 
 def nothing(now):
@@ -56,10 +56,10 @@ def test_it_becomes_the_difference_with_its_time_constant() -> None:
 
 def test_speeding_up_is_no_difference_however_late_the_autopilots_word_is() -> None:
     def own(now):
-        return Moving(now, vec(2.0 * now, 0.0, 0.0))
+        return TimedVelocity(now, vec(2.0 * now, 0.0, 0.0))
 
     def said(now):
-        return Moving(now - 0.2, vec(2.0 * (now - 0.2), 0.0, 0.0))
+        return TimedVelocity(now - 0.2, vec(2.0 * (now - 0.2), 0.0, 0.0))
 
     assert run(40, own, said).offset == pytest.approx([0.0, 0.0, 0.0], abs=0.2)
     later = run(40, own, said)
@@ -71,10 +71,12 @@ def test_speeding_up_is_no_difference_however_late_the_autopilots_word_is() -> N
     [
         pytest.param(nothing, biased, id="no target is seen"),
         pytest.param(still, nothing, id="the stream is lost"),
-        pytest.param(still, lambda now: Moving(now - 2 * FRESH, BIAS), id="old"),
-        pytest.param(still, lambda now: Moving(now + 2 * FRESH, BIAS), id="from the future"),
-        pytest.param(still, lambda now: Moving(now, vec(math.nan, 0.0, 0.0)), id="not a number"),
-        pytest.param(lambda now: Moving(now, vec(0.0, math.inf, 0.0)), biased, id="nor we"),
+        pytest.param(still, lambda now: TimedVelocity(now - 2 * FRESH, BIAS), id="old"),
+        pytest.param(still, lambda now: TimedVelocity(now + 2 * FRESH, BIAS), id="from the future"),
+        pytest.param(
+            still, lambda now: TimedVelocity(now, vec(math.nan, 0.0, 0.0)), id="not a number"
+        ),
+        pytest.param(lambda now: TimedVelocity(now, vec(0.0, math.inf, 0.0)), biased, id="nor we"),
     ],
 )
 def test_it_fades_out_when_there_is_nothing_to_compare(own, said) -> None:
@@ -84,7 +86,7 @@ def test_it_fades_out_when_there_is_nothing_to_compare(own, said) -> None:
 
 
 def test_it_is_bounded_and_keeps_its_direction() -> None:
-    wild = run(60, still, lambda now: Moving(now, vec(30.0, 40.0, 0.0)))
+    wild = run(60, still, lambda now: TimedVelocity(now, vec(30.0, 40.0, 0.0)))
     assert np.linalg.norm(wild.offset) <= LARGEST + 1e-9
     assert wild.offset / np.linalg.norm(wild.offset) == pytest.approx([0.6, 0.8, 0.0])
 

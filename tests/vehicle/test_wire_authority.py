@@ -5,8 +5,8 @@ from vehicle.flying import LAND, NORTH, over_the_wire
 from vehicle.message_filter import MessageFilter
 
 from missionkit.messages import Action, Command
-from missionkit.vehicle.failsafes import Level
-from missionkit.vehicle.inspection import inspect
+from missionkit.vehicle.failsafe_parameters import FailsafeLevel
+from missionkit.vehicle.preflight.inspection import inspect
 
 HIGH = Command(action=Action.TAKE_OFF, height=8.0)
 BACK = Command(action=Action.RETURN)
@@ -125,7 +125,9 @@ def test_two_vehicles_with_one_id_are_told(tmp_path):
         await flight.until(lambda: "two_vehicles" in flight.events)
         assert any("one system id" in it for it in flight.vehicle.take_remarks())
         report = await inspect(flight.vehicle, pace=autopilot.speed)
-        assert "system" in {check.what for check in report.checks if check.level is Level.BAD}
+        assert "system" in {
+            check.what for check in report.checks if check.level is FailsafeLevel.BAD
+        }
 
     over_the_wire(tmp_path, look)
 

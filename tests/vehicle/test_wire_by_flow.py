@@ -9,11 +9,11 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
-from missionkit.sim.mavlink import rules
-from missionkit.sim.mavlink.modes import Flight
+from missionkit.sitl import arming_rules
+from missionkit.sitl.flight_modes import Flight
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse as address_of
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.link.link_address import parse as address_of
+from missionkit.vehicle.link.link_lock import LinkLock
 
 SPEED = 4.0
 LIMIT = 60.0  # s, however it goes wrong
@@ -51,7 +51,7 @@ class Pilot:
 
     def _climb(self, record):
         if record.step_note == "waiting for the pilot to take off":
-            rules.arm(self.state)
+            arming_rules.arm(self.state)
             self.state.height = 2.0
             self.state.fly(Flight.TAKE_OFF)
             self._next = self._hover

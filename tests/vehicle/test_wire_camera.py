@@ -5,9 +5,9 @@ from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission
 
 from missionkit.engine.flight_loop import FlightEnd
-from missionkit.perception.imaging import marker_bitmap
-from missionkit.vehicle import device
-from missionkit.vehicle.device import Device, Wanted
+from missionkit.perception.opencv_helpers import marker_bitmap
+from missionkit.vehicle.camera import camera_device
+from missionkit.vehicle.camera.camera_device import CaptureSettings, Device
 
 LOOK = """
 missionkit: 1
@@ -81,7 +81,7 @@ class Plug:
 
 
 def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, monkeypatch):
-    monkeypatch.setattr(device, "AGAIN", 0.05)
+    monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.05)
     plug = Plug()
 
     def pull(told):
@@ -92,7 +92,7 @@ def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, mo
 
     with sitl(speed=BRISK) as autopilot:
         period = 0.1 / autopilot.speed
-        camera = Device(plug, Wanted(320, 240, 10.0), 0.0, period=period)
+        camera = Device(plug, CaptureSettings(320, 240, 10.0), 0.0, period=period)
         strikes = {"seeing": pull, "blind": push}
         told = fly_mission(autopilot, LOOK, tmp_path, strikes, camera=camera)
         truth = autopilot.truth

@@ -9,11 +9,11 @@ from vehicle.flying import ARM, NORTH, flying, free_port, sitl
 from missionkit.errors import VehicleError
 from missionkit.messages import Action
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse
-from missionkit.vehicle.failsafes import Level
-from missionkit.vehicle.fence import box, set_fence
-from missionkit.vehicle.inspection import inspect
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.command.fence_upload import box, set_fence
+from missionkit.vehicle.failsafe_parameters import FailsafeLevel
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.link.link_lock import LinkLock
+from missionkit.vehicle.preflight.inspection import inspect
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
@@ -107,11 +107,11 @@ def test_the_preflight_report_reads_parameters_over_the_wire(tmp_path):
         autopilot.ask(parameter="COM_OBL_RC_ACT", value=6)
         report = asyncio.run(look(autopilot))
     checks = {check.what: check for check in report.checks}
-    assert checks["COM_OF_LOSS_T"].level is Level.WARNING
-    assert checks["COM_OBL_RC_ACT"].level is Level.BAD
+    assert checks["COM_OF_LOSS_T"].level is FailsafeLevel.WARNING
+    assert checks["COM_OBL_RC_ACT"].level is FailsafeLevel.BAD
     assert "of ours" in checks["clock"].says
     for what in ("state", "health", "home", "estimator", "gnss", "battery"):
-        assert checks[what].level is Level.GOOD, checks[what]
+        assert checks[what].level is FailsafeLevel.GOOD, checks[what]
 
 
 def test_a_fence_reaches_the_autopilot(tmp_path):

@@ -12,8 +12,8 @@ from vehicle.on_a_mission import fly_mission, stay
 
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.geometry import from_euler, to_matrix
-from missionkit.sim.mavlink.dialect import mavlink
 from missionkit.sim.world import Box, World
+from missionkit.sitl.pymavlink_dialect import mavlink
 
 EMPTY = "{use: battery_below, floor: 0.2}"
 WALL = World(

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 import pytest
 from vehicle.flying import SPEED, Sitl, affordable, flying, free_port
 
-from missionkit.sim.mavlink.server import Setup, serving
+from missionkit.sitl.sitl_server import Setup, serving
 
 
 @contextmanager

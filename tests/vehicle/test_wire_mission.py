@@ -11,7 +11,7 @@ from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
-from missionkit.cli.preflight import Wanted, preflight
+from missionkit.cli.preflight_command import PreflightOptions, preflight
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import ExitCode, UsageError
@@ -62,10 +62,10 @@ def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, monkeypatch, tmp_
 def test_the_preflight_command_prints_and_says_by_its_exit_code(capsys, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     with sitl(speed=1.0) as autopilot:
-        assert preflight(Wanted(autopilot.url)) is ExitCode.SUCCESS
+        assert preflight(PreflightOptions(autopilot.url)) is ExitCode.SUCCESS
         text = capsys.readouterr().out
         autopilot.ask(parameter="COM_OBL_RC_ACT", value=7)
-        assert preflight(Wanted(autopilot.url, as_json=True)) is ExitCode.ENDED_SAFELY
+        assert preflight(PreflightOptions(autopilot.url, as_json=True)) is ExitCode.ENDED_SAFELY
     assert "PX4 at udpin://" in text
     assert "COM_OF_LOSS_T" in text
     assert '"level": "bad"' in capsys.readouterr().out

@@ -12,8 +12,8 @@ from vehicle.on_a_mission import stay
 
 from missionkit.cli.app import app
 from missionkit.recorder import checkpoint
-from missionkit.recorder.channels import Channels
-from missionkit.recorder.reading import read
+from missionkit.recorder.mcap_channels import Channels
+from missionkit.recorder.record_reader import read
 
 
 def flown(dialect, folder, monkeypatch):

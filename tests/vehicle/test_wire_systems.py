@@ -10,7 +10,7 @@ from vehicle.message_filter import MessageFilter
 
 from missionkit.cli.app import app
 from missionkit.errors import VehicleError
-from missionkit.sim.mavlink.server import Setup, serving
+from missionkit.sitl.sitl_server import Setup, serving
 
 FIXED_WING, ROVER, HELICOPTER, QUADROTOR = 1, 10, 4, 2  # MAV_TYPE
 

@@ -13,8 +13,8 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.address import parse as address_of
-from missionkit.vehicle.lock import LinkLock
+from missionkit.vehicle.link.link_address import parse as address_of
+from missionkit.vehicle.link.link_lock import LinkLock
 
 HEIGHT = 4.0  # m
 TAKEN = 3.0  # s for which the pilot has control

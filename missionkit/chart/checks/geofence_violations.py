@@ -10,7 +10,7 @@ from missionkit.chart.checks.planned_legs import PlannedLeg, Point3, legs
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.mission import Failsafe, Mission
 from missionkit.errors import Level, Problem
-from missionkit.guards.fence import InsideFence
+from missionkit.guards.geofence import InsideFence
 
 Broken = Callable[[Point3], bool]  # whether the failsafe acts there
 MOST_LEGS = 5_000

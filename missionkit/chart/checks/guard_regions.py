@@ -23,7 +23,7 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Assign
 from missionkit.chart.model.traversal import actions_of
 from missionkit.chart.model.variables import Variable, is_number
-from missionkit.guards.progress import DONE
+from missionkit.guards.state_progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Guard, Plugin, WindowGuard
 

@@ -14,7 +14,7 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.mission import Failsafe, Mission, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place
-from missionkit.guards.progress import TIME
+from missionkit.guards.state_progress import TIME
 from missionkit.messages.region import Boxes, Interval, Quantity
 
 

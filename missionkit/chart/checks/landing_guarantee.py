@@ -23,7 +23,7 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.chart_compiler import PLUGIN_FAILURE_TOLERANCE
 from missionkit.errors import Level, Problem
 from missionkit.guards.converged import ON_TARGET
-from missionkit.guards.progress import TIME
+from missionkit.guards.state_progress import TIME
 from missionkit.messages.region import YES, Box, Boxes, Quantity
 
 SHOWN = 5  # states in a message

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.guards.battery import CHARGE
-from missionkit.guards.camera import MISSED
-from missionkit.guards.confidence import confidence_of
+from missionkit.guards.camera_silence import MISSED
 from missionkit.guards.converged import GOAL_AGE
-from missionkit.guards.estimate import FIX_AGE, POSITION_SD
-from missionkit.guards.link import SILENCE
-from missionkit.guards.plugins import FAILING
-from missionkit.guards.target import time_since_seen, time_without
+from missionkit.guards.detection_confidence import confidence_of
+from missionkit.guards.estimate_quality import FIX_AGE, POSITION_SD
+from missionkit.guards.link_loss import SILENCE
+from missionkit.guards.plugin_failure import FAILING
+from missionkit.guards.target_visibility import time_since_seen, time_without
 from missionkit.messages.region import NO, YES, Box, Interval, Quantity
 
 FOR_EVER = Interval.at_least(1e9)  # of whatever grows while something is lost

@@ -9,7 +9,7 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTr
 from missionkit.chart.checks.interval_boxes import covered
 from missionkit.errors import Level, Problem
 from missionkit.guards.battery import CHARGE
-from missionkit.guards.progress import DONE, TIME
+from missionkit.guards.state_progress import DONE, TIME
 from missionkit.messages.region import NO, Box, Interval
 
 FOR_EVER = Interval.at_least(1e9)  # s

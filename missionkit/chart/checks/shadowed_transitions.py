@@ -9,7 +9,7 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart, Guarded, 
 from missionkit.chart.checks.interval_boxes import covered, intersection
 from missionkit.chart.semantics.actions_and_events import matches
 from missionkit.errors import Level, Problem
-from missionkit.guards.progress import TIME
+from missionkit.guards.state_progress import TIME
 
 MOST_COMPARED = 60_000  # pairs of transitions in one mission
 NEAR = 200  # earlier transitions of a state that one is compared with

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.errors import Level, Problem
-from missionkit.planning.brake import stopping_distance
+from missionkit.planning.obstacle_braking import stopping_distance
 from missionkit.planning.potential_field import PotentialField
 
 

@@ -50,8 +50,8 @@ from missionkit.chart.text.located_data import (
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.messages import Occupancy
-from missionkit.perception.camera import Camera
-from missionkit.planning.known_map import KnownMap
+from missionkit.perception.camera_section import Camera
+from missionkit.planning.map_section import KnownMap
 from missionkit.plugin import Behavior, Plugin
 from missionkit.units import Seconds
 

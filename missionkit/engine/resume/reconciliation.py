@@ -16,7 +16,7 @@ from missionkit.behaviors.take_off import TakeOff
 from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.chart.semantics.configuration import SAFETY, configuration
 from missionkit.chart.semantics.step import ABORT
-from missionkit.control.limits import Triple
+from missionkit.control.velocity_limits import Triple
 from missionkit.engine.flight_state import FlightMemory, FlightState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.restore_chart import fitted

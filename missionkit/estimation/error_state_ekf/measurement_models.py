@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.error_state_ekf.state_layout import (
     D_ANGLE,
     D_GYRO_BIAS,
@@ -30,6 +29,7 @@ from missionkit.estimation.error_state_ekf.state_layout import (
 )
 from missionkit.estimation.linear_algebra import rotate, to_matrix, wrap
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 
 @compiled

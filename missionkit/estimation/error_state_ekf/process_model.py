@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.error_state_ekf.state_layout import (
     ACCEL,
     ACCEL_BIAS,
@@ -33,6 +32,7 @@ from missionkit.estimation.linear_algebra import (
     transpose,
 )
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 MAX_ACCEL, MAX_RATE = 500.0, 100.0
 """No inertial sample shows more than this (m/s², rad/s)."""

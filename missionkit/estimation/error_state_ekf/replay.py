@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.error_state_ekf.process_model import propagate
 from missionkit.estimation.error_state_ekf.state_layout import (
     ACCEPTED,
@@ -28,6 +27,7 @@ from missionkit.estimation.error_state_ekf.state_layout import (
 from missionkit.estimation.error_state_ekf.update import forget_vehicle, isolate, update
 from missionkit.estimation.linear_algebra import rotate
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 
 @compiled

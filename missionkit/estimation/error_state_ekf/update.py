@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.error_state_ekf.measurement_models import predict
 from missionkit.estimation.error_state_ekf.process_model import rotate_by
 from missionkit.estimation.error_state_ekf.state_layout import (
@@ -33,6 +32,7 @@ from missionkit.estimation.linear_algebra import (
     transpose,
 )
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 LARGEST = 1e6
 """No measurement is larger than this, in SI units."""

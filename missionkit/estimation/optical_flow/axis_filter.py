@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 POSITION, VELOCITY = 0, 1
 LARGEST = 1e6

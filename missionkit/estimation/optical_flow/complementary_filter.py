@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.error_state_ekf.state_layout import (
     ACCEL,
     END,
@@ -26,6 +25,7 @@ from missionkit.estimation.linear_algebra import (
     wrap,
 )
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 CALM = 1.5
 """Specific force this close to gravity (m/s²) tells which way is up."""

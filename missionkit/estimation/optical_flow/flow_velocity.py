@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from missionkit.compiled import compiled
 from missionkit.estimation.linear_algebra import to_matrix
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 
 LEAST_COSINE = 0.5
 """Tilted further than 60 deg, the axis does not meet the ground in any useful place."""

@@ -1,8 +1,8 @@
 """The guardian's process: `python -m missionkit.vehicle.guardian SCHEME PLACE NUMBER …`.
 
-Its arguments, as `missionkit.vehicle.guarding` gives them: the address, seconds of the vehicle in
-one of the wall, how long silence may last (s, twice), the local port (0: any free one), the file
-descriptors of the control socket and of the link's lock, and the message ids to leave out.
+Its arguments, as `missionkit.vehicle.link.guardian_client` gives them: the address, seconds of the
+vehicle in one of the wall, how long silence may last (s, twice), the local port (0: any free one),
+the file descriptors of the control socket and of the link's lock, and the message ids to leave out.
 """
 
 from __future__ import annotations

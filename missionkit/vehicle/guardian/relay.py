@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
-from missionkit.vehicle.dialect import DIALECTS, Dialect, word
+from missionkit.vehicle.autopilot_dialect import DIALECTS, Dialect, word
 from missionkit.vehicle.guardian import frames, policy
 from missionkit.vehicle.guardian.frames import ident_of
 from missionkit.vehicle.guardian.links import Link, Poller

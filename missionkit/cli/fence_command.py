@@ -1,0 +1,151 @@
+"""`missionkit fence`: the mission's fence and rally points, given to the autopilot itself."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.api.missions import assemble
+from missionkit.chart.checks.geofence_violations import walls
+from missionkit.chart.load import load
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.overrides import overrides
+from missionkit.errors import ExitCode, UsageError, VehicleError
+from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.command.fence_upload import (
+    Ground,
+    box,
+    rally,
+    set_fence,
+    set_rally,
+)
+from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.preflight.inspection import told
+from missionkit.vehicle.telemetry.earth_origin import Origin
+
+Point = tuple[float, float, float]
+HEIGHTS = {"PX4": "GF_MAX_VER_DIST", "ArduPilot": "FENCE_ALT_MAX"}
+HOME_TIMEOUT = 10.0  # s to wait for home
+
+
+class Box(NamedTuple):
+    """What is to be stayed inside of, from the take-off point."""
+
+    north: Ground  # m, south and north limit
+    east: Ground  # m, west and east limit
+    height: float  # m
+
+
+class FenceOptions(NamedTuple):
+    """What the command line asks for."""
+
+    address: str
+    mission: Path
+    settings: Sequence[str]
+    plugins: Sequence[Path]
+    margin: float  # m beyond the mission's own fence
+    rally: Sequence[str]
+    system: int | None = None  # MAVLink system id, where several vehicles share the link
+
+
+def fence(wanted: FenceOptions) -> ExitCode:
+    """Upload, read back, and say what the autopilot has now.
+
+    Raises:
+        FileError: the mission cannot be used.
+        UsageError: it has no fence, or a rally point or the address is none.
+        VehicleError: nobody answers, it flies, or it has not taken the fence.
+    """
+    if Path(wanted.address).suffix in {".yaml", ".yml"}:
+        raise UsageError(
+            f"{wanted.address} is no address: missionkit fence ADDRESS MISSION.yaml, in this order"
+        )
+    mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
+    around = box_of(mission, wanted.margin)
+    points = [_point(text) for text in wanted.rally]
+    vehicle = MavsdkVehicle(parse(wanted.address), system=wanted.system, guard=None)
+    print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
+    return ExitCode.SUCCESS
+
+
+def box_of(mission: Mission, margin: float) -> Box:
+    """Return the box round all fences of the mission's failsafes, `margin` (m) wider.
+
+    The mission's own failsafe is to act first, and the autopilot's if that fails.
+
+    Raises:
+        UsageError: no failsafe asks for a fence.
+    """
+    found = walls(mission)
+    if not found:
+        raise UsageError(
+            f"mission {mission.name!r}: no failsafe has a fence; add one such as "
+            "{when: {not: {use: inside_fence, north: [-20, 120], east: [-40, 60], height: 30}}, "
+            "to: land}"
+        )
+    return Box(
+        (min(it.north[0] for it in found) - margin, max(it.north[1] for it in found) + margin),
+        (min(it.east[0] for it in found) - margin, max(it.east[1] for it in found) + margin),
+        max(it.height for it in found) + margin,
+    )
+
+
+def _point(text: str) -> Point:
+    """Read NORTH,EAST,HEIGHT."""
+    try:
+        north, east, height = (float(part) for part in text.split(","))
+    except ValueError:
+        north = east = height = math.nan
+    if not all(map(math.isfinite, (north, east, height))):
+        raise UsageError(f"--rally {text}: must be NORTH,EAST,HEIGHT in metres, such as 10,-5,20")
+    return north, east, height
+
+
+async def _given(vehicle: MavsdkVehicle, around: Box, points: Sequence[Point]) -> list[str]:
+    await vehicle.connect()
+    try:
+        home = await _home(vehicle)
+        corners = box(home, around.north, around.east)
+        await vehicle.call(set_fence, vehicle.link, corners)
+        if points:
+            await vehicle.call(set_rally, vehicle.link, rally(home, points))
+        name = HEIGHTS[vehicle.dialect.name]
+        height = await vehicle.call(vehicle.link.parameter, name)
+    finally:
+        await vehicle.close()
+    said = _said(vehicle.address.url, home, around, points)
+    return [*said, _height(name, height, around.height)]
+
+
+async def _home(vehicle: MavsdkVehicle) -> Origin:
+    """Wait until the vehicle on the ground has said where its home is."""
+    if vehicle.state.armed:
+        raise VehicleError("the vehicle is armed: a fence is given to one on the ground")
+    await told(vehicle, ("HOME_POSITION",), HOME_TIMEOUT)
+    await vehicle.observe(0.0)
+    if vehicle.observer.origin is None:
+        raise VehicleError(
+            f"the vehicle has not said where its home is for {HOME_TIMEOUT:g} s: GNSS?"
+        )
+    return vehicle.observer.origin
+
+
+def _said(url: str, home: Origin, around: Box, points: Sequence[Point]) -> Iterable[str]:
+    (south, north), (west, east) = around.north, around.east
+    yield f"{url}: the autopilot has the fence, read back as it was sent"
+    yield f"  home   {home.latitude:.7f}, {home.longitude:.7f}"
+    yield f"  north  {south:g} to {north:g} m"
+    yield f"  east   {west:g} to {east:g} m"
+    for n, point in enumerate(points, 1):
+        yield "  rally {}  {:g} m north, {:g} m east, {:g} m above home".format(n, *point)
+
+
+def _height(name: str, value: float | None, wanted: float) -> str:
+    """Say whether the parameter that limits the height fits; it is not touched."""
+    if value is not None and 0.0 < value <= wanted:
+        return f"  height {value:g} m, by {name}"
+    now = "is not known" if value is None else f"is {value:g}"
+    return f"  height not limited as the mission wants: {name} {now}, set {wanted:g}"

@@ -1,0 +1,173 @@
+"""The commands that look at missions or write new files, and fly nothing."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from missionkit.api.missions import assemble
+from missionkit.api.validation import checked as check
+from missionkit.api.validation import problems_of
+from missionkit.chart.load import load
+from missionkit.chart.model.mission import Mission
+from missionkit.cli import problem_report
+from missionkit.cli.overrides import overrides
+from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
+
+if TYPE_CHECKING:
+    from missionkit.cli.campaign_overlay import CampaignOverlay
+
+FORMATS = ("text", "json", "sarif")
+
+
+def validate(
+    paths: Sequence[Path],
+    settings: Iterable[str],
+    plugins: Iterable[Path],
+    form: str = "text",
+    *,
+    strict: bool = False,
+) -> ExitCode:
+    """Check mission files and say all that is wrong with them."""
+    if form not in FORMATS:
+        raise UsageError(f"--format {form}: unknown; {nearest(form, FORMATS)}")
+    values = overrides(settings)
+    try:
+        catalogue = assemble(plugins)
+    except FileError as error:  # a plug-in file; without it nothing can be said about a mission
+        problems = list(error.problems)
+        checked: dict[Path, tuple[Mission | None, list[Problem]]] = {}
+    else:
+        checked = {path: check(path, catalogue, values) for path in paths}
+        problems = [problem for _, found in checked.values() for problem in found]
+    if form == "text":
+        _tell(checked, problems, strict=strict)
+    else:
+        _say(_for_programs(form, problems))
+    return ExitCode.BAD_FILE if _refused(problems, strict=strict) else ExitCode.SUCCESS
+
+
+def _refused(problems: Iterable[Problem], *, strict: bool) -> bool:
+    return any(strict or problem.level is Level.ERROR for problem in problems)
+
+
+def _tell(
+    checked: Mapping[Path, tuple[Mission | None, list[Problem]]],
+    problems: Sequence[Problem],
+    *,
+    strict: bool,
+) -> None:
+    """Say on stdout what is in order, on stderr what is not."""
+    if problems:
+        colours = sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+        _complain(problem_report.text(problems, problem_report.sources(problems), colours=colours))
+    for path, (mission, found) in checked.items():
+        name = printable(str(path))
+        if mission is not None and not _refused(found, strict=strict):
+            but = f", {problem_report.summary(found)}" if found else ""
+            _say(f"{name}: ok{but} ({_size(mission)})")
+        else:
+            _complain(f"{name}: {problem_report.summary(found)}")
+
+
+def _for_programs(form: str, problems: Sequence[Problem]) -> str:
+    from missionkit.cli.sarif import sarif  # noqa: PLC0415
+
+    return sarif(problems) if form == "sarif" else problem_report.as_json(problems)
+
+
+def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> None:
+    """Say a chart in plain sentences."""
+    from missionkit.chart.prose.mission_text import explained  # noqa: PLC0415
+    from missionkit.cli.explain_command import page, width  # noqa: PLC0415
+
+    catalogue = assemble(plugins)
+    mission = load(path, catalogue, overrides(settings))
+    _say(page(explained(mission, catalogue), width()))
+
+
+def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
+    """Print one schema, or write both into a folder."""
+    from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema  # noqa: PLC0415
+    from missionkit.sim.world import World  # noqa: PLC0415
+
+    catalogue = assemble(plugins)
+    texts = {"mission": dumps(mission_schema(catalogue)), "world": dumps(model_schema(World))}
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            (folder / f"{name}.schema.json").write_text(text, encoding="utf-8")
+    elif kind in texts:
+        _say(texts[kind].rstrip("\n"))
+    else:
+        raise UsageError(f"unknown schema {kind!r}; {nearest(kind, texts)}")
+
+
+def graph(
+    path: Path,
+    out: Path | None,
+    settings: Iterable[str],
+    plugins: Iterable[Path],
+    campaign: Path | None = None,
+) -> None:
+    """Draw a chart as Mermaid or SVG, with the problems that `validate` finds in red.
+
+    Args:
+        path: of the mission.
+        out: file to write; Mermaid on stdout without.
+        settings: values of parameters.
+        plugins: files.
+        campaign: folder of one, whose flights are drawn over the chart.
+    """
+    from missionkit.chart.drawing.diagram import mermaid  # noqa: PLC0415
+    from missionkit.chart.drawing.marks import marks  # noqa: PLC0415
+    from missionkit.chart.drawing.overlay import NOTHING  # noqa: PLC0415
+    from missionkit.chart.drawing.picture import svg  # noqa: PLC0415
+    from missionkit.chart.model.state_contracts import fulfilled  # noqa: PLC0415
+
+    flights = None if campaign is None else _flown(campaign, path, settings)
+    files = tuple(plugins) or (() if flights is None else flights.plugins)
+    catalogue = assemble(files)
+    written = load(path, catalogue, overrides(settings) if flights is None else flights.values)
+    overlay = NOTHING if flights is None else flights.overlay(path, written, catalogue)
+    mission, found = fulfilled(written, catalogue), marks(written, problems_of(written, catalogue))
+    if out is None:
+        _say(mermaid(mission, found, overlay).rstrip("\n"))
+        return
+    writers = {".mmd": mermaid, ".svg": svg}
+    if out.suffix not in writers:
+        raise UsageError(f"--out {out}: expected a file that ends in .mmd or .svg")
+    out.write_text(writers[out.suffix](mission, found, overlay), encoding="utf-8")
+    _say(str(out))
+
+
+def _flown(folder: Path, path: Path, settings: Iterable[str]) -> CampaignOverlay:
+    from missionkit.cli.campaign_overlay import flown  # noqa: PLC0415 - heavy
+
+    return flown(folder, path, overrides(settings))
+
+
+def new(kind: str, name: str, to: Path) -> None:
+    """Write a working example."""
+    from missionkit.cli.scaffold import new as write  # noqa: PLC0415
+
+    catalogue = assemble()
+    taken = {"guard": catalogue.guards, "behavior": catalogue.behaviors}.get(kind, {})
+    for path in write(kind, name, to, taken):
+        _say(str(path))
+
+
+def _size(mission: Mission) -> str:
+    failsafes = len(mission.failsafes)
+    return f"{len(mission.by_name())} states, {len(mission.guards)} guards, {failsafes} failsafes"
+
+
+def _say(text: str) -> None:
+    print(text)  # noqa: T201
+
+
+def _complain(text: str) -> None:
+    print(text, file=sys.stderr)  # noqa: T201

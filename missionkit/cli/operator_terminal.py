@@ -1,0 +1,116 @@
+"""The person at the terminal while a mission flies: what is shown, what the keys do."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import closing, contextmanager, nullcontext
+from typing import NamedTuple
+
+from missionkit.api.interrupts import landing_on_interrupt
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.key_events import Keys, Planned, offered
+from missionkit.cli.live_view import LineView, LiveView, live_view
+from missionkit.cli.run_options import RunOptions
+from missionkit.engine.clock import stopwatch
+from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.messages import Observation, Record
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.record_sinks import (
+    RECORD,
+    Sink,
+    Sinks,
+    contained,
+)
+from missionkit.sim.ground_truth import TrueState
+
+GIVE_BACK = "r"  # the key
+
+
+class Cockpit(NamedTuple):
+    """Where the person sits."""
+
+    operator: Operator
+    observers: tuple[Observer, ...]  # to be called after every tick
+
+
+@contextmanager
+def cockpit(
+    order: RunOptions,
+    mission: Mission,
+    recorder: FlightRecorder,
+    sinks: Sinks,
+    truth: Callable[[], TrueState | None] = lambda: None,
+    give_back: Callable[[], None] | None = None,
+) -> Iterator[Cockpit]:
+    """Record and show a flight, and listen to the keys, while this context is open.
+
+    Args:
+        order: says whether there is a live view, and keys with it.
+        mission: that is flown.
+        recorder: takes every tick.
+        sinks: what is shown goes to one of them; take reports of what fails.
+        truth: of a simulated vehicle.
+        give_back: gives control back after a pilot's takeover.
+    """
+    operator, view = Operator(), None
+    events: dict[str, str] = {}
+    deeds: dict[str, Callable[[], None]] = {}
+    if not (order.headless or order.as_json):
+        events = offered(mission)
+        deeds = {} if give_back is None else {GIVE_BACK: give_back}
+        view = live_view(sys.stdout, stopwatch, _title(mission.name, events, deeds))
+    elif not order.as_json:
+        view = LineView(sys.stdout, logs_only=True)
+    keys = Keys(sys.stdin, operator, events, deeds)
+    watch = _Watch(recorder, view, sinks.view, truth)
+    planned = Planned(order.events, operator)
+    observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
+    safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
+    signals = landing_on_interrupt(operator)
+    with view or nullcontext(), closing(sinks), recorder, keys, signals, _giving_back(give_back):
+        yield Cockpit(operator, safe)
+
+
+class _Watch:
+    """Passes every tick on to the recorder and the view."""
+
+    def __init__(
+        self,
+        recorder: FlightRecorder,
+        view: LiveView | None,
+        sink: Sink,
+        truth: Callable[[], TrueState | None],
+    ) -> None:
+        self._recorder = recorder
+        self._view = view
+        self._sink = sink
+        self._truth = truth
+
+    def __call__(self, record: Record, observation: Observation) -> None:
+        self._recorder.write(record, observation.frame, self._truth())
+        view = self._view
+        if view is not None:
+            self._sink.put(lambda: view.update(record))
+
+
+def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> str:
+    """Return what stands above the live page: the mission, and which key does what."""
+    told = [f"{key} {event}" for key, event in events.items()]
+    told += [f"{key} gives control back" for key in deeds]
+    keys = ", ".join(told)
+    return f"{mission} — keys: {keys}" if keys else mission
+
+
+@contextmanager
+def _giving_back(deed: Callable[[], None] | None) -> Iterator[None]:
+    """Let SIGUSR1 give control back, as the key does where there is a terminal."""
+    if deed is None:
+        yield
+        return
+    before = signal.signal(signal.SIGUSR1, lambda *_: deed())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGUSR1, before)

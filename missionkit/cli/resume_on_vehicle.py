@@ -1,0 +1,98 @@
+"""`missionkit run --vehicle ADDRESS --resume RUN`: the vehicle flew on while nobody commanded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.engine.clock import date
+from missionkit.engine.flight_state import FlightState
+from missionkit.engine.resume.resumption import Resumption
+from missionkit.errors import UsageError
+from missionkit.recorder import flight_track
+from missionkit.recorder.checkpoint import Checkpoints, Loaded, load
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.flight_track import FlightTrack
+from missionkit.recorder.record_sinks import Sink
+from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.telemetry.observer import Datum
+
+
+class Afield(NamedTuple):
+    """What a checkpoint of a flight with a vehicle holds."""
+
+    course: FlightState
+    date: float  # s since 1970, when it was written
+    datum: Datum
+    lost: tuple[str, ...]  # what could not be saved, a sentence each
+    track: FlightTrack  # what does not grow at every tick
+    stamp: str  # of the mission that was flown
+
+
+class Before(NamedTuple):
+    """What a flight goes on from."""
+
+    loaded: Loaded
+    saved: Afield
+    track: FlightTrack
+    changed: bool  # the mission is not the one that was flown
+
+
+def before(folder: Path, stamp: str) -> Before:
+    """Return what the flight in a folder goes on from.
+
+    Args:
+        folder: of the run.
+        stamp: of the mission as it is now.
+
+    Raises:
+        UsageError: none of its checkpoints can be read, or it was no flight with a vehicle.
+    """
+    loaded = load(folder)
+    saved = loaded.value
+    if not isinstance(saved, Afield) or loaded.journals.keys() != {"ticks"}:
+        raise UsageError(f"{folder / loaded.name}: this run was not flown with --vehicle")
+    whole = flight_track.with_rows(saved.track, loaded.journals["ticks"])
+    return Before(loaded, saved, whole, saved.stamp != stamp)
+
+
+def woken(past: Before, vehicle: MavsdkVehicle, speed: float) -> Resumption:
+    """Return with what to go on, now that the vehicle has been reached.
+
+    Mission time has gone on by the real gap. A clock that was set back counts as no gap.
+    """
+    saved = past.saved
+    vehicle.observer.settle(saved.datum)
+    gap = max(0.0, date() - saved.date) * speed
+    return Resumption(saved.course, saved.course.memory.now + gap, past.changed, saved.lost)
+
+
+class Saving:
+    """Writes the checkpoints of one flight."""
+
+    def __init__(
+        self,
+        folder: Path,
+        vehicle: MavsdkVehicle,
+        recorder: FlightRecorder,
+        stamp: str,
+        sink: Sink,
+        past: Before | None = None,
+    ) -> None:
+        self._files = Checkpoints(folder, None if past is None else past.loaded)
+        self._vehicle = vehicle
+        self._recorder = recorder
+        self._stamp = stamp
+        self._sink = sink
+
+    def __call__(self, course: FlightState, lost: tuple[str, ...]) -> None:
+        """Write one."""
+        seen, datum = self._recorder.track, self._vehicle.observer.datum
+        ticks = len(seen.times)
+        held = Afield(course, date(), datum, lost, flight_track.without_rows(seen), self._stamp)
+        journals = {"ticks": lambda first: flight_track.rows(seen, first, ticks)}
+        self._sink.put(lambda: self._files.save(held, journals))
+
+    def forget(self) -> None:
+        """Remove them: the flight has ended."""
+        self._files.forget()

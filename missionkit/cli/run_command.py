@@ -1,0 +1,37 @@
+"""`missionkit run`: load, refuse what cannot be right, and fly."""
+
+from __future__ import annotations
+
+from missionkit.api.missions import assemble, refuse
+from missionkit.chart.load import load
+from missionkit.cli.key_events import planned
+from missionkit.cli.overrides import overrides
+from missionkit.cli.run_options import RunOptions
+from missionkit.cli.run_origin import check_plugins, found_origin, recalled
+from missionkit.errors import ExitCode
+
+
+def run(order: RunOptions) -> ExitCode:
+    """Fly the mission; leave a folder with its record, summary and picture.
+
+    Raises:
+        FileError: mission, world or plug-in file cannot be used.
+        UsageError: an option does not fit, or there is nothing to resume.
+        VehicleError: the vehicle could not be reached, or is to be left alone.
+    """
+    before = None if order.resume is None else found_origin(order.resume)
+    if before is not None:
+        order = recalled(order, before)
+        check_plugins(order, before)
+    catalogue = assemble(order.plugins)
+    mission = load(order.mission, catalogue, overrides(order.settings))
+    refuse(mission, catalogue)
+    for text in order.events:
+        planned(text)
+    if order.vehicle is not None:
+        from missionkit.cli.run_on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
+
+        return run_on_vehicle(order, mission, catalogue, before)
+    from missionkit.cli.run_in_simulator import run_in_simulator  # noqa: PLC0415 quick if refused
+
+    return run_in_simulator(order, mission, catalogue, before)

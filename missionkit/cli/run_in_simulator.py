@@ -1,0 +1,75 @@
+"""`missionkit run` in the built-in simulator: fly, record, grade by ground truth."""
+
+from __future__ import annotations
+
+from missionkit.api.simulation import fault_of
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.cli.operator_terminal import cockpit
+from missionkit.cli.resume_rehearsal import Saving, Since, since
+from missionkit.cli.run_errors import guarded
+from missionkit.cli.run_options import RunOptions
+from missionkit.cli.run_origin import Origin
+from missionkit.cli.run_output import Folder, folder_of
+from missionkit.cli.run_result import summed_up
+from missionkit.engine.clock import Pace, RealTime
+from missionkit.errors import ExitCode
+from missionkit.recorder.record_sinks import inline
+from missionkit.recorder.run_summary import Summary
+from missionkit.recorder.scenery import scenery_of
+from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
+
+
+def run_in_simulator(
+    order: RunOptions, mission: Mission, catalogue: Catalogue, before: Origin | None
+) -> ExitCode:
+    """Fly the mission in the simulator; `before` is what a run that is gone on with flew.
+
+    Raises:
+        FileError: the world cannot be used.
+        UsageError: an option does not fit, or the mission was changed.
+    """
+    ready = _staged(order, mission, catalogue)
+    with folder_of(
+        order,
+        mission,
+        before,
+        f"seed{order.seed}",
+        lambda path, stamp: since(path, order.gap, stamp),
+    ) as (folder, past):
+        return guarded(order, folder.path, lambda: _flown(order, ready, folder, past))
+
+
+def _staged(order: RunOptions, mission: Mission, catalogue: Catalogue) -> Stage:
+    world = world_of(mission, order.mission.parent)
+    faults = [fault_of(text, mission, world) for text in order.faults]
+    ready = stage(mission, catalogue, world, order.seed, faults)
+    return ready._replace(plan=ready.plan._replace(arm_anyway=order.anyway))
+
+
+def _flown(order: RunOptions, ready: Stage, folder: Folder, past: Since | None) -> Summary:
+    scenery = scenery_of(ready.world, ready.mission)
+    sinks = inline()
+    recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
+    again = None if past is None else past.again
+    save = Saving(folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past)
+    with cockpit(order, ready.mission, recorder, sinks, lambda: ready.vehicle.truth) as seat:
+        result = rehearse(
+            ready,
+            seat.observers,
+            operator=seat.operator,
+            pace=_pace(order, again),
+            save=save,
+            reports=sinks.reports.take,
+            again=again,
+        )
+    asked = seat.operator.wants_down
+    summary = summed_up(order, ready.mission, recorder, result, asked=asked)
+    folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
+    return summary
+
+
+def _pace(order: RunOptions, again: Again | None) -> Pace | None:
+    if order.speed is None:
+        return None
+    return RealTime(order.speed, 0.0 if again is None else again.now)

@@ -1,0 +1,108 @@
+"""`missionkit run --vehicle`: fly a MAVLink vehicle, record, sum up by what it says itself."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
+from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.cli.operator_terminal import cockpit
+from missionkit.cli.resume_on_vehicle import (
+    Before,
+    Saving,
+    before,
+    woken,
+)
+from missionkit.cli.run_errors import guarded
+from missionkit.cli.run_options import RunOptions
+from missionkit.cli.run_origin import Origin
+from missionkit.cli.run_output import Folder, folder_of
+from missionkit.engine.mission_success import conditions
+from missionkit.engine.prepared_mission import PreparedMission, prepare
+from missionkit.engine.resume.checkpoint_policy import now_and_then
+from missionkit.errors import ExitCode, UsageError
+from missionkit.recorder.record_sinks import background
+from missionkit.recorder.run_summary import Summary, summarise
+from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.value_codec import is_plain
+from missionkit.rehearsal import world_of
+from missionkit.sim.world import World
+from missionkit.vehicle.adapter import MavsdkVehicle
+
+
+def run_on_vehicle(
+    order: RunOptions, mission: Mission, catalogue: Catalogue, origin: Origin | None
+) -> ExitCode:
+    """Fly the mission with the vehicle at an address; `origin` is of a run that is gone on with.
+
+    Raises:
+        FileError: the world, or the film that is the camera, cannot be used.
+        UsageError: an option does not fit, the mission was changed, or the address is none.
+        NotFitError: the pre-flight report speaks against flying.
+        VehicleError: the vehicle could not be reached.
+    """
+    if order.faults:
+        raise UsageError("--fault is for the built-in simulator, not for --vehicle")
+    world = world_of(mission, order.mission.parent)
+    plan = prepare(mission, catalogue)._replace(arm_anyway=order.anyway)
+    vehicle = vehicle_of(
+        str(order.vehicle),
+        mission,
+        world,
+        seed=order.seed,
+        speed=order.speed or 1.0,
+        source=order.source,
+        folder=order.mission.parent,
+        share=share_of(order.share, mission),
+        system=order.system,
+    )
+    with folder_of(order, mission, origin, "vehicle", before) as (folder, past):
+        flight = Ready(mission, world, plan, vehicle, folder, past)
+        return guarded(order, folder.path, lambda: _flown(order, flight))
+
+
+class Ready(NamedTuple):
+    """What one flight is flown with, and recorded into."""
+
+    mission: Mission
+    world: World
+    plan: PreparedMission
+    vehicle: MavsdkVehicle
+    folder: Folder
+    past: Before | None  # what it goes on from
+
+
+def _flown(order: RunOptions, ready: Ready) -> Summary:
+    mission, world, plan, vehicle, folder, past = ready
+    scenery, speed = scenery_of(world, mission), order.speed or 1.0
+    sinks = background()
+    recorder = folder.recorder(plan, scenery, past, sinks.record)
+    save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)
+    log = FlightLog(plan.chart, None if past is None else past.track)
+    with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
+        flown = fly_vehicle(
+            plan,
+            vehicle,
+            (log, with_remarks(seat.observers, vehicle)),
+            operator=seat.operator,
+            speed=speed,
+            time_limit=mission.settings.time_limit,
+            keeper=now_and_then(plan.chart, is_plain, save),
+            reports=sinks.reports,
+            resume=None if past is None else lambda: woken(past, vehicle, speed),
+            look_first=past is None and not order.anyway,
+        )
+    asked = seat.operator.wants_down
+    summary = summarise(
+        recorder.track,
+        mission=mission.name,
+        outcome=outcome_of(flown, log.passage, mission.success),
+        reason=reason_of(flown, log.passage, mission.success, asked=asked),
+        conditions=[it[:3] for it in conditions(mission.success, log.passage, None)],
+        parameters=mission.params,
+        record_hash=recorder.close(),
+    )
+    folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
+    return summary

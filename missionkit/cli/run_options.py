@@ -1,0 +1,31 @@
+"""What the command line asks `missionkit run` for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+GAP = 1.0  # s
+
+
+class RunOptions(NamedTuple):
+    """One flight."""
+
+    mission: Path
+    settings: tuple[str, ...]
+    plugins: tuple[Path, ...]
+    seed: int
+    faults: tuple[str, ...]
+    speed: float | None
+    out: Path
+    headless: bool
+    as_json: bool
+    vehicle: str | None = None  # address; the simulator if absent
+    system: int | None = None  # MAVLink system id, where several vehicles share the link
+    source: str | None = None  # of a real camera, or "rendered"
+    share: tuple[str, ...] = ()  # what the vehicle is told: "pose", "target=NAME"
+    events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
+    resume: Path | None = None  # the folder of the run that is gone on with
+    gap: float = GAP  # s that the simulated vehicle flew alone
+    force: bool = False  # also with another mission
+    anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

@@ -1,0 +1,172 @@
+"""What a run was started from, and in what a file differs from it now."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import os
+import shlex
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from missionkit import __version__
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.run_options import RunOptions
+from missionkit.errors import UsageError
+from missionkit.recorder.checkpoint import opened, sealed, write_surely
+from missionkit.recorder.value_codec import NotReadableError, written
+
+FILE = "origin.json"
+SHOWN = 40  # lines of differences
+
+
+class Origin(NamedTuple):
+    """A run's order, and the text of every file it stands on."""
+
+    mission: str
+    settings: tuple[str, ...]
+    plugins: tuple[str, ...]
+    seed: int
+    faults: tuple[str, ...]
+    parameters: Mapping[str, Any]
+    targets: tuple[str, ...]
+    texts: Mapping[str, str]  # name as the mission gives it -> text
+    version: str
+
+
+def origin_of(order: RunOptions, mission: Mission) -> Origin:
+    """Return what a flight stands on, files as they are now."""
+    root = order.mission.resolve().parent
+    world = () if mission.world is None else (root / mission.world,)
+    files = (order.mission, *mission.included, *world, *order.plugins)
+    return Origin(
+        str(order.mission.resolve()),
+        order.settings,
+        tuple(str(path.resolve()) for path in order.plugins),
+        order.seed,
+        order.faults,
+        json.loads(json.dumps(mission.params)),  # without the places of texts and lists
+        tuple(mission.targets),
+        {os.path.relpath(path.resolve(), root): _text(path) for path in files},
+        __version__,
+    )
+
+
+def stamp(origin: Origin) -> str:
+    """Return a digest of all that a flight stands on; a checkpoint carries it."""
+    parts = (origin.parameters, origin.targets, origin.texts, origin.version)
+    return hashlib.sha256(written(parts).encode()).hexdigest()
+
+
+def keep_origin(folder: Path, origin: Origin) -> None:
+    """Write it into the folder of the run."""
+    write_surely(folder / FILE, sealed(origin))
+
+
+def forget_origin(folder: Path) -> None:
+    """Remove it: the flight has ended."""
+    (folder / FILE).unlink(missing_ok=True)
+
+
+def found_origin(folder: Path) -> Origin:
+    """Return what the run in a folder was started from.
+
+    Raises:
+        UsageError: there is nothing to resume.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        ended = (folder / "summary.json").is_file()
+        why = "the flight has ended" if ended else f"it holds no {FILE}"
+        raise UsageError(f"{folder}: nothing to resume: {why}")
+    try:
+        origin = opened(path.read_text(encoding="utf-8"))
+    except (ValueError, NotReadableError) as error:
+        raise UsageError(f"{path}: cannot be used: {error}") from error
+    if not isinstance(origin, Origin):
+        raise UsageError(f"{path}: cannot be used: it says nothing of a run")
+    return origin
+
+
+def recalled(order: RunOptions, origin: Origin) -> RunOptions:
+    """Return an order for the rest of a run: what it does not say is as it was.
+
+    Raises:
+        UsageError: it asks for what a run under way cannot change.
+    """
+    if order.faults:
+        raise UsageError("--fault cannot be changed by --resume")
+    return order._replace(
+        mission=Path(origin.mission) if order.mission == Path() else order.mission,
+        settings=order.settings or origin.settings,
+        seed=origin.seed,
+        faults=origin.faults,
+    )
+
+
+def check_plugins(order: RunOptions, before: Origin) -> None:
+    """Refuse plug-in files that the user did not name, or that were changed, before any is run.
+
+    A folder may come from anywhere: what it says is read, never run. Only `--plugin` on the
+    command line makes a file run (docs/decisions/0019-recording.md).
+
+    Raises:
+        UsageError: one is missing on the command line, or is not the one that was flown.
+    """
+    if before.plugins and not order.plugins:
+        named = " ".join(f"--plugin {shlex.quote(path)}" for path in before.plugins)
+        raise UsageError(
+            f"{order.resume}: this run was flown with plug-in files, and a folder's word runs "
+            f"none; read them, and name them yourself: {named}"
+        )
+    root = Path(before.mission).parent
+    names = [os.path.relpath(path.resolve(), root) for path in order.plugins if path.is_file()]
+    texts = {name: _text(root / name) for name in names}
+    flown = {name: text for name, text in before.texts.items() if name in texts}
+    lines = list(_changes(flown, texts))
+    if lines and not order.force:
+        raise UsageError("\n".join([f"{order.resume}: a plug-in is not the one flown", *lines]))
+
+
+def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:
+    """Refuse a mission that was changed since the run was started, unless forced to go on.
+
+    Raises:
+        UsageError: it was, and that is not wanted or cannot be flown; names the differences.
+    """
+    lines = list(differences(before, now))
+    if before.targets != now.targets:
+        raise UsageError("the targets are not those of the run, which the filter was built for")
+    if lines and not force:
+        more = [f"... {len(lines) - SHOWN} lines more"] if len(lines) > SHOWN else []
+        head = f"{folder}: the mission was changed since; --force goes on with it as it is now"
+        raise UsageError("\n".join([head, *lines[:SHOWN], *more]))
+
+
+def differences(before: Origin, now: Origin) -> Iterator[str]:
+    """Yield lines that say in what two origins differ: files as unified differences."""
+    yield from _changes(before.texts, now.texts)
+    for name in sorted({*before.parameters, *now.parameters}):
+        was, is_now = before.parameters.get(name), now.parameters.get(name)
+        if was != is_now:
+            yield f"parameter {name}: {was} as flown, {is_now} now"
+    if before.version != now.version:
+        yield f"missionkit: {before.version} as flown, {now.version} now"
+
+
+def _changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    for name in sorted({*before, *now}):
+        old, new = before.get(name, "").splitlines(), now.get(name, "").splitlines()
+        titles = (f"{name} (as flown)", f"{name} (now)")
+        yield from difflib.unified_diff(old, new, *titles, n=0, lineterm="")
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file; of one that is no text, such as a map's image, its digest."""
+    data = path.read_bytes()
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        return f"{len(data)} bytes, SHA-256 {hashlib.sha256(data).hexdigest()}"

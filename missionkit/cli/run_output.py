@@ -1,0 +1,145 @@
+"""The folder of one run: a new one, or that of a run that is gone on with; what is left there."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import NamedTuple, Protocol, TypeVar
+
+from missionkit.api.flight_log import with_reports
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.run_options import RunOptions
+from missionkit.cli.run_origin import (
+    Origin,
+    check_same,
+    forget_origin,
+    keep_origin,
+    origin_of,
+    stamp,
+)
+from missionkit.cli.run_result import numbers
+from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.errors import printable
+from missionkit.recorder.checkpoint import Loaded
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.flight_track import FlightTrack
+from missionkit.recorder.plot import draw
+from missionkit.recorder.record_sinks import Reports, Sink
+from missionkit.recorder.run_folder import (
+    free_name,
+    held,
+    keep_mission,
+    run_folder,
+)
+from missionkit.recorder.run_summary import Summary, said, write_summary
+from missionkit.recorder.scenery import Scenery
+
+
+class Past(Protocol):
+    """What a run goes on from."""
+
+    @property
+    def loaded(self) -> Loaded:
+        """The checkpoint."""
+
+    @property
+    def track(self) -> FlightTrack:
+        """What was flown so far."""
+
+
+P = TypeVar("P", bound=Past)
+
+
+class Folder(NamedTuple):
+    """Where a run leaves its files."""
+
+    path: Path
+    stamp: str  # of what the flight stands on
+
+    def recorder(
+        self, plan: PreparedMission, scenery: Scenery, past: Past | None, sink: Sink
+    ) -> FlightRecorder:
+        """Return what records the flight, beside the records that are there already."""
+        return FlightRecorder(
+            self.path,
+            camera=plan.camera,
+            scenery=scenery,
+            name=free_name(self.path, "flight.mcap"),
+            past=None if past is None else past.track,
+            sink=sink,
+        )
+
+    def finish(
+        self,
+        summary: Summary,
+        track: FlightTrack,
+        scenery: Scenery,
+        reports: Reports,
+        forget: Callable[[], None],
+    ) -> None:
+        """Leave the summary and the picture; there is nothing to go on with any more.
+
+        What cannot be written is reported, and changes nothing about how the flight went.
+
+        Args:
+            summary: of the flight.
+            track: for the picture.
+            scenery: for the picture.
+            reports: of what failed, in flight and here.
+            forget: removes the checkpoints.
+        """
+        title = f"{summary.mission}: {said(summary.outcome)}"
+        steps: dict[str, Callable[[], object]] = {
+            "origin.json": lambda: forget_origin(self.path),
+            "checkpoints": forget,
+            "summary.json": lambda: write_summary(self.path, with_reports(summary, reports.all)),
+            "track.png": lambda: draw(
+                self.path / "track.png", track, scenery, title, numbers(summary)
+            ),
+        }
+        for what, step in steps.items():
+            try:
+                step()
+            except Exception as error:  # noqa: BLE001 - the flight has ended as it has ended
+                reports.add(f"{self.path / what}", error, then="")
+        with suppress(OSError):  # the terminal has gone too
+            for sentence in reports.all:
+                print(printable(sentence), file=sys.stderr)  # noqa: T201
+
+
+@contextmanager
+def folder_of(
+    order: RunOptions,
+    mission: Mission,
+    before: Origin | None,
+    label: str,
+    found: Callable[[Path, str], P],
+) -> Iterator[tuple[Folder, P | None]]:
+    """Hold the folder of a run, and what it goes on from, while this context is open.
+
+    Args:
+        order: of the command line.
+        mission: that is flown.
+        before: what a run that is gone on with was started from.
+        label: ends the name of a new folder.
+        found: reads the checkpoint of a folder, given the stamp of the mission as it is now.
+
+    Raises:
+        UsageError: another process flies this run, the mission was changed, or there is no
+            checkpoint to go on from.
+    """
+    origin = origin_of(order, mission)
+    path = order.resume or run_folder(order.out, mission.name, label)
+    with held(path):
+        past = None
+        if before is not None:
+            check_same(before, origin, path, force=order.force)
+            past = found(path, stamp(origin))
+            for wrong in past.loaded.wrong:
+                print(printable(wrong), file=sys.stderr)  # noqa: T201
+        if before != origin:
+            keep_mission(path, order.mission)
+            keep_origin(path, origin)
+        yield Folder(path, stamp(origin)), past

@@ -1,0 +1,86 @@
+"""What a flight came to: outcome, reason, numbers, exit code."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.run_options import RunOptions
+from missionkit.errors import ExitCode, printable
+from missionkit.outcome import outcome, reason
+from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.run_summary import Summary, said, summarise
+from missionkit.rehearsal import Rehearsal
+
+
+def summed_up(
+    order: RunOptions, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
+) -> Summary:
+    """Return the summary of a flight that has ended."""
+    return summarise(
+        recorder.track,
+        mission=mission.name,
+        outcome=outcome(result),
+        reason=reason(result, asked=asked),
+        seed=order.seed,
+        faults=order.faults,
+        parameters=mission.params,  # with --set
+        grade=result.grade.as_dict(),
+        conditions=[it[:3] for it in result.conditions],
+        record_hash=recorder.close(),
+    )
+
+
+def numbers(summary: Summary) -> str:
+    """Return the flight in a line."""
+    grade, timing = summary.grade, summary.timing
+    parts = [summary.reason, f"{summary.duration:.0f} s"]
+    if grade:
+        parts.append(f"{grade['distance']:.0f} m flown")
+    if grade.get("visit") is not None:
+        parts.append(f"{_length(grade['visit']['position_error'])} from the goal on arrival")
+    if grade.get("clearance") is not None:
+        parts.append(f"clearance {grade['clearance']:.2f} m")
+    if timing is not None:
+        parts.append(f"cycle p99 {timing.total.p99:.1f} ms")
+    return ", ".join(parts)
+
+
+def _length(metres: float) -> str:
+    """Return a length as a person would say it.
+
+    >>> _length(0.026), _length(40.589)
+    ('2.6 cm', '40.6 m')
+    """
+    return f"{100.0 * metres:.1f} cm" if metres < 1.0 else f"{metres:.1f} m"
+
+
+def report(order: RunOptions, summary: Summary, folder: Path) -> None:
+    """Tell the person at the terminal, or the program that asked for JSON."""
+    if order.as_json:
+        print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
+        return
+    print(printable(f"{said(summary.outcome)}: {numbers(summary)}"))  # noqa: T201
+    for line in lines(summary):
+        print(printable(line))  # noqa: T201
+    print(printable(str(folder)))  # noqa: T201
+
+
+def lines(summary: Summary) -> Iterator[str]:
+    """Yield each condition of success with its figure, and over a vehicle each problem."""
+    words = {True: "met", False: "not met", None: "not known"}
+    for it in summary.conditions:
+        yield f"  {words[it.met]}: {it.condition} ({it.figure})"
+    if not summary.grade:
+        yield from (f"  problem at {problem}" for problem in summary.problems)
+
+
+def exit_code(summary: Summary) -> ExitCode:
+    """Return what the command says to the shell."""
+    return {
+        "success": ExitCode.SUCCESS,
+        "ended_safely": ExitCode.ENDED_SAFELY,
+        "crash": ExitCode.VEHICLE_LOST,
+    }[summary.outcome]

@@ -1,0 +1,103 @@
+"""`missionkit sitl`: a simulated autopilot on MAVLink."""
+
+from __future__ import annotations
+
+import json
+import signal
+import threading
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.chart.load import load_model
+from missionkit.errors import ExitCode, UsageError
+from missionkit.sim.airframes import flown_with
+from missionkit.sim.warm_up import warm_up
+from missionkit.sim.world import World
+from missionkit.sitl.geodetic import Spot
+from missionkit.sitl.sitl_server import LINKS, Server, Setup
+
+
+class SitlOptions(NamedTuple):
+    """The options of the command."""
+
+    world: Path | None
+    dialect: str
+    links: tuple[str, ...]
+    control: int
+    speed: float
+    seed: int
+    faults: tuple[str, ...]
+    home: str
+    airframe: str
+    as_json: bool
+    system: int = 1
+    parameters: tuple[str, ...] = ()
+
+
+def sitl(wanted: SitlOptions) -> ExitCode:
+    """Simulate until interrupted, or told to quit over the control socket.
+
+    Raises:
+        FileError: the world file cannot be used.
+        UsageError: an option does not fit.
+        VehicleError: a port is taken.
+    """
+    world = World(world="empty") if wanted.world is None else load_model(wanted.world, World)
+    setup = Setup(
+        flown_with(world, wanted.airframe),
+        wanted.dialect,
+        wanted.links or LINKS,
+        wanted.control,
+        wanted.speed,
+        wanted.seed,
+        wanted.faults,
+        _spot(wanted.home),
+        wanted.system,
+        dict(_parameter(text) for text in wanted.parameters),
+    )
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    server = Server(setup)
+    warm_up(corners=False)
+    try:
+        _tell(server, setup, as_json=wanted.as_json)
+        server.run(stop)
+    finally:
+        server.close()
+    return ExitCode.SUCCESS
+
+
+def _parameter(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError as error:
+        raise UsageError(f"parameter {text!r}: expected NAME=NUMBER") from error
+
+
+def _spot(text: str) -> Spot:
+    try:
+        latitude, longitude, height = map(float, text.split(","))
+    except ValueError as error:
+        raise UsageError(f"home {text!r}: expected LATITUDE,LONGITUDE,HEIGHT") from error
+    if not (abs(latitude) < 85.0 and abs(longitude) <= 180.0 and abs(height) < 1e4):
+        raise UsageError(f"home {text!r}: no place to fly")
+    return Spot(latitude, longitude, height)
+
+
+def _tell(server: Server, setup: Setup, *, as_json: bool) -> None:
+    """Say, in one line each, where it can be reached."""
+    kinds = [text.partition(":")[0] for text in setup.links]
+    links = [
+        f"{kind}:{host}:{port}" for kind, (host, port) in zip(kinds, server.addresses, strict=True)
+    ]
+    if as_json:
+        ports = {"links": links, "control": server.control_port, "dialect": setup.dialect}
+        print(json.dumps(ports), flush=True)  # noqa: T201
+        return
+    print(  # noqa: T201
+        f"{setup.dialect} autopilot in world {setup.world.world!r}, {setup.speed:g} times real time"
+        f"\nlinks    {' '.join(links)}\ncontrol  127.0.0.1:{server.control_port}",
+        flush=True,
+    )

@@ -1,0 +1,27 @@
+"""Exponential moving average of the velocity command.  Source: P1 section 6.2."""
+
+from __future__ import annotations
+
+import math
+
+from missionkit.control.velocity_limits import Triple
+
+RATE = 20.0  # Hz, the control rate for which P1 states alpha
+
+
+def alpha_at(alpha: float, dt: float) -> float:
+    """Return the weight that keeps the time constant of `alpha` when a step lasts `dt` (s).
+
+    n steps of weight a equal one of 1 - (1 - a)^n, here with n = dt * 20 Hz. `alpha` in [0, 1].
+    """
+    return 1.0 - math.pow(1.0 - alpha, dt * RATE)
+
+
+def smoothed(last: Triple, wanted: Triple, alpha: float) -> Triple:
+    """Return alpha * wanted + (1 - alpha) * last, per axis (m/s)."""
+    rest = 1.0 - alpha
+    return (
+        alpha * wanted[0] + rest * last[0],
+        alpha * wanted[1] + rest * last[1],
+        alpha * wanted[2] + rest * last[2],
+    )

@@ -1,0 +1,147 @@
+"""The eye: every frame of the camera becomes a look and sightings of targets."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from missionkit.geometry import Vec3
+from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
+from missionkit.perception.aruco import Aruco
+from missionkit.perception.marker_search import MarkerSearch, Priors
+from missionkit.perception.marker_selection import Candidate, plausible, select
+from missionkit.perception.sighting_validation import fault_of
+from missionkit.plugin import Detector, Plugin, Prior
+from missionkit.plugin_containment import Containment
+
+SILENT_AFTER: Final = 1.5  # periods
+_MOST_MISSED: Final = 100  # frames counted as missed in one tick
+
+
+class VisionMemory(NamedTuple):
+    """What the eye keeps from tick to tick."""
+
+    heard_at: float | None = None  # s, when the last frame arrived or was given up
+    asked_at: float | None = None  # s, of the last tick
+    digest: int | None = None  # of the last frame's content
+
+
+class VisionPipeline:
+    """Looks for a mission's markers in the frames of one camera.
+
+    Pure: the memory goes in and comes out, and what differs between two flights is in it. Every
+    frame that was due yields one `Look`, so that the confidence window counts frames (P1 section
+    1.3, NOTES P1.7): a camera that falls silent for 1.5 periods, or repeats an image to the bit,
+    gives silent looks that saw nothing. A frame that arrives late is used at its own time.
+
+    Args:
+        camera: intrinsics and mount.
+        detectors: of any package. The built-in markers are found together, in one pass for each
+            dictionary; any other detector is called alone, contained.
+    """
+
+    def __init__(self, camera: CameraModel, detectors: Sequence[Plugin]) -> None:
+        self._camera = camera
+        markers = [it for it in detectors if isinstance(it, Aruco)]
+        self._search = MarkerSearch(camera, markers)
+        self._others = [it for it in detectors if isinstance(it, Detector)]
+
+    def begin(self) -> VisionMemory:
+        """Return the memory at the start of the mission."""
+        return VisionMemory()
+
+    def look(
+        self,
+        memory: VisionMemory,
+        observation: Observation,
+        priors: Priors,
+        contain: Containment | None = None,
+    ) -> tuple[VisionMemory, tuple[Look, ...], tuple[Sighting, ...]]:
+        """Return the next memory, the looks due since the last tick, and one sighting a target.
+
+        Args:
+            memory: as the last tick left it.
+            observation: with the frame that arrived, if one did.
+            priors: what is believed before it is looked at.
+            contain: keeps what went wrong in a detector.
+        """
+        frame, now = observation.frame, observation.now
+        memory, missed = _missed(memory, now, self._camera.period, came=frame is not None)
+        if frame is None:
+            return memory, missed, ()
+        digest = _digest(frame)
+        following = VisionMemory(now, now, digest)
+        if digest is not None and digest == memory.digest:
+            return following, (*missed, Look(frame.at, frozenset(), silent=True)), ()
+        sightings = self._sightings(frame, priors, contain or Containment())
+        seen = frozenset(s.target for s in sightings)
+        return following, (*missed, Look(frame.at, seen)), sightings
+
+    def _sightings(
+        self, frame: Frame, priors: Priors, contain: Containment
+    ) -> tuple[Sighting, ...]:
+        every = [*self._search.find(frame, priors), *self._found_by_others(frame, priors, contain)]
+        body = priors.body(frame.at) if every else None
+        eye = None if body is None else body @ self._camera.mount
+        found: dict[str, list[Candidate]] = {}
+        for it in every:
+            candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
+            if plausible(candidate, priors.targets.get(it.target)):
+                found.setdefault(it.target, []).append(candidate)
+        return tuple(
+            select(candidates, _expected(target, priors)).sighting
+            for target, candidates in sorted(found.items())
+        )
+
+    def _found_by_others(
+        self, frame: Frame, priors: Priors, contain: Containment
+    ) -> Iterator[Sighting]:
+        """Yield what the detectors of other packages see; an answer that is unsound counts not."""
+        for detector in self._others:
+            prior = Prior(priors.body(frame.at), priors.targets.get(detector.target))
+            boxed = contain.call(detector.kind, detector.detect, frame, self._camera, prior)
+            if boxed is None:
+                continue
+            if wrong := fault_of(boxed[0], detector.target, frame.at):
+                contain.note(f"{detector.kind} answered {wrong}")
+                continue
+            yield from boxed[0]
+
+
+def _missed(
+    memory: VisionMemory, now: float, period: float, *, came: bool
+) -> tuple[VisionMemory, tuple[Look, ...]]:
+    """Give up the frames that should have come before this tick.
+
+    While nothing comes they are those overdue by half a period. When a frame `came` after a gap,
+    they are as many as fit in the gap, but only in that part of it in which we asked in vain: of
+    several frames between two ticks only the last is seen, and the camera is not to blame.
+    """
+    if memory.heard_at is None or memory.asked_at is None:
+        return memory._replace(heard_at=now, asked_at=now), ()
+    heard, gap = memory.heard_at, (now - memory.heard_at) / period
+    missed = math.floor(gap - SILENT_AFTER) + 1
+    if came:
+        missed = min(missed, round((memory.asked_at - heard) / period))
+    missed = min(max(missed, 0), _MOST_MISSED)
+    looks = tuple(Look(heard + i * period, frozenset(), silent=True) for i in range(1, missed + 1))
+    return VisionMemory(heard + missed * period, now, memory.digest), looks
+
+
+def _expected(target: str, priors: Priors) -> Vec3 | None:
+    prior = priors.targets.get(target)
+    return priors.goal if prior is None else prior.position
+
+
+def _digest(frame: Frame) -> int | None:
+    """Return a checksum of the content; None for corners that show nothing, which may repeat."""
+    if frame.image is not None:
+        return zlib.crc32(np.ascontiguousarray(frame.image).data)
+    digest = 0
+    for name, number, corners in frame.corners or ():
+        digest = zlib.crc32(f"{name} {number} ".encode() + corners.tobytes(), digest)
+    return digest if frame.corners else None

@@ -1,0 +1,100 @@
+"""The simulated camera as the vehicle has it: when frames are exposed, and when they arrive."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from missionkit.geometry import Mat, Transform, Vec3
+from missionkit.messages import Frame
+from missionkit.sim.kernel_layout import RATE
+from missionkit.sim.marker_visibility import Spotter
+from missionkit.sim.world import World
+
+if TYPE_CHECKING:
+    from missionkit.perception.camera_section import Camera
+    from missionkit.sim.camera_renderer import Renderer
+
+
+class Shot(NamedTuple):
+    """One exposure that has not arrived yet."""
+
+    at: float  # s
+    due: float  # s
+    state: Vec3  # (13,) truth, see `kernel_layout`
+    hidden: frozenset[int]
+    repeat: bool  # frozen: the last frame comes again
+    flipped: bool  # upside down
+
+
+class Feed:
+    """Frames of one camera. Pictures are made on arrival, and only those that are delivered."""
+
+    def __init__(self, camera: Camera, world: World, things: Mat, rng: np.random.Generator) -> None:
+        self._camera = camera
+        self._model = camera.model()
+        self._spotter = Spotter(world.markers, self._model, things, rng)
+        self._renderer = self._start(world, rng) if camera.drawn else None
+        self._waiting: deque[Shot] = deque()
+        self._last: Frame | None = None
+        self._count = 1
+        self._off = camera.use == "none"
+
+    def _start(self, world: World, rng: np.random.Generator) -> Renderer:
+        from missionkit.sim.camera_renderer import Renderer  # noqa: PLC0415 (imports cv2)
+
+        return Renderer(world, self._model, rng)
+
+    @property
+    def next_step(self) -> int:
+        """Physics step of the next exposure."""
+        if self._off:
+            return 1 << 62
+        return round(self._count * RATE / self._camera.rate)
+
+    def expose(
+        self,
+        x: Vec3,
+        *,
+        hidden: frozenset[int],
+        delay: float,
+        off: bool,
+        frozen: bool,
+        flipped: bool,
+    ) -> None:
+        """Take the exposure that is due now, with the true state `x` and the active faults."""
+        at = self.next_step / RATE
+        self._count += 1
+        if not off:
+            due = at + self._camera.latency + delay
+            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen, flipped))
+
+    def deliver(self, now: float) -> Frame | None:
+        """Return the newest frame that has arrived by `now` (s), if any; older ones are lost."""
+        shot: Shot | None = None
+        while self._waiting and self._waiting[0].due <= now + 1e-9:
+            shot = self._waiting.popleft()
+        if shot is None:
+            return None
+        if not shot.repeat:
+            picture = self._picture(shot)
+            self._last = self._upside_down(picture) if shot.flipped else picture
+        return self._last
+
+    def _upside_down(self, frame: Frame) -> Frame:
+        """Return it turned by half a turn."""
+        if frame.image is not None:
+            return Frame(frame.at, np.ascontiguousarray(frame.image[::-1, ::-1]))
+        last = np.array([self._camera.width - 1.0, self._camera.height - 1.0])
+        found = frame.corners or ()
+        return Frame(frame.at, None, tuple((name, number, last - at) for name, number, at in found))
+
+    def _picture(self, shot: Shot) -> Frame:
+        x, exposure = shot.state, self._camera.exposure
+        if self._renderer is None:
+            return Frame(shot.at, None, self._spotter.find(x, exposure, shot.hidden))
+        body = Transform(x[6:10], x[:3])
+        image = self._renderer.render(body, x[3:6], x[10:13], exposure, shot.hidden)
+        return Frame(shot.at, image)

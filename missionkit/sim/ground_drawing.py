@@ -1,0 +1,135 @@
+"""Drawing the ground plane and the sky.
+
+A pixel's ray has the down component g, linear in the pixel, so that lines of equal camera depth
+z = h / g (h: height of the eye) are straight and parallel to the horizon g = 0. The ground is
+painted in such bands, each with the texture level whose texels fit its pixels.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from missionkit.geometry import Mat, Vec3
+from missionkit.messages import Image
+from missionkit.sim import textures
+from missionkit.sim.perspective_canvas import View
+from missionkit.sim.texture_patches import (
+    Polygon,
+    clip,
+    patches_of,
+    warp,
+)
+
+COARSE, FINE = 0.04, 0.005  # m, texels of the two ground textures
+HAZE = 150  # grey level at the horizon
+LOWEST = 0.03  # m, the eye is never drawn lower than this
+
+
+class Sheet(NamedTuple):
+    """A seamless texture, repeated often enough to cover its band from any starting tile."""
+
+    image: Image
+    texel: float  # m
+    tile: int  # texels
+    how: int  # of interpolation: linear only where texels may be larger than pixels
+
+
+class Band(NamedTuple):
+    """What is painted where a pixel covers less than `reach` of ground, and more than before."""
+
+    reach: float  # m
+    sheet: Sheet
+    detail: Sheet | None
+
+
+@functools.cache
+def bands(name: str, diagonal: int) -> tuple[Band, ...]:
+    """Return the bands of a ground texture, near to far, for a canvas's diagonal (px)."""
+    patches = textures.pyramid(textures.ground_patches(name))
+    details = textures.pyramid(textures.ground_detail(name))
+    fine = [_sheet(_faded(details[k], 128, 0.2 * k), FINE * 2**k, diagonal) for k in range(4)]
+    coarse = [_sheet(_faded(patches[k], HAZE, 0.13 * k), COARSE * 2**k, diagonal) for k in range(5)]
+    near = [Band(1.4 * sheet.texel, coarse[0], sheet) for sheet in fine]
+    far = [Band(1.4 * sheet.texel, sheet, None) for sheet in coarse[1:]]
+    return (*near, *far[:-1], far[-1]._replace(reach=2.8 * far[-1].sheet.texel))
+
+
+def _sheet(tile: Image, texel: float, diagonal: int) -> Sheet:
+    """Lay out a square tile; a row is no power of two long, which would defeat the cache."""
+    side = tile.shape[0]
+    repeats = math.ceil(1.9 * diagonal / side) + 1
+    how = cv2.INTER_LINEAR if texel in {FINE, COARSE} else cv2.INTER_NEAREST
+    more = side * (repeats - 1)
+    return Sheet(np.pad(tile, ((0, more), (0, more + 64)), "wrap"), texel, side, how)
+
+
+def _faded(image: Image, towards: int, share: float) -> Image:
+    return textures.grey((1.0 - share) * image.astype(np.float32) + share * towards)
+
+
+def paint(canvas: Image, view: View, layers: tuple[Band, ...]) -> None:
+    """Draw sky, horizon and ground on the whole canvas, in place."""
+    rays = np.asarray(np.linalg.inv(view.projection), np.float64)  # canvas to ray, NED
+    g = rays[2]
+    width, height = view.size
+    whole: Polygon = [(0, 0), (width - 1, 0), (width - 1, height - 1), (0, height - 1)]
+    canvas[:] = HAZE
+    _paint_sky(canvas, clip(whole, (-g).tolist()), g)
+    eye_height = max(LOWEST, -float(view.eye[2]))
+    ground = np.stack([*(view.eye[i] * g + eye_height * rays[i] for i in (1, 0)), g])
+    depths = [0.0, *(_depth(band.reach, eye_height, rays) for band in layers)]
+    left = clip(whole, [*g[:2].tolist(), float(g[2]) - eye_height / depths[-1]])
+    for band, near in zip(reversed(layers), reversed(depths[:-1]), strict=True):
+        if len(left) < 3:
+            return
+        line = g.copy()
+        line[2] -= eye_height / near if near > 0 else math.inf
+        polygon = clip(left, (-line).tolist()) if near > 0 else left
+        _paint_band(canvas, polygon, ground, band)
+        left = clip(left, line.tolist()) if near > 0 else []
+
+
+def _paint_sky(canvas: Image, polygon: Polygon, g: Vec3) -> None:
+    back = np.stack([np.array([0.0, 0.0, 0.5]), -0.8 * g, np.array([0.0, 0.0, 1.0])])
+    gradient = textures.sky()
+    for patch in patches_of(canvas, polygon):
+        drawn = warp(gradient, back, patch, int(gradient[-1, 0]), how=cv2.INTER_NEAREST)
+        patch.lay(drawn)
+
+
+def _depth(reach: float, height: float, rays: Mat) -> float:
+    """Return the camera depth (m) at which a pixel covers `reach` of ground (m).
+
+    A pixel covers z/f across and z² c/(f h) along the line of sight, c = f |∇g|; what counts is
+    the geometric mean of the two, or z/f when that is longer.
+    """
+    focal = 1.0 / float(np.linalg.norm(rays[:, 0]))
+    steepness = max(1e-6, focal * math.hypot(rays[2, 0], rays[2, 1]))
+    across = reach * focal
+    return min(across, math.cbrt(across**2 * height / steepness))
+
+
+def _paint_band(canvas: Image, polygon: Polygon, ground: Mat, band: Band) -> None:
+    if len(polygon) < 3:
+        return
+    corners = np.column_stack([np.array(polygon), np.ones(len(polygon))]) @ ground.T
+    low = (corners[:, :2] / corners[:, 2:]).min(axis=0)
+    sheets = [(s.image, _placed(ground, low, s), s.how) for s in (band.sheet, band.detail) if s]
+    for patch in patches_of(canvas, polygon):
+        drawn, *details = [warp(image, back, patch, 128, how=how) for image, back, how in sheets]
+        for detail in details:
+            cv2.addWeighted(drawn, 1.0, detail, 1.0, -128.0, dst=drawn)
+        cv2.copyTo(drawn, patch.mask, patch.target)
+
+
+def _placed(ground: Mat, low: Vec3, sheet: Sheet) -> Mat:
+    """Return canvas to unit square for a sheet laid out from east and north `low` (m)."""
+    period = sheet.texel * sheet.tile
+    start = np.floor(low / period) * period
+    size = sheet.texel * np.array(sheet.image.shape[::-1])
+    return np.vstack([(ground[:2] - start[:, None] * ground[2]) / size[:, None], ground[2]])

@@ -1,0 +1,104 @@
+"""The rigid body: 13 states and four rotors, Runge-Kutta, and the ground.
+
+Imported late: it compiles kernels.
+"""
+
+from __future__ import annotations
+
+import math
+
+from missionkit.geometry import Vec3
+from missionkit.jit import compiled
+from missionkit.sim.kernel_layout import (
+    CRASHED,
+    GRAVITY,
+    ON_GROUND,
+    Body,
+)
+
+HARD = 2.0  # m/s, a faster touch of the ground is a crash
+STICKING = 0.05  # m/s and rad/s, slower motion on the ground stops
+
+
+@compiled
+def derivative(x: Vec3, u: Vec3, wind: Vec3, body: Body, out: Vec3) -> None:
+    """Write the time derivative (17,) of the state into `out`.
+
+    p' = v;  m v' = m g e3 - T R(q) e3 - (c1 + c2 |v_a|) v_a  with v_a = v - wind;
+    q' = q ⊗ (0, ω) / 2;  J ω' = τ - ω × J ω;  f_i' = (u_i - f_i) / lag.
+    Rotors: 0 front right, 1 back left, 2 front left, 3 back right; 0 and 1 push the nose right.
+    Source: Beard and McLain, "Small Unmanned Aircraft", 2012, ch. 3; rotors: Mahony, 2012.
+
+    Args:
+        x: (17,) state, see `kernel_layout`.
+        u: (4,) N, thrust wanted of each rotor.
+        wind: (3,) m/s, NED.
+        body: constants.
+        out: (17,) result.
+    """
+    w, i, j, k = x[6], x[7], x[8], x[9]
+    p, q, r = x[10], x[11], x[12]
+    lift = (x[13] + x[14] + x[15] + x[16]) / body.mass
+    an, ae, ad = x[3] - wind[0], x[4] - wind[1], x[5] - wind[2]
+    speed = math.sqrt(an * an + ae * ae + ad * ad)
+    drag = (body.drag_linear + body.drag_quadratic * speed) / body.mass
+    out[0], out[1], out[2] = x[3], x[4], x[5]
+    out[3] = -lift * 2.0 * (i * k + w * j) - drag * an
+    out[4] = -lift * 2.0 * (j * k - w * i) - drag * ae
+    out[5] = GRAVITY - lift * (1.0 - 2.0 * (i * i + j * j)) - drag * ad
+    out[6] = 0.5 * (-i * p - j * q - k * r)
+    out[7] = 0.5 * (w * p + j * r - k * q)
+    out[8] = 0.5 * (w * q - i * r + k * p)
+    out[9] = 0.5 * (w * r + i * q - j * p)
+    roll = body.lever * (x[14] + x[15] - x[13] - x[16])
+    pitch = body.lever * (x[13] + x[15] - x[14] - x[16])
+    yaw = body.yaw_arm * (x[13] + x[14] - x[15] - x[16])
+    out[10] = (roll - (body.jz - body.jy) * q * r) / body.jx
+    out[11] = (pitch - (body.jx - body.jz) * p * r) / body.jy
+    out[12] = (yaw - (body.jy - body.jx) * p * q) / body.jz
+    for n in range(4):
+        out[13 + n] = (u[n] - x[13 + n]) / body.lag
+
+
+@compiled
+def advance(x: Vec3, u: Vec3, wind: Vec3, body: Body, dt: float, work: Vec3) -> None:
+    """Move the state one step of `dt` (s), in place: classical Runge-Kutta of order four.
+
+    Rotor commands and wind are constant over the step; `work` is (5, 17) of scratch space.
+    """
+    derivative(x, u, wind, body, work[0])
+    for stage in range(1, 4):
+        part = dt if stage == 3 else 0.5 * dt
+        for n in range(17):
+            work[4, n] = x[n] + part * work[stage - 1, n]
+        derivative(work[4], u, wind, body, work[stage])
+    for n in range(17):
+        slope = work[0, n] + 2.0 * work[1, n] + 2.0 * work[2, n] + work[3, n]
+        x[n] += dt / 6.0 * slope
+    size = math.sqrt(x[6] * x[6] + x[7] * x[7] + x[8] * x[8] + x[9] * x[9])
+    for n in range(6, 10):
+        x[n] /= size
+
+
+@compiled
+def touch(x: Vec3, memory: Vec3) -> None:
+    """Keep the body on or above the ground; a touch faster than `HARD` is a crash.
+
+    The feet are the origin of the body: at rest the position is (n, e, 0). Contact takes away the
+    sinking speed at once, and sliding, tilt and spin within some tens of milliseconds.
+    """
+    grounded = x[2] >= 0.0
+    memory[ON_GROUND] = 1.0 if grounded else 0.0
+    if not grounded:
+        return
+    if x[5] > HARD:
+        memory[CRASHED] = 1.0
+    x[2] = 0.0
+    x[5] = min(0.0, x[5])
+    for n in (3, 4, 10, 11, 12):
+        x[n] = 0.85 * x[n] if abs(x[n]) > STICKING else 0.0
+    for n in (7, 8):
+        x[n] = 0.9 * x[n] if abs(x[n]) > 1e-9 else 0.0
+    size = math.sqrt(x[6] * x[6] + x[7] * x[7] + x[8] * x[8] + x[9] * x[9])
+    for n in range(6, 10):
+        x[n] /= size

@@ -1,0 +1,326 @@
+"""A vehicle that exists only here: body, autopilot, sensors, camera, faults.
+
+Imported late: it compiles kernels.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from missionkit.geometry import Vec3, norm, to_matrix, vec, yaw_of
+from missionkit.messages import (
+    NO_CYCLE,
+    Action,
+    Command,
+    Cycle,
+    Gnss,
+    Imu,
+    Observation,
+    Scan,
+    VehicleStatus,
+)
+from missionkit.sim import kernel_layout
+from missionkit.sim.camera_feed import Feed
+from missionkit.sim.fault_injection import Fault, Mishaps
+from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
+from missionkit.sim.ground_truth import TrueState, TrueTrack
+from missionkit.sim.obstacle_distance import ring
+from missionkit.sim.plant import Plant
+from missionkit.sim.position_control import velocity_for
+from missionkit.sim.random_blocks import Normals, streams
+from missionkit.sim.sensor_inbox import Inbox
+from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
+from missionkit.sim.world import World
+
+if TYPE_CHECKING:
+    from missionkit.perception.camera_section import Camera
+
+STRETCH = 10  # physics steps flown at once at most: 50 ms
+RAYS = 72
+BUDGET = 0.05  # s, of one tick
+TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
+
+
+class SimulatedVehicle:
+    """A simulated quadrotor behind the port `Vehicle`; two runs with one seed are bit-identical.
+
+    Time passes only in `advance`. The synchronous methods do the work; `connect`, `observe`,
+    `send` and `close` are what the port asks for.
+
+    Args:
+        world: obstacles, markers, wind, sensors.
+        camera: the mission's camera.
+        seed: of all randomness; every sensor has its own stream.
+        faults: what goes wrong, and when.
+    """
+
+    def __init__(
+        self, world: World, camera: Camera, seed: int, faults: Sequence[Fault] = ()
+    ) -> None:
+        rngs = streams(seed)
+        self.world = world
+        self.track = TrueTrack()
+        self.payload: str | None = None  # actuator that is on
+        self._mishaps = Mishaps(tuple(faults), {})
+        self._plant = Plant(world, rngs)
+        self._feed = Feed(camera, world, self._plant.things, rngs["camera"])
+        self._gnss = GnssSensor(world.sensors.gnss, rngs["gnss"])
+        self._baro = BaroSensor(world.sensors.baro, rngs["baro"])
+        self._mag = MagnetometerSensor(world.sensors.magnetometer, rngs["magnetometer"])
+        self._flow = FlowSensor(world.sensors.flow, rngs["flow"])
+        self._range = RangeSensor(world.sensors.range, rngs["range"])
+        self._gauge = BatteryGauge(world.battery)
+        self._scan = Beat(world.sensors.scan.rate)
+        self._heartbeat = Beat(5.0)
+        self._ranges = Normals(rngs["scan"], RAYS, 100)
+        self._link = rngs["link"]
+        self._fixes: deque[Gnss] = deque()
+        self._orders: deque[tuple[int, Action, float | None]] = deque()
+        self._cycle = NO_CYCLE
+        self._ids = frozenset(marker.id for marker in world.markers)
+        self._inbox = Inbox()
+        self._flow.start(self.now, self._plant.state)
+        self._remember()
+
+    @property
+    def truth(self) -> TrueState:
+        """The true state now."""
+        return self.track.last
+
+    @property
+    def now(self) -> float:
+        """Simulated time (s)."""
+        return self._plant.now
+
+    @property
+    def ready(self) -> bool:
+        """Whether the autopilot's arming checks pass."""
+        memory = self._plant.memory
+        return bool(
+            self.now >= 1.0
+            and memory[kernel_layout.GNSS_OK]
+            and memory[kernel_layout.ON_GROUND]
+            and not memory[kernel_layout.CRASHED]
+            and self._charge >= self.world.autopilot.arming_charge
+        )
+
+    async def connect(self) -> None:
+        """Do nothing: a simulated vehicle is always there."""
+
+    async def observe(self, until: float) -> Observation:
+        """Return `advance(until)`."""
+        return self.advance(until)
+
+    async def send(self, command: Command) -> None:
+        """Do `apply(command)`."""
+        self.apply(command)
+
+    async def close(self) -> None:
+        """Do nothing."""
+
+    def entered(self, state: str, at: float) -> None:
+        """Note that the mission entered `state` at `at` (s), for faults that wait for it."""
+        self._mishaps.entered.setdefault(state, at)
+
+    def apply(self, command: Command) -> None:
+        """Send a command; it arrives 20 to 40 ms later.
+
+        Without setpoint and action a vehicle in offboard mode is told to hold; one that takes off,
+        lands or holds is left alone. RETURN is refused, which an event says.
+
+        Raises:
+            VehicleError: the setpoint is one that is not flown here.
+        """
+        low, high = self.world.autopilot.latency
+        due = self.now + low + (high - low) * self._link.random()
+        self.payload = command.payload
+        action = command.action
+        if (
+            action is None
+            and command.setpoint is None
+            and self._plant.mode == kernel_layout.OFFBOARD
+        ):
+            action = Action.HOLD
+        if action is not None:
+            step = max(self._plant.step + 1, round(due * kernel_layout.RATE))
+            self._orders.append((step, action, command.height))
+        if command.setpoint is not None:
+            self._plant.tell(velocity_for(command.setpoint, self._plant.state), due)
+
+    def advance(self, until: float) -> Observation:
+        """Fly to mission time `until` (s) and return all that arrived on the way."""
+        target = round(until * kernel_layout.RATE)
+        while self._plant.step < target:
+            stop = min(target, self._plant.step + STRETCH, self._feed.next_step)
+            if self._orders:
+                stop = min(stop, max(self._orders[0][0], self._plant.step + 1))
+            self._fly(stop)
+            self._obey()
+            self._sense()
+        box, self._inbox = self._inbox, Inbox()
+        return Observation(
+            now=until,
+            imu=tuple(box.imu),
+            gnss=box.gnss,
+            baro=box.baro,
+            mag=box.mag,
+            frame=self._feed.deliver(self.now),
+            scan=box.scan,
+            battery=box.battery,
+            status=box.status,
+            events=tuple(box.events),
+            cycle=self._load(until),
+            flow=box.flow,
+            range=box.range,
+        )
+
+    def _load(self, now: float) -> Cycle:
+        """Return the timing that guards see: nothing of the machine that simulates."""
+        slow = self._mishaps.since("cpu_slow", now)
+        took = 0.0 if slow is None else slow[0]
+        if took or self._cycle.overruns:
+            self._cycle = Cycle(sense=took, overruns=self._cycle.overruns + (took > BUDGET))
+        return self._cycle
+
+    @property
+    def _charge(self) -> float:
+        return self._gauge.charge(float(self._plant.memory[kernel_layout.ENERGY]))
+
+    def _fly(self, stop: int) -> None:
+        plant = self._plant
+        first = plant.step // kernel_layout.IMU_EVERY + 1
+        self._mislead()
+        rows = plant.advance(stop, self._extra_wind())
+        period = kernel_layout.IMU_EVERY / kernel_layout.RATE
+        biased = self._mishaps.since("imu_biased", self.now)
+        if biased is not None:
+            rows[:, 0] += biased[0]
+        self._inbox.imu += [
+            Imu((first + n) * period, row[:3], row[3:]) for n, row in enumerate(rows)
+        ]
+        sag = self._mishaps.since("battery_sag", self.now)
+        self._gauge.sag = max(self._gauge.sag, sag[0] if sag else 0.0)
+        plant.memory[kernel_layout.POWERED] = float(self._charge > 0.0)
+        self._remember()
+
+    def _remember(self) -> None:
+        memory = self._plant.memory
+        rest = (
+            memory[kernel_layout.ON_GROUND],
+            memory[kernel_layout.ARMED],
+            memory[kernel_layout.MODE],
+            memory[kernel_layout.CRASHED],
+            self._charge,
+            memory[kernel_layout.CLEARANCE],
+            memory[kernel_layout.ENERGY],
+        )
+        self.track.add(self.now, self._plant.state[:13], rest)
+
+    def _extra_wind(self) -> Vec3 | None:
+        gust = self._mishaps.since("wind_gust", self.now)
+        if gust is None:
+            return None
+        mean = vec(*self.world.wind.mean)
+        size = norm(mean)
+        along = mean / size if size > 0.0 else vec(1.0, 0.0, 0.0)
+        return gust[0] * along
+
+    def _mislead(self) -> None:
+        """Let faults have their way with the inner autopilot."""
+        bias = self._mishaps.since("velocity_bias", self.now)
+        slow = self._mishaps.since("control_slow", self.now)
+        self._plant.mislead(
+            vec(0.0, 0.0, 0.0) if bias is None else turning(*bias), 0.0 if slow is None else slow[0]
+        )
+
+    def _obey(self) -> None:
+        while self._orders and self._orders[0][0] <= self._plant.step:
+            _, action, height = self._orders.popleft()
+            if not self._plant.order(action, height, ready=self.ready):
+                self._inbox.events.append(f"{action}_refused")
+
+    def _sense(self) -> None:
+        step, now = self._plant.step, self.now
+        x, box = self._plant.state, self._inbox
+        self._take_fix(step, now)
+        if self._baro.beat.due(step):
+            stuck = self._mishaps.active("baro_stuck", now)
+            box.baro = self._baro.measure(now, x, stuck=stuck)
+        if self._mag.beat.due(step):
+            box.mag = self._mag.measure(now, x)
+        if self._flow.beat.due(step):
+            box.flow = self._flow.measure(now, x)
+        if self._range.beat.due(step):
+            seen = self._range.measure(now, x)
+            box.range = None if self._mishaps.active("range_lost", now) else seen
+        if self._scan.due(step):
+            box.scan = self._look_around(now)
+        if step == self._feed.next_step:
+            self._expose(now)
+        self._telemetry(step, now)
+
+    @property
+    def _aiding(self) -> float:
+        """What keeps the autopilot's own velocity right, as `kernel_layout.GNSS_OK` has it."""
+        return float(self._mishaps.without_fixes(self.now) is None)
+
+    def _take_fix(self, step: int, now: float) -> None:
+        lost = self._mishaps.without_fixes(now) is not None
+        self._plant.memory[kernel_layout.GNSS_OK] = self._aiding
+        if self._gnss.beat.due(step):
+            jump = self._mishaps.since("gnss_jump", now) or (0.0, 0.0)
+            drift = self._mishaps.since("gnss_drift", now) or (0.0, 0.0)
+            offset = vec(jump[0] + drift[0] * drift[1], 0.0, 0.0)
+            fix = self._gnss.measure(now, self._plant.state, offset)
+            if not lost:
+                self._fixes.append(fix)
+        while self._fixes and self._fixes[0].at + self._gnss.latency <= now + 1e-9:
+            self._inbox.gnss = self._fixes.popleft()
+
+    def _look_around(self, now: float) -> Scan:
+        x, model = self._plant.state, self.world.sensors.scan
+        noise = model.sd * self._ranges.take(1)[0]
+        points = ring(self._plant.things, x[:3], yaw_of(x[6:10]), model.range, noise)
+        turned = points @ to_matrix(x[6:10]) if len(points) else points
+        return Scan(now, turned, model.range)
+
+    def _expose(self, now: float) -> None:
+        faults = self._mishaps
+        self._feed.expose(
+            self._plant.state,
+            hidden=faults.hidden(now, self._ids),
+            delay=(faults.since("camera_delayed", now) or (0.0, 0.0))[0],
+            off=faults.active("camera_off", now),
+            frozen=faults.active("camera_frozen", now),
+            flipped=faults.active("camera_flipped", now),
+        )
+
+    def _telemetry(self, step: int, now: float) -> None:
+        battery, heartbeat = self._gauge.beat.due(step), self._heartbeat.due(step)
+        if self._mishaps.active("link_lost", now):
+            return
+        plant = self._plant
+        if battery:
+            energy = float(plant.memory[kernel_layout.ENERGY])
+            self._inbox.battery = self._gauge.measure(now, energy, self._power())
+        if heartbeat:
+            mode = kernel_layout.MODES[plant.mode]
+            self._inbox.status = VehicleStatus(
+                now, plant.armed, not plant.on_ground, self.ready, mode
+            )
+
+    def _power(self) -> float:
+        thrusts = self._plant.state[13:17].clip(0.0)
+        quad = self.world.quadrotor
+        hover = quad.mass * kernel_layout.GRAVITY / 4.0
+        return quad.hover_power * float(((thrusts / hover) ** 1.5).mean())
+
+
+def turning(size: float, age: float) -> Vec3:
+    """Return the bias (3,), m/s, NED, of the autopilot's own velocity at its `age` (s)."""
+    size *= min(1.0, age / ONSET)
+    angle = 2.0 * math.pi * age / TURN
+    return vec(size * math.cos(angle), size * math.sin(angle), 0.0)

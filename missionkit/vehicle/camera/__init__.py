@@ -1,0 +1,1 @@
+"""The camera: devices, files and streams, and frames with their times."""

@@ -1,0 +1,1 @@
+"""Commands: who commands, setpoints, orders to the autopilot, the payload."""

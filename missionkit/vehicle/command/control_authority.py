@@ -1,0 +1,266 @@
+"""Who commands: missionkit, a pilot, or the autopilot by itself; an explicit machine.
+
+    ground -> commanding <-> doubting        missionkit commands
+    pilot, failsafe, rebooted, stranger      it has given way, until a person gives control back
+
+A mode counts as ours if missionkit asked for it, or where the autopilot ends what was asked for by
+itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
+pilot's. A first heartbeat that says otherwise is only doubted: no mode is asked for until the next
+one confirms it or takes it back. A landing or return that was accepted, and that two heartbeats in
+the air do not show afterwards, was overridden by a pilot.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from transitions import Machine
+
+from missionkit.vehicle.autopilot_dialect import Dialect, word
+from missionkit.vehicle.link.heartbeat_check import Said, said
+from missionkit.vehicle.link.message_cache import Message
+from missionkit.vehicle.link.message_rates import REBOOTED
+from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
+
+PILOT_TAKEOVER = "pilot_takeover"
+FAILSAFE_TAKEOVER = "failsafe_takeover"  # it had not heard us: the autopilot acted by itself
+VEHICLE_CHANGED = "vehicle_changed"  # another kind of vehicle answers
+CRITICAL = 5  # MAV_STATE: both autopilots say so while a failsafe of theirs is active
+REFUGES = frozenset(("hold", "brake", "land", "return", "smart_return"))  # what failsafes choose
+FOUND = frozenset(("hold", "offboard", "take_off", "land", "guided"))
+"""Modes that a missionkit may have left behind; in any other one a pilot flies."""
+
+LEADS_TO = {"land": frozenset((21, 176)), "return": frozenset((20, 176))}
+"""MAV_CMD that ask for a mode which stays until it ends by itself, or a pilot chooses another."""
+
+OVERRIDDEN = 2  # heartbeats that do not show such a mode
+
+SHORT, SHARE = 1.0, 0.4  # m, and part of a take-off's height, by which it may end early
+AT_HOME = 3.0  # m from home, where a return ends
+
+MISSION_STATES = ("ground", "commanding", "doubting")
+GIVEN_UP = ("pilot", "failsafe", "rebooted", "stranger")
+TRANSITIONS: list[list[Any]] = [  # trigger, from, to
+    ["ask", ["ground", "commanding"], "="],
+    ["hear_ours", MISSION_STATES, "commanding"],
+    ["hear_disarmed", MISSION_STATES, "ground"],
+    ["hear_doubtful", MISSION_STATES, "doubting"],
+    ["hear_pilot", [*MISSION_STATES, "failsafe", "rebooted"], "pilot"],
+    ["hear_failsafe", MISSION_STATES, "failsafe"],
+    ["hear_stranger", [*MISSION_STATES, "failsafe", "rebooted"], "stranger"],
+    ["reboot_in_flight", [*MISSION_STATES, "failsafe"], "rebooted"],
+    ["reboot_on_ground", MISSION_STATES, "ground"],
+    ["give_back", GIVEN_UP, "commanding"],
+]
+
+
+def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> bool:
+    """Return whether the autopilot may have ended an order by itself, in `mode`, just there.
+
+    Args:
+        order: mode that was asked for.
+        height: m, of a take-off.
+        mode: that it is in now.
+        where: the vehicle is.
+    """
+    if (order, mode) == ("take_off", "hold"):
+        wanted = 0.0 if height is None else height - min(SHORT, SHARE * height)
+        return where.height is not None and where.height >= wanted and not where.on_ground
+    if (order, mode) == ("land", "hold"):
+        return where.on_ground is True
+    if order == "return" and mode in {"land", "hold"}:
+        home = where.from_home is not None and where.from_home <= AT_HOME
+        return where.on_ground is True or home
+    return False
+
+
+class ControlAuthority:
+    """Notices that somebody else commands, and keeps it so until a person gives control back.
+
+    Args:
+        dialect: of the autopilot.
+        let_go: called at once when control is given up, on the thread that brings the heartbeat.
+        tell: takes an event for the mission.
+        unheard: says, at a heartbeat, whether the autopilot may not have heard us for a while.
+        where: says where the vehicle is.
+        note: takes a sentence for the record.
+    """
+
+    state: str
+    trigger: Any  # of transitions, by name
+    may_trigger: Any
+
+    def __init__(
+        self,
+        dialect: Dialect,
+        let_go: Callable[[], None],
+        tell: Callable[[str], None],
+        unheard: Callable[[], bool],
+        where: Callable[[], Whereabouts] = lambda: NOWHERE,
+        note: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._dialect = dialect
+        self._let_go = let_go
+        self._tell = tell
+        self._unheard = unheard
+        self._where = where
+        self._note = note
+        self._lock = threading.RLock()
+        self._mode = ""  # reported last
+        self._armed = False
+        self._aim = ""  # mode we asked for last; "": none yet
+        self._height: float | None = None  # m, of the take-off we asked for last
+        self._was_unheard = False  # when the mode was first doubted
+        self._accepted = False  # what we asked for last, and long enough ago to show
+        self._against = 0  # heartbeats since that show another mode in the air
+        Machine(
+            self,
+            states=[*MISSION_STATES, *GIVEN_UP],
+            transitions=TRANSITIONS,
+            initial="ground",
+            auto_transitions=False,
+        )
+
+    @property
+    def ours(self) -> bool:
+        """Whether we may command."""
+        return self.state in MISSION_STATES
+
+    @property
+    def aim(self) -> str:
+        """The mode we asked for last."""
+        return self._aim
+
+    def fire(self, trigger: str) -> bool:
+        """Take a transition of TRANSITIONS; say whether there is one from here."""
+        return bool(self.may_trigger(trigger) and self.trigger(trigger))
+
+    def order(self, mode: str, height: float | None = None) -> bool:
+        """Note that we ask for a mode, a take-off to a height (m); say whether we may."""
+        with self._lock:
+            if not self.fire("ask"):
+                return False
+            self._aim, self._accepted, self._against = mode, False, 0
+            self._height = self._height if height is None else height
+            return True
+
+    def expects(self, now: Said) -> bool:
+        """Say whether what a heartbeat says is no surprise."""
+        with self._lock:
+            if now.armed != self._armed:
+                return bool(self._aim) if now.armed else self._where().on_ground is True
+            if not now.armed or not self.ours:
+                return True
+            return self._of_our_making(word(self._dialect, now.mode))
+
+    def doubt(self) -> None:
+        """Note that a heartbeat said something surprising: ask for nothing until the next one."""
+        unheard = self._unheard()
+        with self._lock:
+            self._was_unheard = unheard or (self.state == "doubting" and self._was_unheard)
+            self.fire("hear_doubtful")
+
+    def accepted(self, command: int) -> None:
+        """Note that heartbeats show from now on what a command (MAV_CMD) did."""
+        with self._lock:
+            self._accepted |= command in LEADS_TO.get(self._aim, ())
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether the last heartbeat has to be confirmed by another one."""
+        return 0 < self._against < OVERRIDDEN
+
+    def hear(self, message: Message) -> None:
+        """Take a heartbeat in that is believed."""
+        if message.name != "HEARTBEAT":
+            return
+        now = said(message.fields)
+        mode = word(self._dialect, now.mode)
+        unheard = self._unheard()
+        with self._lock:
+            event, why = self._heard(now, mode, int(message["system_status"]), unheard=unheard)
+            aim, self._mode, self._armed = self._aim, mode, now.armed
+            if not now.armed or (not aim and self.ours):
+                self._aim = mode if now.armed else ""
+            self._was_unheard = False
+        if event:
+            asked = f"it asked for {aim}" if aim else "it asked for none"
+            self._give_way(event, f"mode {mode}, which missionkit did not choose ({asked}): {why}")
+
+    def rebooted(self, *, flying: bool) -> None:
+        """Note that the autopilot has restarted; if it was flying, nothing is resumed."""
+        with self._lock:
+            if flying:
+                self.fire("reboot_in_flight")
+            else:
+                self.fire("reboot_on_ground")
+                self._aim, self._armed = "", False
+        if flying:
+            self._give_way(REBOOTED, "the autopilot has restarted in flight")
+        else:
+            self._tell(REBOOTED)
+
+    def replaced(self, by: str) -> None:
+        """Note that another kind of vehicle answers now."""
+        with self._lock:
+            taken = self.fire("hear_stranger")
+        if taken:
+            self._give_way(VEHICLE_CHANGED, f"the vehicle now says that it is a {by}")
+
+    def overruled(self) -> None:
+        """Note that the guardian has stopped the vehicle: nothing is resumed by itself."""
+        with self._lock:
+            taken = self.ours and self.fire("hear_failsafe")
+        if taken:
+            self._give_way(FAILSAFE_TAKEOVER, "missionkit fell silent, and its guardian holds")
+
+    def resume(self) -> bool:
+        """Command again, from whatever mode it is in; say whether control had been given up."""
+        with self._lock:
+            self._aim = self._mode if self._armed else ""
+            return self.fire("give_back")
+
+    def _heard(self, now: Said, mode: str, status: int, *, unheard: bool) -> tuple[str, str]:
+        """Make the transition of a heartbeat; return the event of a takeover, and why."""
+        if not now.armed:
+            self.fire("hear_disarmed")
+            return "", ""
+        if not self._overridden(mode) and self._of_our_making(mode):
+            self.fire("hear_ours")
+            return "", ""
+        alarmed = status == CRITICAL and mode in REFUGES
+        if self.ours and (alarmed or unheard or self._was_unheard):
+            self.fire("hear_failsafe")
+            cause = "its state is critical" if alarmed else "it had not heard missionkit"
+            return FAILSAFE_TAKEOVER, f"the autopilot's own failsafe, {cause}"
+        if self.ours or (mode != self._mode and mode not in REFUGES):
+            taken = self.fire("hear_pilot")
+            return (PILOT_TAKEOVER, "a pilot commands") if taken else ("", "")
+        return "", ""
+
+    def _of_our_making(self, mode: str) -> bool:
+        if not self._aim:  # armed by somebody else, or found flying
+            return mode in FOUND
+        if mode == self._aim:
+            return True
+        where = self._where()
+        if mode == self._mode:
+            broken_off = self._aim == "take_off" and mode == "hold" and where.on_ground is False
+            return not broken_off or ends("take_off", self._height, mode, where)
+        return any(ends(it, self._height, mode, where) for it in (self._aim, self._mode))
+
+    def _overridden(self, mode: str) -> bool:
+        """Count a heartbeat; return whether somebody chose another mode after ours was accepted."""
+        where = self._where()
+        if not self._accepted or mode == self._aim or ends(self._aim, self._height, mode, where):
+            self._against = 0
+        elif where.on_ground is False:
+            self._against += 1
+        return self._against >= OVERRIDDEN
+
+    def _give_way(self, event: str, why: str) -> None:
+        self._let_go()
+        self._tell(event)
+        self._note(f"control given up: {why}; a person gives it back")

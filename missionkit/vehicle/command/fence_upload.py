@@ -1,0 +1,89 @@
+"""The autopilot's own geofence and rally points, uploaded and read back.
+
+The last line of defence: it holds when companion and link are gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from missionkit.errors import VehicleError
+from missionkit.geometry import vec
+from missionkit.vehicle.link.connection import Link
+from missionkit.vehicle.link.plan_item import Item
+from missionkit.vehicle.telemetry.earth_origin import Origin
+
+INCLUSION = 5001  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+EXCLUSION_CIRCLE = 5004  # MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
+RALLY = 5100  # MAV_CMD_NAV_RALLY_POINT
+FENCE_PLAN, RALLY_PLAN = 1, 2  # MAV_MISSION_TYPE
+GLOBAL, RELATIVE = 0, 3  # MAV_FRAME
+Ground = tuple[float, float]  # north, east, m
+
+_SAME = ("command", "x", "y", "mission_type")
+
+
+def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[Item, ...]:
+    """Return the items of a fence to stay inside of; at least three corners."""
+    count = len(corners)
+    if count < 3:
+        raise VehicleError("a fence needs at least three corners")
+    items = []
+    for seq, corner in enumerate(corners):
+        x, y = _place(origin, corner)
+        items.append(Item(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, GLOBAL, param1=float(count)))
+    return tuple(items)
+
+
+def box(origin: Origin, north: Ground, east: Ground) -> tuple[Item, ...]:
+    """Return the fence of `inside_fence`: between two norths and two easts (m)."""
+    (south, top), (west, right) = north, east
+    return polygon(origin, ((south, west), (top, west), (top, right), (south, right)))
+
+
+def rally(origin: Origin, points: Sequence[tuple[float, float, float]]) -> tuple[Item, ...]:
+    """Return rally points (north, east, height above home, m)."""
+    items = []
+    for seq, (north, east, height) in enumerate(points):
+        x, y = _place(origin, (north, east))
+        items.append(Item(seq, RALLY, x, y, height, RALLY_PLAN, RELATIVE))
+    return tuple(items)
+
+
+def set_fence(link: Link, items: Sequence[Item]) -> None:
+    """Upload a fence and make sure that the autopilot has it. Blocks the calling thread.
+
+    Raises:
+        VehicleError: it does not.
+    """
+    link.upload_fence(items)
+    _same("the geofence", items, link.download_fence())
+
+
+def set_rally(link: Link, items: Sequence[Item]) -> None:
+    """Upload rally points and make sure that the autopilot has them. Blocks the calling thread.
+
+    Raises:
+        VehicleError: it does not.
+    """
+    link.upload_rally(items)
+    _same("the rally points", items, link.download_rally())
+
+
+def _place(origin: Origin, ground: Ground) -> tuple[int, int]:
+    latitude, longitude, _ = origin.place(vec(*ground, 0.0))
+    return round(1e7 * latitude), round(1e7 * longitude)
+
+
+def _same(what: str, sent: Sequence[Item], got: Sequence[Item]) -> None:
+    differ = len(sent) != len(got) or any(
+        any(getattr(a, name) != getattr(b, name) for name in _SAME)
+        or abs(a.z - b.z) > 0.01
+        or abs(a.param1 - b.param1) > 0.01
+        for a, b in zip(sent, got, strict=True)
+    )
+    if differ:
+        raise VehicleError(
+            f"{what} was sent with {len(sent)} points, but the autopilot has {len(got)}, "
+            "or other ones: do not rely on it"
+        )

@@ -1,0 +1,203 @@
+"""What there is only while connected, and how it carries out a tick's command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+from missionkit.geometry import Vec3, vec
+from missionkit.messages import Action, AnySetpoint, Command, PositionSetpoint
+from missionkit.vehicle.autopilot_dialect import OPTIONAL, Dialect
+from missionkit.vehicle.command.autopilot_commands import OFFBOARD, Commander
+from missionkit.vehicle.command.control_authority import ControlAuthority
+from missionkit.vehicle.command.payload import Payload
+from missionkit.vehicle.command.setpoint_encoding import leashed, message
+from missionkit.vehicle.command.setpoint_stream import STALE, STILL, Streamer
+from missionkit.vehicle.link.clocks import MissionClock, wall
+from missionkit.vehicle.link.connection import Link
+from missionkit.vehicle.link.message_cache import Cache
+from missionkit.vehicle.link.message_check import MessageCheck
+from missionkit.vehicle.link.message_rates import HEARTBEAT, LINK_LOST_AFTER, Streams
+from missionkit.vehicle.link.time_sync import TimeSync
+from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.flight_phase import FlightPhase
+from missionkit.vehicle.telemetry.message_readings import triple
+from missionkit.vehicle.telemetry.observer import Observer
+
+BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
+PLACED = 0.5  # s, wall, for which a reported position counts
+ORIGIN = vec(0.0, 0.0, 0.0)
+GAP = 2.0  # s between two heartbeats: the link was gone
+
+
+class ConnectedVehicle:
+    """Everything that shares one link.
+
+    Args:
+        link: to the autopilot.
+        dialect: of the autopilot.
+        cache: where its messages are.
+        clock: mission time.
+        tell: takes an event for the mission.
+        note: takes a sentence for the record.
+        check: decides which messages are believed.
+        pace: seconds of the vehicle in one of the wall.
+        idle: called when setpoints stop on purpose.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        dialect: Dialect,
+        cache: Cache,
+        clock: MissionClock,
+        tell: Callable[[str], None],
+        note: Callable[[str], None],
+        check: MessageCheck,
+        pace: float,
+        idle: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.link = link
+        self.dialect = dialect
+        self.state = AutopilotState(cache, dialect)
+        self.phase = FlightPhase(cache, dialect)
+        self.time_sync = TimeSync(link, wall, pace, note)
+        self.observer = Observer(cache, self.phase, clock, self.time_sync.take)
+        self.authority = ControlAuthority(
+            dialect, self._let_go, tell, self._unheard, self.state.whereabouts, note
+        )
+        self._idle = idle
+        self.streamer = Streamer(self._emit, self._listens, wall, pace, paused=self._pauses)
+        self.commander = Commander(link, cache, dialect, self.state, self.authority.order, pace)
+        self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, pace)
+        self.payload = Payload(link, cache, pace)
+        self._check = check
+        self._cache = cache
+        self._pace = pace
+
+    def start(self) -> None:
+        """Begin."""
+        self._cache.listen(self.streams.hear)
+        self._cache.listen(self.time_sync.hear)
+        beat = self._cache.latest("HEARTBEAT")
+        if beat is not None:
+            self.authority.hear(beat)
+        self._check.report_to(
+            self.authority, self._rebooted, lambda: self.streams.request(HEARTBEAT)
+        )
+        self.streams.tend()
+        self.streamer.start()
+        self.commander.start()
+
+    def leave(self) -> None:
+        """Stop commanding. Blocks the calling thread for at most a few seconds."""
+        self.streamer.stop()
+        self.commander.stop()
+        self.payload.release()
+        if not self.authority.ours or not self.state.in_air:
+            self._idle()
+        elif self.state.mode == self.dialect.offboard_word:
+            with suppress(RuntimeError):  # no link, no hold: its failsafe will
+                self._emit(STILL)
+                self.commander.carry_out((Action.HOLD, None))
+        elif self.authority.aim == self.state.mode:
+            self._idle()
+
+    def obey(self, command: Command, at: float) -> None:
+        """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
+        self.payload.want(command.payload if self.authority.ours else None)
+        if not self.authority.ours:
+            return
+        if command.action is not None:
+            self._act(command.action, command.height, at)
+        elif command.setpoint is not None:
+            self._steer(command.setpoint, at)
+        else:
+            self._rest(at)
+
+    def _act(self, action: Action, height: float | None, at: float) -> None:
+        self.streamer.tell(STILL, at)
+        if action is Action.TAKE_OFF:
+            self.phase.take_off(height)
+        elif action is not Action.ARM:
+            self.phase.end()
+        if not self._shows(action):
+            self.commander.want((action, height if action is Action.TAKE_OFF else None))
+
+    def _steer(self, setpoint: AnySetpoint, at: float) -> None:
+        state, dialect = self.state, self.dialect
+        self.phase.steer()
+        self.streamer.tell(setpoint, at)
+        if not state.armed or not state.in_air or state.mode == dialect.offboard_word:
+            return
+        if self.streamer.streaming(wall()) * self._pace >= dialect.warm:
+            self.commander.want((OFFBOARD, None))
+
+    def _rest(self, at: float) -> None:
+        self.streamer.tell(STILL, at)
+        if self.state.mode == "offboard":
+            self.commander.want((Action.HOLD, None))
+        self.phase.rest()
+
+    def _shows(self, action: Action) -> bool:
+        """Say whether telemetry shows already what an action would bring about."""
+        mode, armed = self.state.mode, self.state.armed
+        return {
+            Action.ARM: armed is True,
+            Action.TAKE_OFF: mode == "take_off",
+            Action.HOLD: mode == self.dialect.hold_word,
+            Action.LAND: mode == "land",
+            Action.RETURN: mode == "return",
+            Action.DISARM: armed is False,
+        }[action]
+
+    def _let_go(self) -> None:
+        self.streamer.quiet()
+        self.commander.drop()
+        self._idle()
+
+    def _rebooted(self) -> None:
+        self.streams.forgotten()
+        self.authority.rebooted(flying=bool(self.state.armed))
+        self.observer.forget()
+
+    def _unheard(self) -> bool:
+        """Whether setpoints had stopped, or the link was gone, before the present heartbeat."""
+        silent = (wall() - self.streamer.last) * self._pace > STALE
+        steering = self.authority.aim == "offboard"
+        return (silent and steering) or self.streams.gap > GAP
+
+    def _listens(self) -> bool:
+        """Whether a setpoint may go out now: ours to command, heard of lately, in a fit mode."""
+        state, dialect = self.state, self.dialect
+        if not self.authority.ours or not state.armed:
+            return False
+        if (wall() - state.heard) * self._pace > LINK_LOST_AFTER:
+            return False
+        if state.heard < self.streamer.woken + BACKLOG:
+            return False  # what was heard may have waited while the process stood still
+        if dialect.early:
+            return state.mode != "land"  # ignored outside offboard, and needed to enter it
+        return state.mode == dialect.offboard_word and not self.phase.climbing
+
+    def _pauses(self) -> bool:
+        """Tell the guardian that setpoints stop on purpose, if they do: waking up is no purpose."""
+        if self.state.heard < self.streamer.woken + BACKLOG:
+            return False
+        self._idle()
+        return True
+
+    def _emit(self, setpoint: AnySetpoint) -> None:
+        start = self.observer.start
+        if isinstance(setpoint, PositionSetpoint):
+            setpoint = self._reachable(setpoint, start)
+        name, fields = message(setpoint, wall(), ORIGIN if start is None else start)
+        self.link.send(name, **fields)
+
+    def _reachable(self, setpoint: PositionSetpoint, start: Vec3 | None) -> AnySetpoint:
+        """Return what to send for a position; STILL while it is not known where that lies."""
+        placed = self._cache.latest("LOCAL_POSITION_NED", PLACED)
+        here = None if placed is None else triple(placed.fields, "x", "y", "z")
+        if start is None or here is None:
+            return STILL
+        return leashed(setpoint, here - start, self.dialect.leash)

@@ -1,0 +1,1 @@
+"""The link: addresses, connection, heartbeats, clocks, and which messages are believed."""

@@ -1,0 +1,101 @@
+"""Which heartbeats are believed: one packet that says something surprising is not enough.
+
+A change of mode or of arming that missionkit expects is believed at once. One that it does not is
+believed once a second heartbeat in a row says the same; until then the autopilot counts as it was.
+The second one is asked for, so that a pilot does not have to wait for it. What another kind of
+vehicle says is ignored, unless it says so three times and nothing else is heard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from missionkit.vehicle.link.message_cache import Fields
+
+ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
+APART = 0.15  # s between two that agree: old ones overtaken on the way come closer together
+STRANGERS = 3  # heartbeats in a row of another kind of vehicle
+ALTERNATING = 3  # changes of kind and back: two vehicles
+STEADY = 10  # heartbeats in a row of one kind: the other one has gone
+
+
+class Said(NamedTuple):
+    """What a heartbeat says that counts."""
+
+    mode: int  # custom_mode
+    armed: bool
+
+
+Expected = Callable[[Said], bool]
+
+
+class Believed(NamedTuple):
+    """What to make of a heartbeat."""
+
+    fields: Fields | None  # to be passed on; None: it is ignored
+    doubted: Said | None = None  # what it said instead, and is not believed yet
+    retracted: Said | None = None  # what the one before it said, which this one does not
+    stranger: bool = False  # another kind of vehicle says so for the third time
+    odd: bool = False  # the first one of another kind
+
+
+def said(fields: Fields) -> Said:
+    """Return mode and arming of a heartbeat."""
+    return Said(int(fields["custom_mode"]), bool(int(fields["base_mode"]) & ARMED))
+
+
+class HeartbeatCheck:
+    """Keeps what is believed, and what is not yet."""
+
+    def __init__(self) -> None:
+        self._fields: Fields | None = None  # believed last
+        self._doubted: Said | None = None
+        self._since = 0.0  # s, when that was first said
+        self._strangers = 0
+        self._alternated = 0
+        self._steady = 0  # heartbeats in a row of the vehicle's own kind
+
+    @property
+    def contested(self) -> bool:
+        """Whether vehicles of two kinds answer in turn."""
+        return self._alternated >= ALTERNATING
+
+    def hear(self, fields: Fields, expected: Expected, at: float) -> Believed:
+        """Take a heartbeat in.
+
+        Args:
+            fields: what it says.
+            expected: says whether that needs no second one.
+            at: s, of the vehicle, when it came.
+        """
+        before = self._fields
+        if before is None:
+            return self._believe(fields)
+        if _kind(fields) != _kind(before):
+            self._strangers += 1
+            return Believed(None, stranger=self._strangers == STRANGERS, odd=self._strangers == 1)
+        self._steady = 0 if self._strangers else self._steady + 1
+        if self._strangers:
+            self._alternated += 1
+        elif self._steady >= STEADY:
+            self._alternated = 0
+        self._strangers = 0
+        now, doubted = said(fields), self._doubted
+        if now == said(before) or expected(now):
+            retracted = doubted if doubted is not None and now != doubted else None
+            return self._believe(fields, retracted)
+        if now == doubted and at - self._since >= APART:
+            return self._believe(fields)
+        if now != doubted:
+            self._since = at
+        self._doubted = now
+        return Believed(before, doubted=now)
+
+    def _believe(self, fields: Fields, retracted: Said | None = None) -> Believed:
+        self._fields, self._doubted = fields, None
+        return Believed(fields, retracted=retracted)
+
+
+def _kind(fields: Fields) -> tuple[int, int]:
+    return int(fields.get("autopilot", 0)), int(fields.get("type", 0))

@@ -1,0 +1,1 @@
+"""Pre-flight: what a vehicle says about itself, judged, and made safe."""

@@ -1,0 +1,73 @@
+"""Where the vehicle says it is: what a rendered camera looks from.
+
+A simulator that tells the truth about its vehicle is believed first (HIL_STATE_QUATERNION, which
+PX4's SIH sends); the autopilot's own estimate is next.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from missionkit.geometry import Transform, Vec3, vec
+from missionkit.vehicle.link.message_cache import Cache, Message
+from missionkit.vehicle.telemetry import message_readings
+from missionkit.vehicle.telemetry.earth_origin import Origin
+from missionkit.vehicle.telemetry.home_position import local_home
+from missionkit.vehicle.telemetry.observer import Observer
+
+FRESH = 0.5  # s
+
+
+class Pose(NamedTuple):
+    """A pose at a time."""
+
+    at: float  # s, mission time
+    body: Transform  # body to world
+    velocity: Vec3  # (3,), m/s, NED
+    rates: Vec3  # (3,), rad/s, FRD
+
+
+def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
+    """Return the newest pose, None while there is none.
+
+    Args:
+        cache: the newest messages.
+        observer: knows home and the clock.
+        sphere: m, radius of the earth in the autopilot's simulators.
+    """
+    truth = cache.latest("HIL_STATE_QUATERNION", FRESH)
+    if truth is not None and observer.origin is not None:
+        return _true(truth, observer, observer.origin._replace(sphere=sphere))
+    turned = cache.latest("ATTITUDE_QUATERNION", FRESH)
+    placed = cache.latest("LOCAL_POSITION_NED", FRESH)
+    if turned is None or placed is None:
+        return None
+    return _estimated(turned, placed, local_home(cache), observer)
+
+
+def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
+    attitude = message_readings.attitude(message["attitude_quaternion"])
+    at = observer.mission_time(message)
+    rates = message_readings.triple(message.fields, "rollspeed", "pitchspeed", "yawspeed")
+    velocity = message_readings.triple(message.fields, "vx", "vy", "vz")
+    if attitude is None or at is None or rates is None or velocity is None:
+        return None
+    place = origin.local(1e-7 * message["lat"], 1e-7 * message["lon"], 1e-3 * message["alt"])
+    return Pose(at, Transform(attitude, place), 0.01 * velocity, rates)
+
+
+def _estimated(
+    turned: Message, placed: Message, home: Vec3 | None, observer: Observer
+) -> Pose | None:
+    attitude = message_readings.turned(turned.fields)
+    position = message_readings.triple(placed.fields, "x", "y", "z")
+    velocity = message_readings.triple(placed.fields, "vx", "vy", "vz")
+    rates = message_readings.triple(turned.fields, "rollspeed", "pitchspeed", "yawspeed")
+    at, since = observer.mission_time(turned), observer.mission_time(placed)
+    if attitude is None or position is None or velocity is None or rates is None:
+        return None
+    if at is None or since is None:
+        return None
+    start = vec(0.0, 0.0, 0.0) if home is None else home
+    body = Transform(attitude, position - start + (at - since) * velocity)
+    return Pose(at, body, velocity, rates)

@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from missionkit.errors import VehicleError
+from missionkit.geometry import IDENTITY, from_euler, norm, to_euler, vec
+from missionkit.messages import Action, AttitudeSetpoint, Command, PositionSetpoint, Setpoint
+from missionkit.sim.position_control import (
+    CLIMB,
+    SPEED,
+    YAW_RATE,
+    velocity_for,
+)
+from missionkit.sim.world import World
+
+Make = Callable[..., Any]
+
+
+def test_a_position_setpoint_is_reached_and_held(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect)
+    flight.rise()
+    flight.wait(12.0, Command(PositionSetpoint(vec(6.0, -3.0, -4.0), 1.0)))
+    truth = flight.vehicle.truth
+    assert truth.position == pytest.approx([6.0, -3.0, -4.0], abs=0.1)
+    assert to_euler(truth.attitude)[2] == pytest.approx(1.0, abs=0.05)
+    assert norm(truth.velocity) < 0.1
+
+
+def test_an_attitude_is_refused_by_name(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect)
+    flight.rise()
+    with pytest.raises(VehicleError, match="no attitude setpoints: use missionkit sitl"):
+        flight.vehicle.apply(Command(AttitudeSetpoint(IDENTITY, 0.5)))
+
+
+def test_a_return_is_refused_and_the_vehicle_holds(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect)
+    flight.rise()
+    flight.act(Action.RETURN)
+    flight.wait(1.0)
+    assert flight.events == ["return_refused"]
+    assert flight.vehicle.truth.mode == "hold"
+
+
+def test_far_away_is_flown_to_at_a_limited_speed() -> None:
+    state = np.zeros(17)
+    state[6:10] = from_euler(0.0, 0.0, -2.0)
+    told = velocity_for(PositionSetpoint(vec(300.0, 400.0, 50.0), 1.0), state)
+    assert told.velocity == pytest.approx([0.6 * SPEED, 0.8 * SPEED, CLIMB])
+    assert told.yaw_rate == YAW_RATE
+
+
+def test_a_velocity_is_left_as_it_is() -> None:
+    setpoint = Setpoint(vec(1.0, 2.0, 3.0), 0.1)
+    assert velocity_for(setpoint, np.zeros(17)) is setpoint
+
+
+@pytest.mark.parametrize(
+    "bad", [PositionSetpoint(vec(math.nan, 0, 0), 0.0), PositionSetpoint(vec(0, 0, 0), math.inf)]
+)
+def test_a_place_that_is_none_is_refused(bad: PositionSetpoint) -> None:
+    with pytest.raises(VehicleError, match="not finite"):
+        velocity_for(bad, np.zeros(17))
