@@ -112,6 +112,36 @@ def test_a_hole_in_the_flow_is_bridged():
     assert navigator.read(known).position == pytest.approx(truth.position, abs=0.25)
 
 
+def drifted(seen: Observation) -> Observation:
+    """The range finder falls silent, and the barometer has drifted by 0.8 m."""
+    if seen.now <= 20.0:
+        return seen
+    baro = None if seen.baro is None else seen.baro._replace(height=seen.baro.height + 0.8)
+    return replace(seen, range=None, baro=baro)
+
+
+def test_without_its_range_it_claims_no_more_than_it_knows_and_says_so_in_time():
+    navigator, known = built(), built().begin()
+    for seen, truth in recorded():
+        known = navigator.propagate(known, drifted(seen))
+        state = navigator.read(known)
+        off = np.abs(state.position - truth.position)
+        assert state.health.diverged == (seen.now > 23.0 + 1e-6)
+        assert off[2] < 3.0 * state.health.height_sd + 0.1
+        assert np.hypot(*off[:2]) < 3.0 * state.health.position_sd + 0.1
+    assert state.health.height_sd > 0.8
+    assert off[2] > 0.4
+
+
+def test_a_vehicle_without_a_range_finder_flies_by_its_barometer_and_is_surer_of_nothing():
+    navigator = built()
+    known, _ = through(navigator, recorded(), lambda seen: replace(seen, range=None))
+    health = navigator.read(known).health
+    assert not health.diverged
+    assert health.height_sd > 0.9
+    assert health.position_sd > 1.0
+
+
 def test_silence_of_the_inertial_unit_is_told():
     navigator = built()
     known, _ = through(

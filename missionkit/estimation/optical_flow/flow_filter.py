@@ -177,7 +177,8 @@ class FlowFilter:
         s, (q, _, mu, S) = self._settings, _copies(known)
         if seen.range is not None:
             height = seen.range.distance * float(to_matrix(q)[2, 2])
-            self._axis.update(mu[UP], S[UP], height, s.range_sd**2, POSITION)
+            if self._axis.update(mu[UP], S[UP], height, s.range_sd**2, POSITION):
+                known = known._replace(range_at=known.now)
         if seen.baro is not None:
             self._axis.update(mu[UP], S[UP], seen.baro.height, s.baro_sd**2, POSITION)
         return known._replace(mu=mu, S=S)
@@ -193,7 +194,8 @@ class FlowFilter:
             return known._replace(refused=known.refused + 1)
         for axis in (NORTH, EAST):
             self._axis.update(mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], VELOCITY)
-        return known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0)
+        slip = known.slip + flow_state.slipped(known, z, s)
+        return known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0, slip=slip)
 
 
 def _copies(known: FlowMemory) -> tuple[Vec3, Vec3, Mat, Mat]:

@@ -29,6 +29,8 @@ class FlowMemory(NamedTuple):
     in_air: bool  # as the autopilot said last
     mag_at: float | None  # s, last field heard
     flow_at: float  # s, last flow used, or the last moment on the ground
+    range_at: float | None  # s, of the last range taken in the air
+    slip: float  # m, sd: what the flow's velocity is off by while no range says how high it is
     measured: Vec3 | None  # (2,), m/s, north and east by the flow of this observation
     refused: int  # flow samples in a row that could not be used
     reach: float  # m s, height summed over the time in the air: what a rate error counts for
@@ -49,6 +51,8 @@ def begin() -> FlowMemory:
         in_air=False,
         mag_at=None,
         flow_at=0.0,
+        range_at=None,
+        slip=0.0,
         measured=None,
         refused=0,
         reach=0.0,

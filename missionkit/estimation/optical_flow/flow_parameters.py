@@ -54,7 +54,9 @@ class FlowKalman(Plugin):
 
     align_for: Seconds = Field(default=4.0, gt=0, description="at rest on the ground")
     max_gap: Seconds = Field(default=0.03, description="between two inertial samples")
-    blind_after: Seconds = Field(default=3.0, description="diverged: no flow in the air")
+    blind_after: Seconds = Field(
+        default=3.0, description="diverged: no flow in the air, or no range any more"
+    )
     silent_after: Seconds = Field(default=0.5, description="diverged: no inertial samples")
     max_position_sd: Metres = Field(default=20.0, gt=0, description="diverged: above it")
     axis_filter: Literal["numba", "filterpy"] = Field(

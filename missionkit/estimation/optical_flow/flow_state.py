@@ -19,6 +19,9 @@ from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import Mat, Vec3, vec
 from missionkit.messages import Health, Target
 
+LATELY = 1.0
+"""s since the last range for which it still says how high the vehicle is."""
+
 
 def state(
     known: FlowMemory, surveyed: Mapping[str, tuple[Vec3, float]], settings: FlowKalman
@@ -39,7 +42,7 @@ def state(
             position_sd=sd,
             rejected=known.refused,
             placed=known.aligned,
-            height_sd=math.sqrt(max(float(known.S[UP, 0, 0]), 0.0)),
+            height_sd=height_sd(known, settings),
         ),
         targets={
             name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)
@@ -55,19 +58,51 @@ def position_sd(known: FlowMemory, rate_bias_sd: float) -> float:
     """Return the standard deviation (m) of the worse horizontal axis.
 
     The filters know of white noise alone. A turn rate that is wrong by b passes for a velocity
-    of b h: it adds b ∫ h dt.
+    of b h: it adds b ∫ h dt. A height that is wrong by a share of it makes the velocity wrong by
+    the same share: what that has come to while no range was heard is `slip`.
     """
     worst = max(float(known.S[axis, 0, 0]) for axis in (NORTH, EAST))
-    return math.sqrt(worst + (rate_bias_sd * known.reach) ** 2)
+    return math.sqrt(worst + (rate_bias_sd * known.reach) ** 2 + known.slip**2)
+
+
+def height_sd(known: FlowMemory, settings: FlowKalman) -> float:
+    """Return the standard deviation (m) of the height.
+
+    The barometer's offset drifts: without a range it is no better for being averaged.
+    """
+    drift = 0.0 if ranged(known) else settings.baro_sd
+    return math.sqrt(max(float(known.S[UP, 0, 0]), 0.0) + drift**2)
+
+
+def ranged(known: FlowMemory) -> bool:
+    """Say whether a range finder has said lately how high the vehicle is."""
+    return not known.in_air or (known.range_at is not None and known.now - known.range_at <= LATELY)
+
+
+def slipped(known: FlowMemory, velocity: Vec3, settings: FlowKalman) -> float:
+    """Return by how much (m, sd) the way since the last flow may be wrong for its height.
+
+    Args:
+        known: the memory before this flow was taken in, never longer than a second ago.
+        velocity: (2,), m/s, that it says.
+        settings: the filter's parameters.
+    """
+    height = float(known.mu[UP, 0])
+    if ranged(known) or not height > 0.0:
+        return 0.0
+    share = min(1.0, settings.baro_sd / height)
+    return share * math.hypot(*velocity.tolist()) * min(LATELY, known.now - known.flow_at)
 
 
 def diverged(known: FlowMemory, sd: float, settings: FlowKalman) -> bool:
     """Say whether the estimate must not be flown on."""
     silence = known.now - float(known.last[0])
     blind = known.now - known.flow_at
+    unranged = 0.0 if known.range_at is None or not known.in_air else known.now - known.range_at
     return (
         silence > settings.silent_after
         or blind > settings.blind_after
+        or unranged > settings.blind_after
         or sd > settings.max_position_sd
     )
 
