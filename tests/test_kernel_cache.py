@@ -60,7 +60,7 @@ CALL = (
 def test_a_kernel_that_takes_a_constant_from_another_file_follows_it(tree):
     """The numbers are those of the sources, with and without a kernel that was kept."""
     package = Path(kernel_cache.__file__).parent
-    for name in ("compiled", "kernel_cache", "private_folder"):
+    for name in ("jit", "kernel_cache", "private_folder"):
         shutil.copy(package / f"{name}.py", tree / "missionkit")
     (tree / "missionkit/kernel.py").write_text(KERNEL)
 

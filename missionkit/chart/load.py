@@ -94,11 +94,25 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     )
     if wrong:
         raise _refusal(wrong, expanded)
-    known, files = map_loading.read(mission, Path(document.file).parent)
-    mission.with_files((*expanded.files, *files), known)
-    if unfit := list(map_loading.problems_of(mission)):
+    return elaborate(mission, expanded, Path(document.file).parent)
+
+
+def elaborate(mission: Mission, expanded: Expanded, folder: Path) -> Mission:
+    """Return a mission with the map that it names; the mission itself stays as it is.
+
+    Args:
+        mission: as its file says.
+        expanded: the file's data, and the files that it includes.
+        folder: of the file; nothing outside it is read.
+
+    Raises:
+        FileError: the map cannot be used, or the mission wants on it what cannot be.
+    """
+    known, files = map_loading.read(mission, folder)
+    complete = mission.with_files((*expanded.files, *files), known)
+    if unfit := list(map_loading.problems_of(complete)):
         raise _refusal(unfit, expanded)
-    return mission
+    return complete
 
 
 def load_model(path: Path, model: type[M]) -> M:

@@ -1,6 +1,6 @@
 """Interrupting plug-ins that do not return.
 
-The tick itself contains what plug-ins raise or answer (`chart.semantics.plugin_containment`).
+The tick itself contains what plug-ins raise or answer (`plugin_containment`).
 This module adds the clock that the pure tick may not have.
 """
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from missionkit.chart import map_loading
-from missionkit.chart.load import load, parse
+from missionkit.chart.load import elaborate, load, parse
 from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.text.parameter_expansion import Expanded
 from missionkit.errors import FileError
 
 MISSION = """\
@@ -56,6 +57,17 @@ def test_a_map_file_is_read_and_counts_as_a_file_of_the_mission(tmp_path):
     assert mission.known.costs.shape == (20, 30)
     assert mission.known.spot(0, 0) == (-3.0, -2.0)
     assert [path.name for path in mission.included] == ["map.yaml", "map.png"]
+
+
+def test_elaborating_a_mission_leaves_the_mission_itself_as_it_was(tmp_path):
+    path = written(tmp_path)
+    mission = load(path, builtin())
+    bare = mission.with_files((), None)
+    whole = elaborate(bare, Expanded({}, {}, ()), tmp_path)
+    assert (bare.known, bare.included) == (None, ())
+    assert whole.known.costs.shape == (20, 30)
+    assert [it.name for it in whole.included] == ["map.yaml", "map.png"]
+    assert whole.states == mission.states
 
 
 @pytest.mark.parametrize(

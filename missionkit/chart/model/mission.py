@@ -298,9 +298,10 @@ class Mission(MissionPart):
         return self._known
 
     def with_files(self, files: tuple[Path, ...], known: Occupancy | None) -> Self:
-        """Remember which files were read besides the mission's own, and the map in them."""
-        self._included, self._known = files, known
-        return self
+        """Return the mission with the files that were read beside its own, and the map in them."""
+        copied = self.model_copy()
+        copied._included, copied._known = files, known  # noqa: SLF001 - the copy is of this class
+        return copied
 
     def walk(self) -> Iterator[Placed]:
         """Yield every state in document order."""
