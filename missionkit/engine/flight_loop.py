@@ -242,7 +242,7 @@ def _started(course: FlightState) -> Lifecycle:
 
 def _pressing(life: Lifecycle, operator: Operator, *, late: bool) -> tuple[str, ...]:
     """Begin the abort when it is time; return the event that says so as long as it lasts."""
-    if operator.wants_down or late:
+    if life.state == "flying" and (operator.wants_down or late):
         life.abort()
     return (ABORT,) if life.state == "aborting" else ()
 
