@@ -185,11 +185,15 @@ def schema(
     write: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="write both schemas there")
     ] = None,
+    of: Annotated[
+        Path | None,
+        typer.Option("--for", metavar="MISSION.yaml", help="list its states, targets and guards"),
+    ] = None,
 ) -> None:
     """Print the JSON Schema of mission or world files, for editors."""
     from missionkit.cli import mission_commands  # noqa: PLC0415
 
-    mission_commands.schema(kind, plugin or (), write)
+    mission_commands.schema(kind, plugin or (), write, of)
 
 
 @app.command()

@@ -89,13 +89,25 @@ def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> Non
     _say(page(explained(mission, catalogue), width()))
 
 
-def schema(kind: str, plugins: Iterable[Path], folder: Path | None) -> None:
-    """Print one schema, or write both into a folder."""
+def schema(kind: str, plugins: Iterable[Path], folder: Path | None, of: Path | None = None) -> None:
+    """Print one schema, or write both into a folder.
+
+    Args:
+        kind: mission or world.
+        plugins: files.
+        folder: to write into.
+        of: a mission file, whose states, targets and guards the mission's schema then lists.
+    """
     from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema  # noqa: PLC0415
+    from missionkit.chart.model.mission_names import names_in  # noqa: PLC0415
     from missionkit.sim.world import World  # noqa: PLC0415
 
     catalogue = assemble(plugins)
-    texts = {"mission": dumps(mission_schema(catalogue)), "world": dumps(model_schema(World))}
+    names = {} if of is None else names_in(of, catalogue)
+    texts = {
+        "mission": dumps(mission_schema(catalogue, names)),
+        "world": dumps(model_schema(World)),
+    }
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():

@@ -13,6 +13,8 @@ import jsonschema
 import pytest
 
 from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema
+from missionkit.chart.model.key_descriptions import DESCRIPTIONS
+from missionkit.chart.model.mission_names import names_in
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.yaml_reader import read, read_file
 from missionkit.sim.world import World
@@ -87,3 +89,49 @@ def test_units_are_told(catalogue: Catalogue):
     radius = mission_schema(catalogue)["$defs"]["guards.within"]["properties"]["radius"]
     assert radius["unit"] == "m"
     assert radius["description"] == "m"
+
+
+def undescribed(node: Any, path: str = "") -> list[str]:
+    """Return the keys of a schema that say nothing of themselves; a constant says all it is."""
+    if isinstance(node, list):
+        return [key for item in node for key in undescribed(item, path)]
+    if not isinstance(node, dict):
+        return []
+    own = [
+        f"{path}.{key}"
+        for key, value in node.get("properties", {}).items()
+        if isinstance(value, dict) and "description" not in value and "const" not in value
+    ]
+    inner = {key: value for key, value in node.items() if key != "if"}
+    return own + [it for key, value in inner.items() for it in undescribed(value, f"{path}/{key}")]
+
+
+def test_every_key_has_a_description(catalogue: Catalogue):
+    assert undescribed(mission_schema(catalogue)) == []
+    assert undescribed(model_schema(World)) == []
+
+
+def test_no_description_is_left_over(catalogue: Catalogue):
+    definitions = {*mission_schema(catalogue)["$defs"], *model_schema(World)["$defs"]}
+    lost = [
+        key
+        for key in DESCRIPTIONS
+        if "." in key and key.rpartition(".")[0] not in {*definitions, "Mission", "World"}
+    ]
+    assert lost == []
+
+
+def test_the_names_of_one_mission_are_completed(catalogue: Catalogue, tmp_path: Path):
+    path = tmp_path / "mission.yaml"
+    path.write_text((ROOT / "missions" / "precision_task.yaml").read_text() + "\nwrong: 1\n")
+    names = names_in(path, catalogue)
+    whole = mission_schema(catalogue, names)
+    jsonschema.Draft202012Validator.check_schema(whole)
+    check = jsonschema.Draft202012Validator(whole)
+    data = read_file(ROOT / "missions" / "precision_task.yaml").data
+    check.validate(data)
+    assert "x-name" not in dumps(whole)
+    assert not check.is_valid({**data, "initial": "nowhere"})
+    goal = whole["$defs"]["behaviors.go_to"]["properties"]["target"]["anyOf"][0]
+    assert goal["enum"] == sorted(names["target"])
+    assert {"home", *data["targets"]} == set(goal["enum"])

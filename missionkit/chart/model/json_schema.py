@@ -7,18 +7,22 @@ of every plug-in that is installed.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from pydantic import BaseModel
 
 from missionkit.chart.model.guard_expressions import COMPARISONS
+from missionkit.chart.model.key_descriptions import described
 from missionkit.chart.model.mission import GROUP_KIND, SHAPES, Mission
+from missionkit.chart.model.model_base import NAMED
 from missionkit.chart.model.plugin_references import NONE, WORDS, needs_parameters
 from missionkit.chart.plugin_catalogue import Catalogue, Plugins
 from missionkit.chart.text.parameter_expansion import PATTERN
 
 Schema = dict[str, Any]
+Names = Mapping[str, Collection[str]]
+NO_NAMES: Names = {}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _PARAMETER = "#/$defs/parameter"
 _META = ("description", "default", "unit")
@@ -26,8 +30,14 @@ _NAMED = frozenset({"properties", "patternProperties", "$defs"})
 _SCALARS = frozenset({"number", "integer", "boolean"})
 
 
-def mission_schema(catalogue: Catalogue) -> Schema:
-    """Return the schema of mission files that draw on `catalogue`."""
+def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
+    """Return the schema of mission files that draw on `catalogue`.
+
+    Args:
+        catalogue: plug-ins and kinds of state that are installed.
+        names: of one mission, by what they name ("state", "target", "guard"): its references are
+            then limited to them, so that editors complete them.
+    """
     schema = Mission.model_json_schema()
     definitions: Schema = schema.pop("$defs", {})
     for group in WORDS:
@@ -39,19 +49,19 @@ def mission_schema(catalogue: Catalogue) -> Schema:
     definitions["guards"] = _guard(definitions["guards"])
     definitions["State"] = _with_default_behavior(definitions["State"], catalogue)
     whole = {**schema, "$defs": definitions}
-    finished: Schema = _mapped(whole, lambda node: _resolved(node, catalogue))
+    finished: Schema = _mapped(whole, lambda node: _resolved(node, catalogue, names))
     finished["$defs"]["parameter"] = {
         "type": "string",
         "pattern": PATTERN,
         "description": "$name: the value of a parameter",
     }
-    return {"$schema": DIALECT, **finished}
+    return {"$schema": DIALECT, **described(finished, Mission.__name__)}
 
 
 def model_schema(model: type[BaseModel]) -> Schema:
     """Return the schema of files that hold one `model` of plain values, such as worlds."""
-    described: Schema = _mapped(model.model_json_schema(), _plain)
-    return {"$schema": DIALECT, **described}
+    plain: Schema = _mapped(model.model_json_schema(), _plain)
+    return {"$schema": DIALECT, **described(plain, model.__name__)}
 
 
 def dumps(schema: Schema) -> str:
@@ -60,9 +70,16 @@ def dumps(schema: Schema) -> str:
 
 
 def _use(kind: str, schema: Schema) -> Schema:
-    properties = {"use": {"const": kind}, **schema.get("properties", {})}
+    fields = {key: _target(key, it) for key, it in schema.get("properties", {}).items()}
+    properties = {"use": {"const": kind}, **fields}
     required = ["use", *schema.get("required", [])]
     return {**schema, "properties": properties, "required": required}
+
+
+def _target(key: str, field: Schema) -> Schema:
+    """Mark a parameter that names a target."""
+    named = key in {"target", "of"} and field.get("type") == "string"
+    return {**field, NAMED: "target"} if named else field
 
 
 def _any_plugin(group: str, plugins: Plugins) -> Schema:
@@ -94,7 +111,7 @@ def _guard(plugins: Schema) -> Schema:
     guard = {"$ref": "#/$defs/guards"}
     several = {"type": "array", "items": guard, "minItems": 1}
     number = {"type": "number"}
-    named = {"type": "string", "description": "a guard of the section `guards:`"}
+    named = {"type": "string", NAMED: "guard", "description": "a guard of the section `guards:`"}
     forms = [
         _mapping("holds when all hold", {"all": several}),
         _mapping("holds when at least one holds", {"any": several}),
@@ -103,7 +120,7 @@ def _guard(plugins: Schema) -> Schema:
             "a latch on the guard's value",
             {"hysteresis": guard, "enter": number, "exit": number},
         ),
-        _mapping("holds while a state is active", {"in": {"type": "string"}}),
+        _mapping("holds while a state is active", {"in": {"type": "string", NAMED: "state"}}),
         *(_comparison(word) for word in COMPARISONS),
     ]
     return {**plugins, "anyOf": [*plugins["anyOf"], named, *forms]}
@@ -150,7 +167,7 @@ def _plain(node: Schema) -> Schema:
     return {**node, "description": f"{said} ({unit})" if said else unit}
 
 
-def _resolved(node: Schema, catalogue: Catalogue) -> Schema:
+def _resolved(node: Schema, catalogue: Catalogue, names: Names) -> Schema:
     """Replace the marks that fields left, and allow `$name` for values."""
     if "x-plugin" in node:
         return _plugin_field(node)
@@ -158,7 +175,9 @@ def _resolved(node: Schema, catalogue: Catalogue) -> Schema:
         described = {kind: each.summary for kind, each in sorted(catalogue.kinds.items())}
         says = "; ".join(f"{kind}: {summary}" for kind, summary in described.items())
         return {"type": "string", "enum": list(described), "description": says}
-    return _or_parameter(_plain(node))
+    named = names.get(str(node.get(NAMED)), ())
+    node = {key: value for key, value in node.items() if key != NAMED}
+    return _or_parameter(_plain({**node, "enum": sorted(named)} if named else node))
 
 
 def _plugin_field(node: Mapping[str, Any]) -> Schema:

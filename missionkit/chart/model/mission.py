@@ -27,6 +27,7 @@ from missionkit.chart.model.mission_sections import (
     one_or_more,
 )
 from missionkit.chart.model.model_base import (
+    NAMED,
     Event,
     GuardName,
     KindName,
@@ -75,11 +76,15 @@ _ONE_OR_MORE: dict[str, list[dict[str, Any]]] = {
         {"type": "array", "items": {"type": "string"}, "minItems": 1},
     ]
 }
+_STATE = {"type": "string", NAMED: "state"}
+_STATES: dict[str, list[dict[str, Any]]] = {
+    "anyOf": [_STATE, {"type": "array", "items": _STATE, "minItems": 1}]
+}
 StateNames = Annotated[
     tuple[StateName, ...],
     Field(strict=False, min_length=1),
     BeforeValidator(_listed),
-    WithJsonSchema(_ONE_OR_MORE),
+    WithJsonSchema(_STATES),
 ]
 Events = Annotated[
     tuple[Event, ...],
@@ -161,7 +166,7 @@ class Start(MissionPart):
         return data
 
 
-Begins = Annotated[Start, Short("the name of a state", tuple(_ONE_OR_MORE["anyOf"]))]
+Begins = Annotated[Start, Short("the name of a state", tuple(_STATES["anyOf"]))]
 
 
 class State(MissionPart):

@@ -29,6 +29,7 @@ from missionkit.chart.text.located_data import NOWHERE, Table
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
+NAMED = "x-name"  # in a schema, marks a text that names something of the mission
 HOME = "home"  # the place of arming, a target that every mission has
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 INNER_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*(/[A-Za-z][A-Za-z0-9_-]*)*$"  # a/b: b of a's included file
@@ -176,6 +177,12 @@ class Known:
             return name
 
         return core_schema.with_info_after_validator_function(validate, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Mark it, so that the names of one mission can be filled in."""
+        return {**handler(schema), NAMED: self.what}
 
 
 def _patterned(pattern: str, what: str) -> Any:

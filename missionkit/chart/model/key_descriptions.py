@@ -1,0 +1,181 @@
+"""What editors show for the keys of mission and world files whose fields do not say it themselves.
+
+By definition of the JSON Schema and key, or by key alone where it means the same everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+_GAINS = "gains of the controller in states of this mode"
+
+DESCRIPTIONS: Mapping[str, str] = {
+    "Mission.mission": "name of the mission",
+    "Mission.summary": "one line for people",
+    "Mission.vehicle": "what flies",
+    "Mission.navigation": "the filter that says where the vehicle is",
+    "Mission.camera": "the camera, real or simulated",
+    "Mission.map": "what is known of the ground before the flight",
+    "Mission.targets": "places by name; `home` is where the vehicle armed",
+    "Mission.perception": "what is looked for in camera frames, an entry for each detector",
+    "Mission.avoid": "how obstacles are avoided",
+    "Mission.control": "gains and limits of the controller",
+    "Mission.failsafes": "tried before everything else in every flying state, the first wins",
+    "Mission.initial": "the state to begin in",
+    "Mission.states": "what the vehicle does, and when it changes, by name",
+    "Mission.settings": "how the mission is flown",
+    "Camera.use": "where frames come from: rendered, corners, device or none",
+    "Camera.source": "number, file or URL of a device",
+    "Camera.focal": "focal length (px), the same both ways",
+    "Camera.focal_x": "focal length along a row (px)",
+    "Camera.focal_y": "focal length along a column (px)",
+    "Camera.centre": "principal point, column and row (px)",
+    "Camera.matrix": "camera matrix (3 x 3, px), instead of focal length and centre",
+    "Camera.distortion": "k1, k2, p1, p2, k3 as in OpenCV",
+    "Camera.mount": "where the camera sits on the body, and how it is turned",
+    "Mount.position": "forward, right, down of the body's centre (m)",
+    "Control.gps": _GAINS,
+    "Control.visual": _GAINS,
+    "Control.trajectory": _GAINS,
+    "Control.alpha_ff": "share of the reference velocity that is fed forward, 0 to 1",
+    "Control.alpha": "smoothing of the command, 0 to 1: the share of the newest",
+    "Control.yaw": "how the heading is chosen",
+    "Control.limits": "speeds and accelerations that bind whatever a behaviour wants",
+    "Gains.kp": "of the error, level and vertical (1/s)",
+    "Gains.ki": "of its integral, level and vertical (1/s²)",
+    "Gains.kd": "of its derivative, level and vertical",
+    "YawLaw.band": "share by which `far` and `near` grow on the way out",
+    "YawLaw.gain": "rad/s for each rad of heading error",
+    "Failsafe.name": "shown where it is taken",
+    "Failsafe.when": "guard that must hold",
+    "Failsafe.to": "state to go to",
+    "Transition.name": "shown where it is taken",
+    "Invariant.holds": "guard that must hold while the state is active",
+    "Start.to": "state to begin in, one for each region",
+    "State.summary": "one line for people",
+    "State.behavior": "what the vehicle does in this state",
+    "State.transitions": "ways out, tried in order",
+    "State.entry": "actions on entry",
+    "State.exit": "actions on leaving",
+    "State.invariant": "what must hold in this state besides what its kind demands",
+    "KnownMap.east": "extent to the east (m)",
+    "KnownMap.weights": "areas in which a metre costs more",
+    "Weight.polygon": "corners, north and east (m)",
+    "Success.standoff": "out of the marker, to its right, up (m)",
+    "TargetPlace.position": "north, east, down of the take-off point (m)",
+    "Variable.initial": "value at the beginning",
+    "World.ground": "what the ground looks like",
+    "World.wind": "mean wind and gusts",
+    "World.obstacles": "what stands around",
+    "World.markers": "markers where they really hang",
+    "World.sensors": "noise and errors of the sensors",
+    "World.battery": "its size, and the charge at the start",
+    "World.quadrotor": "the airframe",
+    "World.autopilot": "how the autopilot follows commands",
+    "World.start": "where the vehicle stands at the start, north and east (m)",
+    "Box.min": "corner with the least north, east and down (m)",
+    "Box.max": "corner with the greatest north, east and down (m)",
+    "Cylinder.at": "north, east of its axis (m)",
+    "Sphere.at": "north, east, down of its centre (m)",
+    "Ground.texture": "what the camera sees below",
+    "Marker.dictionary": "of the marker",
+    "Marker.id": "of the marker in its dictionary",
+    "Marker.position": "north, east, down of its centre (m)",
+    "Quadrotor.thrust_to_weight": "greatest thrust, in weights",
+    "Wind.mean": "north, east, down (m/s)",
+    "Sensors.imu": "accelerometer and gyroscope",
+    "Sensors.gnss": "satellite receiver",
+    "Sensors.baro": "barometer",
+    "Sensors.magnetometer": "magnetometer",
+    "Sensors.scan": "obstacle scanner",
+    "Sensors.flow": "optical flow",
+    "Sensors.range": "range finder, downwards",
+    "do": "actions when it is taken",
+    "log": "line for the record and the terminal",
+    "raise": "event that the chart hears next",
+    "assign": "variables to be changed",
+    "set": "new value",
+    "add": "number to be added",
+    "copy": "variable whose value it takes",
+    "toggle": "turn true to false, and false to true",
+    "Failsafe.vehicle": "request to the autopilot",
+    "Start.vehicle": "request to the autopilot",
+    "State.vehicle": "request to the autopilot",
+    "Transition.vehicle": "request to the autopilot",
+    "target": "name of a target",
+    "of": "name of a target",
+    "standoff": "out of the marker, to its right, up (m)",
+    "guards.aruco_confidence.window": "frames that are counted",
+    "guards.aruco_confidence.enter": "share of frames from which it holds",
+    "guards.aruco_confidence.exit": "share of frames below which it no longer holds",
+    "guards.battery_below.floor": "charge, 0 to 1",
+    "guards.camera_silent.frames": "expected frames in a row",
+    "guards.gps_to_visual.window": "frames that are counted",
+    "guards.gps_to_visual.confidence": "share of frames with the marker, 0 to 1",
+    "guards.inside_fence.north": "from and to (m)",
+    "guards.inside_fence.east": "from and to (m)",
+    "guards.ready.charge": "least charge, 0 to 1",
+    "guards.tick_overrun.count": "late ticks from which it holds",
+    "guards.tick_overrun.window": "last ticks that are counted",
+    "guards.all": "guards that must all hold",
+    "guards.any": "guards of which one must hold",
+    "guards.not": "guard that must not hold",
+    "guards.hysteresis": "guard whose value is latched",
+    "guards.enter": "value at which the latch closes",
+    "guards.exit": "value at which the latch opens",
+    "guards.in": "name of a state",
+    "guards.variable": "name of a variable",
+    "guards.equals": "value that it must have",
+    "guards.below": "value that it must be below",
+    "guards.above": "value that it must be above",
+    "guards.at_least": "least value",
+    "guards.at_most": "greatest value",
+    "behaviors.follow_path.height": "to fly at (m); that of entry if absent",
+    "behaviors.follow_path.neighbours": "cells that a step may lead to",
+    "behaviors.follow_path.heuristic": "how the way that is left is estimated",
+    "behaviors.follow_path.smooth": "cut corners where the margin allows it",
+    "behaviors.follow_path.heading": "where the nose points",
+    "behaviors.follow_path.sigmas": "standard deviations of position kept from walls",
+    "behaviors.go_to.height": "to fly at (m); the target's if absent",
+    "behaviors.inject.payload": "name of the actuator",
+    "behaviors.spiral.form": "how the spiral widens",
+    "behaviors.take_off.by": "who climbs",
+    "detectors.aruco.dictionary": "of the marker",
+    "detectors.aruco.id": "of the marker in its dictionary",
+    "detectors.aruco.upright": "hangs as on a wall, its upper edge up",
+    "planners.potential_field.gain_xy": "η of the repulsion, level (m⁴/s)",
+    "planners.potential_field.gain_z": "η of the repulsion, vertical (m⁴/s)",
+    "planners.potential_field.attraction_gain": "of the pull to the goal (1/s)",
+    "planners.potential_field.sight": "how far obstacles are seen (m); else as the scanner says",
+}
+
+
+def described(schema: dict[str, Any], whole: str) -> dict[str, Any]:
+    """Return a schema in which every key that is known here has its description.
+
+    Args:
+        schema: with `$defs`; keys that have a description keep it.
+        whole: name of the model that the file itself is.
+    """
+    definitions = {name: _filled(it, name) for name, it in schema.get("$defs", {}).items()}
+    rest = {key: value for key, value in schema.items() if key != "$defs"}
+    return {**_filled(rest, whole), "$defs": definitions}
+
+
+def _filled(node: Any, where: str) -> Any:
+    if isinstance(node, list):
+        return [_filled(item, where) for item in node]
+    if not isinstance(node, dict):
+        return node
+    filled = {key: it if key == "if" else _filled(it, where) for key, it in node.items()}
+    if isinstance(keys := filled.get("properties"), dict):
+        filled["properties"] = {key: _with_text(it, key, where) for key, it in keys.items()}
+    return filled
+
+
+def _with_text(value: Any, key: str, where: str) -> Any:
+    text = DESCRIPTIONS.get(f"{where}.{key}", DESCRIPTIONS.get(key))
+    if text is None or not isinstance(value, dict) or "description" in value or "const" in value:
+        return value
+    return {"description": text, **value}
