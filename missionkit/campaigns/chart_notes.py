@@ -11,7 +11,13 @@ from missionkit.campaigns.flown_chart import Charted
 from missionkit.campaigns.markov_chain import Chain, absorbed, time_left
 from missionkit.campaigns.number_format import percent, plural
 from missionkit.campaigns.visit_log import parts
-from missionkit.chart.drawing.overlay import End, Move, Note, Overlay, Tone
+from missionkit.chart.drawing.chart_overlay import (
+    End,
+    Move,
+    Note,
+    Overlay,
+    Tone,
+)
 
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
 NEVER = "never taken"

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from missionkit.campaigns.campaign_plan import Campaign, digest_of
 from missionkit.campaigns.single_run import loaded
 from missionkit.campaigns.visit_log import way
-from missionkit.chart.drawing.marks import Way
+from missionkit.chart.drawing.problem_marks import Way
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.plugin_catalogue import Catalogue

@@ -18,7 +18,7 @@ from missionkit.campaigns.flown_chart import Charted, flown_chart
 from missionkit.campaigns.markov_chain import passed
 from missionkit.campaigns.number_format import percent, plural, table
 from missionkit.campaigns.statistics import wilson
-from missionkit.chart.drawing.picture import svg
+from missionkit.chart.drawing.svg_chart import svg
 from missionkit.errors import UsageError
 
 Drawable = Charted | str

@@ -15,7 +15,7 @@ from missionkit.campaigns.flown_chart import charted
 from missionkit.campaigns.markov_chain import estimate
 from missionkit.campaigns.run_row import Row
 from missionkit.campaigns.variants import name_of, variants
-from missionkit.chart.drawing.overlay import Overlay
+from missionkit.chart.drawing.chart_overlay import Overlay
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import UsageError

@@ -134,10 +134,10 @@ def graph(
         plugins: files.
         campaign: folder of one, whose flights are drawn over the chart.
     """
-    from missionkit.chart.drawing.diagram import mermaid  # noqa: PLC0415
-    from missionkit.chart.drawing.marks import marks  # noqa: PLC0415
-    from missionkit.chart.drawing.overlay import NOTHING  # noqa: PLC0415
-    from missionkit.chart.drawing.picture import svg  # noqa: PLC0415
+    from missionkit.chart.drawing.chart_overlay import NOTHING  # noqa: PLC0415
+    from missionkit.chart.drawing.mermaid_text import mermaid  # noqa: PLC0415
+    from missionkit.chart.drawing.problem_marks import marks  # noqa: PLC0415
+    from missionkit.chart.drawing.svg_chart import svg  # noqa: PLC0415
     from missionkit.chart.model.state_contracts import fulfilled  # noqa: PLC0415
 
     flights = None if campaign is None else _flown(campaign, path, settings)

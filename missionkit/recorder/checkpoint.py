@@ -123,7 +123,7 @@ class Checkpoints:
         """Write one checkpoint.
 
         Args:
-            value: what `codec.written` can write.
+            value: what `value_codec.written` can write.
             journals: by name; only rows that are new since the last checkpoint are written.
         """
         rows = {name: self._appended(name, journal) for name, journal in journals.items()}

@@ -1,6 +1,6 @@
 """Records of a tick -> JSON text, one function per topic.
 
-`at` is the time already written as JSON by `wire.stamp`.
+`at` is the time already written as JSON by `json_fragments.stamp`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """GPS: waypoint flight."""
 
 from missionkit.messages import Estimate, Mode, Verdict
-from missionkit.states.common import HOVER, UNREACHABLE
 from missionkit.states.contract import Invariant, StateKind
+from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 
 
 def _has_goal(seen: Estimate, target: str | None) -> Verdict:

@@ -1,8 +1,8 @@
 """Hover: where a goal out of reach ends."""
 
 from missionkit.messages import Mode
-from missionkit.states.common import HOVER
 from missionkit.states.contract import StateKind
+from missionkit.states.shared_failsafes import HOVER
 
 HOVER_STATE = StateKind(
     name=HOVER,

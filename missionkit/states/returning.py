@@ -1,8 +1,8 @@
 """Return: the way home."""
 
 from missionkit.messages import Mode
-from missionkit.states.common import HOME_UNREACHABLE
 from missionkit.states.contract import StateKind
+from missionkit.states.shared_failsafes import HOME_UNREACHABLE
 
 RETURN = StateKind(
     name="return",

@@ -1,8 +1,8 @@
 """Search: looking for a lost marker."""
 
 from missionkit.messages import Mode
-from missionkit.states.common import SEARCH_TIMEOUT
 from missionkit.states.contract import StateKind
+from missionkit.states.shared_failsafes import SEARCH_TIMEOUT
 
 SEARCH = StateKind(
     name="search",

@@ -4,8 +4,8 @@ import math
 
 from missionkit.geometry import norm, wrap
 from missionkit.messages import Estimate, Mode, Verdict
-from missionkit.states.common import LOCK_LIMIT, LOCK_LOST
 from missionkit.states.contract import Failsafe, Invariant, StateKind
+from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST
 
 POSITION = 0.10  # m, ε_pos
 YAW = 5.0  # deg, ε_yaw

@@ -6,8 +6,8 @@ the last half second. C_aruco is the guard `aruco_confidence`.
 """
 
 from missionkit.messages import Estimate, Mode, Verdict
-from missionkit.states.common import LOCK_LIMIT, LOCK_LOST, UNREACHABLE
 from missionkit.states.contract import Invariant, StateKind
+from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST, UNREACHABLE
 
 SURE_WITHIN = 0.5  # s: a lock this fresh needs more than half of 20 Hz frames
 

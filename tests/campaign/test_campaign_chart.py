@@ -16,8 +16,8 @@ from missionkit.campaigns.markov_chain import estimate
 from missionkit.campaigns.run_row import Case, RunOrder
 from missionkit.campaigns.single_run import fly, loaded
 from missionkit.campaigns.visit_log import parts
-from missionkit.chart.drawing.diagram import mermaid
-from missionkit.chart.drawing.picture import svg
+from missionkit.chart.drawing.mermaid_text import mermaid
+from missionkit.chart.drawing.svg_chart import svg
 
 CHART = """\
 missionkit: 1

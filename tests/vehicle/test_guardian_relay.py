@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import pytest
 
 from missionkit.sitl.pymavlink_dialect import mavlink
-from missionkit.vehicle.guardian.links import Poller
+from missionkit.vehicle.guardian.autopilot_link import Poller
 from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.guardian.relay import Ends, Relay
 

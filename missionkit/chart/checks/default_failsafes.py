@@ -9,7 +9,7 @@ from missionkit.chart.model.nearest_state import OTHER, FoundState, Nearest
 from missionkit.chart.model.state_contracts import due, nearest_in
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Level, Problem
-from missionkit.states.common import HOVER
+from missionkit.states.shared_failsafes import HOVER
 
 
 def problems_of(mission: Mission, catalogue: Catalogue) -> Iterator[Problem]:

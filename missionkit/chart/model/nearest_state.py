@@ -17,7 +17,7 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Raise
 from missionkit.chart.model.mission import Mission, Placed, Transition, around
 from missionkit.chart.model.traversal import actions_of
-from missionkit.states.common import HOVER, UNREACHABLE
+from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 
 OWN_EVENTS = ("done.state.", "error.")  # what the chart says to itself
 SAME, NONE, OTHER = 0, 1, 2  # target of one state beside that of another

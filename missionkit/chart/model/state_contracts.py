@@ -16,8 +16,8 @@ from missionkit.chart.model.mission import Mission, Placed, State, Transition, f
 from missionkit.chart.model.nearest_state import Nearest
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place, Problem
-from missionkit.states.common import HOVER
 from missionkit.states.contract import Failsafe
+from missionkit.states.shared_failsafes import HOVER
 
 NOWHERE = Place("", 0, 0)
 HOVER_FOR = 20.0  # s before a vehicle whose goal is out of reach goes home

@@ -15,7 +15,7 @@ import sys
 from contextlib import suppress
 
 from missionkit.vehicle.guardian import HOLDER
-from missionkit.vehicle.guardian.links import Poller, open_link
+from missionkit.vehicle.guardian.autopilot_link import Poller, open_link
 from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.guardian.relay import Ends, Relay
 

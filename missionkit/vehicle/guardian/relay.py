@@ -13,9 +13,9 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from missionkit.vehicle.autopilot_dialect import DIALECTS, Dialect, word
-from missionkit.vehicle.guardian import frames, policy
-from missionkit.vehicle.guardian.frames import ident_of
-from missionkit.vehicle.guardian.links import Link, Poller
+from missionkit.vehicle.guardian import mavlink_frames, policy
+from missionkit.vehicle.guardian.autopilot_link import Link, Poller
+from missionkit.vehicle.guardian.mavlink_frames import ident_of
 from missionkit.vehicle.guardian.policy import Guard, Patience, Phase
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
@@ -26,9 +26,16 @@ STILLS = 0.1  # s (of the vehicle) between two setpoints of zero velocity
 ASKED = 0.3  # s between two requests for a mode
 IDLE = 0.2  # s, of the wall, at most between two looks
 TENDED = 1.0  # s, of the wall, between two attempts to connect again
-UPWARDS = frozenset((*frames.SETPOINTS, frames.COMMAND_LONG, frames.COMMAND_INT, frames.SET_MODE))
-HEARD = frozenset((frames.HEARTBEAT,))
-HEARD_HOLDING = frozenset((frames.HEARTBEAT, frames.LOCAL_POSITION))
+UPWARDS = frozenset(
+    (
+        *mavlink_frames.SETPOINTS,
+        mavlink_frames.COMMAND_LONG,
+        mavlink_frames.COMMAND_INT,
+        mavlink_frames.SET_MODE,
+    )
+)
+HEARD = frozenset((mavlink_frames.HEARTBEAT,))
+HEARD_HOLDING = frozenset((mavlink_frames.HEARTBEAT, mavlink_frames.LOCAL_POSITION))
 OFFBOARD = (SET_MODE, 6.0)  # PX4's main mode: setpoints go on, so it is no word of silence
 
 
@@ -68,7 +75,7 @@ class Relay:
         self._patience = patience
         self._spare = spare
         self._alone = alone
-        self._to: frames.Route | None = None  # whom we would have to stop
+        self._to: mavlink_frames.Route | None = None  # whom we would have to stop
         self._dialects: dict[int, Dialect] = {}  # of each system that is heard
         self._sequence = self._again = 0
         self._stilled = self._asked = self._tended = policy.NEVER
@@ -112,16 +119,16 @@ class Relay:
                 self._ends.local.send(bundle[0] if len(bundle) == 1 else b"".join(bundle))
 
     def _hear(self, frame: bytes) -> None:
-        said = frames.read(frame)
+        said = mavlink_frames.read(frame)
         if said is None or said.component != AUTOPILOT:
             return
-        if said.ident == frames.HEARTBEAT:
+        if said.ident == mavlink_frames.HEARTBEAT:
             self._hear_beat(said)
         elif self._to is not None and said.system == self._to.target and not self._by_mode:
-            self._move(policy.moves(self.guard, self.now, frames.speed(said)))
+            self._move(policy.moves(self.guard, self.now, mavlink_frames.speed(said)))
 
-    def _hear_beat(self, said: frames.Frame) -> None:
-        beat = frames.beat(said)
+    def _hear_beat(self, said: mavlink_frames.Frame) -> None:
+        beat = mavlink_frames.beat(said)
         dialect = DIALECTS.get(beat.autopilot)
         if dialect is None:
             return
@@ -139,7 +146,7 @@ class Relay:
             if not self._met:
                 self._ends.local.connect(peer)
                 self._met = True
-            allowed = [frame for frame in frames.split(data)[0] if self._may(frame)]
+            allowed = [frame for frame in mavlink_frames.split(data)[0] if self._may(frame)]
             if allowed and self.link is not None:
                 self.link.write(b"".join(allowed))
 
@@ -147,20 +154,22 @@ class Relay:
         """Look at a frame of the mission; say whether it may pass."""
         if ident_of(frame) not in UPWARDS:
             return True
-        said = frames.read(frame)
+        said = mavlink_frames.read(frame)
         if said is None:
             return False  # damaged
-        if said.ident in frames.SETPOINTS:
-            self._to = frames.Route(said.system, said.component, *frames.target(said))
+        if said.ident in mavlink_frames.SETPOINTS:
+            self._to = mavlink_frames.Route(
+                said.system, said.component, *mavlink_frames.target(said)
+            )
             self._move(policy.setpoint(self.guard, self.now))
             return not self.guard.refuses
         return self._may_order(said)
 
-    def _may_order(self, said: frames.Frame) -> bool:
-        if said.ident == frames.SET_MODE:
+    def _may_order(self, said: mavlink_frames.Frame) -> bool:
+        if said.ident == mavlink_frames.SET_MODE:
             command, first, second = SET_MODE, 0.0, 0.0
         else:
-            command, first, second = frames.order(said)
+            command, first, second = mavlink_frames.order(said)
         if command in ORDERS and not (self._by_mode and (command, second) == OFFBOARD):
             self._move(policy.silent(self.guard))
         held = command in ORDERS or (command == ARM and first == 1.0)
@@ -224,9 +233,11 @@ class Relay:
         if now - self._stilled >= STILLS:
             self._stilled = now
             self._sequence += 1
-            self.link.write(frames.still(to, self._sequence, int(1e3 * time.perf_counter())))
+            self.link.write(
+                mavlink_frames.still(to, self._sequence, int(1e3 * time.perf_counter()))
+            )
         if self._by_mode and self.guard.asks and now - self._asked >= ASKED and dialect:
             self._asked = now
             self._sequence += 1
-            self.link.write(frames.mode(to, self._sequence, dialect.hold, self._again))
+            self.link.write(mavlink_frames.mode(to, self._sequence, dialect.hold, self._again))
             self._again += 1

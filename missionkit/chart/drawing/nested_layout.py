@@ -11,12 +11,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from missionkit.chart.drawing.layout import Box, Layout, Link, Point, layout, ranks
+from missionkit.chart.drawing.layered_layout import (
+    Layout,
+    LayoutBox,
+    LayoutLink,
+    Point,
+    layout,
+    ranks,
+)
 
 PAD = 16.0  # px between what is inside a state and its border
 HEAD = 6.0  # px around its heading
-DOT = Box(12.0, 12.0)
-BARE = Box(8.0, 0.0)  # an arrow without a label, a port
+DOT = LayoutBox(12.0, 12.0)
+BARE = LayoutBox(8.0, 0.0)  # an arrow without a label, a port
 Parents = Mapping[str, str | None]
 
 
@@ -25,7 +32,7 @@ class Arrow(NamedTuple):
 
     source: str | None
     target: str
-    label: Box
+    label: LayoutBox
     around: str | None = None
 
 
@@ -34,7 +41,7 @@ class Rectangle(NamedTuple):
 
     x: float
     y: float
-    box: Box
+    box: LayoutBox
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +60,7 @@ class _Piece(NamedTuple):
     """What of an arrow runs on one level."""
 
     arrow: int
-    link: Link
+    link: LayoutLink
     order: int = 0  # of the pieces of one arrow: those at its source first
     backwards: bool = False  # the arrow runs against the link
     edge: str | None = None  # the border of the state around where the arrow begins or ends
@@ -83,7 +90,7 @@ class _Level:
         return self.nodes.setdefault(key, len(self.nodes))
 
 
-def nested(sizes: Mapping[str, Box], parents: Parents, arrows: Sequence[Arrow]) -> Drawing:
+def nested(sizes: Mapping[str, LayoutBox], parents: Parents, arrows: Sequence[Arrow]) -> Drawing:
     """Place a tree of states.
 
     Args:
@@ -102,7 +109,9 @@ def nested(sizes: Mapping[str, Box], parents: Parents, arrows: Sequence[Arrow]) 
 class _Nested:
     """The levels of a tree while they are placed."""
 
-    def __init__(self, sizes: Mapping[str, Box], parents: Parents, arrows: Sequence[Arrow]) -> None:
+    def __init__(
+        self, sizes: Mapping[str, LayoutBox], parents: Parents, arrows: Sequence[Arrow]
+    ) -> None:
         self.sizes = dict(sizes)
         self.headings = sizes
         self.parents = parents
@@ -169,7 +178,7 @@ class _Nested:
             level.low.add(target)
         else:
             target = level.node(self.inside(name, arrow.target))
-        return _Piece(number, Link(source, target, arrow.label), edge=edge)
+        return _Piece(number, LayoutLink(source, target, arrow.label), edge=edge)
 
     def through(self, name: str | None, crossing: _Crossing) -> _Piece:
         """Return the piece of an arrow between a state inside and the border."""
@@ -179,9 +188,9 @@ class _Nested:
         port = level.node(("port", crossing.arrow))
         order = -level.depth if crossing.at_source else level.depth
         if crossing.on_top:
-            return _Piece(crossing.arrow, Link(port, state, BARE), order, crossing.at_source)
+            return _Piece(crossing.arrow, LayoutLink(port, state, BARE), order, crossing.at_source)
         level.low.add(port)
-        return _Piece(crossing.arrow, Link(state, port, BARE), order, not crossing.at_source)
+        return _Piece(crossing.arrow, LayoutLink(state, port, BARE), order, not crossing.at_source)
 
     def cross(self, level: _Level, piece: _Piece, node: int, *, at_source: bool, top: bool) -> None:
         """Let an arrow cross the border of a state that is not its end."""
@@ -199,13 +208,13 @@ class _Nested:
         level.placed = placed = layout(boxes, links, self.initial(level), level.low)
         if name is not None:
             wide = max(self.sizes[name].width, placed.width + 2 * PAD)
-            self.sizes[name] = Box(wide, self.head(name) + placed.height + PAD)
+            self.sizes[name] = LayoutBox(wide, self.head(name) + placed.height + PAD)
 
     def head(self, name: str) -> float:
         """Return how much room a state with states inside has for its heading (px)."""
         return self.headings[name].height + HEAD
 
-    def box(self, key: object) -> Box:
+    def box(self, key: object) -> LayoutBox:
         """Return the size of a state, a beginning or a port."""
         if isinstance(key, str):
             return self.sizes[key] if key else DOT

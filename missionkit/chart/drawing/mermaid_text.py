@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from missionkit.chart.drawing.marks import UNMARKED, Marks, numbered
-from missionkit.chart.drawing.overlay import NO_NOTE, NOTHING, Overlay
+from missionkit.chart.drawing.chart_overlay import NO_NOTE, NOTHING, Overlay
+from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.model.guard_expressions import text
 from missionkit.chart.model.mission import Failsafe, Mission, Start, State, Transition
 

@@ -20,19 +20,19 @@ LOOP = 14.0  # px, half the width of a loop where it turns behind its label
 Point = tuple[float, float]
 
 
-class Box(NamedTuple):
+class LayoutBox(NamedTuple):
     """The size of a state or a label (px)."""
 
     width: float
     height: float
 
 
-class Link(NamedTuple):
+class LayoutLink(NamedTuple):
     """A transition from state number `source` to state number `target`, with its label's size."""
 
     source: int
     target: int
-    label: Box
+    label: LayoutBox
 
 
 class Row(NamedTuple):
@@ -57,14 +57,17 @@ class Layout:
 class _Graph:
     """States, then one vertex for each layer that a link crosses."""
 
-    boxes: list[Box]
+    boxes: list[LayoutBox]
     ranks: list[int]
     chains: list[list[int]]  # for each link its vertices, the upper state first
     labels: list[int]  # for each link the vertex of its label
 
 
 def layout(
-    states: Sequence[Box], links: Sequence[Link], initial: int, low: Collection[int] = ()
+    states: Sequence[LayoutBox],
+    links: Sequence[LayoutLink],
+    initial: int,
+    low: Collection[int] = (),
 ) -> Layout:
     """Place a chart with the initial state on top and the states `low` at the bottom."""
     graph = _with_vertices(states, links, ranks(len(states), links, initial, low))
@@ -83,7 +86,9 @@ def layout(
     )
 
 
-def ranks(count: int, links: Sequence[Link], initial: int, low: Collection[int] = ()) -> list[int]:
+def ranks(
+    count: int, links: Sequence[LayoutLink], initial: int, low: Collection[int] = ()
+) -> list[int]:
     """Return each state's layer: the longest way to it, links that close a circle turned round.
 
     Nothing leads out of the states `low`: they are in the last layer.
@@ -118,7 +123,9 @@ def _finishing_order(ahead: list[list[int]], initial: int) -> list[int]:
     return order[::-1]
 
 
-def _with_vertices(states: Sequence[Box], links: Sequence[Link], layers: list[int]) -> _Graph:
+def _with_vertices(
+    states: Sequence[LayoutBox], links: Sequence[LayoutLink], layers: list[int]
+) -> _Graph:
     graph = _Graph(list(states), [2 * rank for rank in layers], [], [])
     for source, target, label in links:
         down = layers[source] <= layers[target]
@@ -130,7 +137,7 @@ def _with_vertices(states: Sequence[Box], links: Sequence[Link], layers: list[in
             if rank == labelled:
                 graph.labels.append(len(graph.boxes))
             chain.append(len(graph.boxes))
-            graph.boxes.append(label if rank == labelled else Box(8.0, 0.0))
+            graph.boxes.append(label if rank == labelled else LayoutBox(8.0, 0.0))
             graph.ranks.append(rank)
         graph.chains.append([*chain, lower])
     return graph
@@ -201,7 +208,7 @@ def _rows(graph: _Graph, layers: list[list[int]]) -> list[Row]:
 
 
 def _routes(
-    graph: _Graph, centres: list[Point], rows: list[Row], links: Sequence[Link]
+    graph: _Graph, centres: list[Point], rows: list[Row], links: Sequence[LayoutLink]
 ) -> tuple[tuple[Point, ...], ...]:
     """Return each arrow's points, from its source to its target."""
     routes = []

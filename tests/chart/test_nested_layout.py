@@ -7,11 +7,16 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.chart.drawing.layout import Box
-from missionkit.chart.drawing.nested import Arrow, Drawing, Rectangle, nested
+from missionkit.chart.drawing.layered_layout import LayoutBox
+from missionkit.chart.drawing.nested_layout import (
+    Arrow,
+    Drawing,
+    Rectangle,
+    nested,
+)
 
-BOX = Box(80, 40)
-LABEL = Box(60, 20)
+BOX = LayoutBox(80, 40)
+LABEL = LayoutBox(60, 20)
 Parents = dict[str, str | None]
 
 
@@ -23,7 +28,7 @@ def charts(draw: st.DrawFn) -> tuple[Parents, list[Arrow]]:
     names = st.sampled_from(list(parents))
     arrows = draw(st.lists(st.builds(Arrow, names, names, st.just(LABEL)), max_size=12))
     begins = {parent: name for name, parent in reversed(parents.items())}
-    arrows += [Arrow(None, name, Box(8, 0), parent) for parent, name in begins.items()]
+    arrows += [Arrow(None, name, LayoutBox(8, 0), parent) for parent, name in begins.items()]
     return ordered(parents), arrows
 
 
@@ -110,7 +115,7 @@ def test_arrows_run_from_border_to_border(chart):
 
 def test_a_state_has_room_for_its_own_heading():
     parents: Parents = {"a": None, "b": "a", "c": "b"}
-    sizes = {"a": Box(80, 40), "b": Box(300, 110), "c": BOX}
+    sizes = {"a": LayoutBox(80, 40), "b": LayoutBox(300, 110), "c": BOX}
     states = nested(sizes, parents, []).states
     for outer, inner in (("a", "b"), ("b", "c")):
         assert within(states[inner], states[outer])

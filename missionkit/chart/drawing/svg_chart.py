@@ -7,13 +7,28 @@ from html import escape
 from textwrap import shorten, wrap
 from typing import NamedTuple
 
-from missionkit.chart.drawing import shapes
-from missionkit.chart.drawing.diagram import colour, failsafe_text, state_text, transition_text
-from missionkit.chart.drawing.layout import Box
-from missionkit.chart.drawing.marks import UNMARKED, Marks, numbered
-from missionkit.chart.drawing.nested import Arrow, Drawing, Rectangle, nested
-from missionkit.chart.drawing.overlay import NO_NOTE, NOTHING, Note, Overlay
-from missionkit.chart.drawing.shapes import LINE, MARGIN
+from missionkit.chart.drawing import svg_shapes
+from missionkit.chart.drawing.chart_overlay import (
+    NO_NOTE,
+    NOTHING,
+    Note,
+    Overlay,
+)
+from missionkit.chart.drawing.layered_layout import LayoutBox
+from missionkit.chart.drawing.mermaid_text import (
+    colour,
+    failsafe_text,
+    state_text,
+    transition_text,
+)
+from missionkit.chart.drawing.nested_layout import (
+    Arrow,
+    Drawing,
+    Rectangle,
+    nested,
+)
+from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
+from missionkit.chart.drawing.svg_shapes import LINE, MARGIN
 from missionkit.chart.model.mission import Mission, State
 
 TOP = 66.0  # title
@@ -64,16 +79,16 @@ def svg(
         sizes[END + end.name] = _boxed(end.name, end.lines)
     drawn = nested(sizes, parents, [way.arrow for way in ways])
     strips = list(_strips(shown))
-    wide = max([drawn.width, 560.0, *(shapes.strip_width(lines) for _, lines in strips)])
-    below = list(shapes.stacked(strips, TOP + drawn.height + 30, wide))
-    height = TOP + drawn.height + 30 + sum(shapes.strip_height(it) for _, it in strips) + MARGIN
+    wide = max([drawn.width, 560.0, *(svg_shapes.strip_width(lines) for _, lines in strips)])
+    below = list(svg_shapes.stacked(strips, TOP + drawn.height + 30, wide))
+    height = TOP + drawn.height + 30 + sum(svg_shapes.strip_height(it) for _, it in strips) + MARGIN
     size = f"{wide + 2 * MARGIN:.0f}", f"{height:.0f}"
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img" '
             f'aria-label="{escape(f"the chart of {mission.name}")}" width="{size[0]}" '
             f'height="{size[1]}" viewBox="0 0 {size[0]} {size[1]}">',
-            shapes.preamble(key),
+            svg_shapes.preamble(key),
             f'<rect width="{size[0]}" height="{size[1]}" fill="#fff"/>',
             *_title(mission),
             f'<g transform="translate({MARGIN + (wide - drawn.width) / 2:.1f} {TOP:.1f})">',
@@ -119,21 +134,21 @@ def _wrapped(label: str) -> list[str]:
     return wrap(label, LABEL_WIDTH, break_on_hyphens=False)
 
 
-def _size(lines: Sequence[str]) -> Box:
+def _size(lines: Sequence[str]) -> LayoutBox:
     if not lines:
-        return Box(8, 0)
-    return Box(max(shapes.width(line, 6.6) for line in lines) + 8, LINE * len(lines) + 4)
+        return LayoutBox(8, 0)
+    return LayoutBox(max(svg_shapes.width(line, 6.6) for line in lines) + 8, LINE * len(lines) + 4)
 
 
-def _size_of(name: str, state: State, shown: Shown) -> Box:
+def _size_of(name: str, state: State, shown: Shown) -> LayoutBox:
     words = f"{name} {numbered(shown.marks.states.get(name, ()))}".rstrip()
     return _boxed(words, [_does(name, state), *shown.note(name).lines])
 
 
-def _boxed(name: str, lines: Sequence[str]) -> Box:
-    wide = max(shapes.width(line, 6.6) + 24 for line in lines)
+def _boxed(name: str, lines: Sequence[str]) -> LayoutBox:
+    wide = max(svg_shapes.width(line, 6.6) + 24 for line in lines)
     height = HEADING + LINE * (len(lines) - 1)
-    return Box(max(96.0, shapes.width(name, 9) + 28, wide), height)
+    return LayoutBox(max(96.0, svg_shapes.width(name, 9) + 28, wide), height)
 
 
 def _does(name: str, state: State) -> str:
@@ -150,17 +165,17 @@ def _title(mission: Mission) -> Iterator[str]:
 
 def _arrows(drawn: Drawing, ways: Sequence[Way], key: str) -> Iterator[str]:
     for route, way in zip(drawn.routes, ways, strict=True):
-        yield shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
+        yield svg_shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
 
 
 def _labels(drawn: Drawing, ways: Sequence[Way]) -> Iterator[str]:
     for (x, y), (_, lines, noted, style, _) in zip(drawn.labels, ways, strict=True):
         words = [*((it, "small") for it in lines), *((it, "note") for it in noted)]
         if words:
-            yield shapes.rectangle(Rectangle(x, y, _size([*lines, *noted])), "label", 3)
+            yield svg_shapes.rectangle(Rectangle(x, y, _size([*lines, *noted])), "label", 3)
         for at, (line, size) in enumerate(words):
             top = y + LINE * (at - (len(words) - 1) / 2) + 4
-            yield shapes.text(line, x, top, f"{size} {style}".rstrip())
+            yield svg_shapes.text(line, x, top, f"{size} {style}".rstrip())
 
 
 def _groups(shown: Shown, drawn: Drawing) -> Iterator[str]:
@@ -180,7 +195,7 @@ def _border(name: str, state: State, shown: Shown, place: Rectangle, style: str 
         style += " marked"
     if shown.note(name).pale:
         style += " pale"
-    return shapes.rectangle(place, f"box{style}", 11, f' fill="{colour(state)}"')
+    return svg_shapes.rectangle(place, f"box{style}", 11, f' fill="{colour(state)}"')
 
 
 def _states(shown: Shown, drawn: Drawing) -> Iterator[str]:
@@ -193,41 +208,41 @@ def _states(shown: Shown, drawn: Drawing) -> Iterator[str]:
         else:
             x += (heading.width - box.width) / 2
             y += heading.height / 2 + 2 - box.height / 2
-            back = Box(heading.width - 20, heading.height - 14)
-            yield shapes.rectangle(Rectangle(x, y - 1, back), "label", 3)
+            back = LayoutBox(heading.width - 20, heading.height - 14)
+            yield svg_shapes.rectangle(Rectangle(x, y - 1, back), "label", 3)
         found = numbered(shown.marks.states.get(name, ()))
         tone = " marked" if found else " pale" if shown.note(name).pale else ""
         top = y - heading.height / 2
-        yield shapes.text(f"{name} {found}".rstrip(), x, top + 21, f"name{tone}")
-        yield shapes.text(_does(name, state), x, top + 38, "small")
+        yield svg_shapes.text(f"{name} {found}".rstrip(), x, top + 21, f"name{tone}")
+        yield svg_shapes.text(_does(name, state), x, top + 38, "small")
         yield from _noted(shown.note(name).lines, x, top + 38 + LINE)
 
 
 def _ends(overlay: Overlay, drawn: Drawing) -> Iterator[str]:
     for name, lines, tone in overlay.ends:
         place = drawn.states[END + name]
-        yield shapes.rectangle(place, f"box {tone}", 22)
+        yield svg_shapes.rectangle(place, f"box {tone}", 22)
         top = place.y - place.box.height / 2
-        yield shapes.text(name, place.x, top + 21, "name")
+        yield svg_shapes.text(name, place.x, top + 21, "name")
         yield from _noted(lines, place.x, top + 38)
 
 
 def _noted(lines: Sequence[str], x: float, y: float) -> Iterator[str]:
     for at, line in enumerate(lines):
-        yield shapes.text(line, x, y + LINE * at, "small")
+        yield svg_shapes.text(line, x, y + LINE * at, "small")
 
 
 def _strips(shown: Shown) -> Iterator[tuple[str, list[str]]]:
     """Yield what stands below the chart."""
     mission, marks, overlay = shown
     if marks.lines:
-        problems = [line for it in marks.lines for line in shapes.listed(it)]
+        problems = [line for it in marks.lines for line in svg_shapes.listed(it)]
         yield "strip", ["Problems, marked in red:", *problems]
     if overlay.lines:
-        yield "strip notes", [line for it in overlay.lines for line in shapes.listed(it)]
+        yield "strip notes", [line for it in overlay.lines for line in svg_shapes.listed(it)]
     if mission.failsafes:
         said = []
         for each in mission.failsafes:
             noted = overlay.failsafes.get(each.name, NO_NOTE).lines
-            said += shapes.listed(": ".join([failsafe_text(each), *noted]))
+            said += svg_shapes.listed(": ".join([failsafe_text(each), *noted]))
         yield "strip", ["Failsafes, in every flying state, the first that holds:", *said]

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Protocol
 
-from missionkit.vehicle.guardian.frames import split
+from missionkit.vehicle.guardian.mavlink_frames import split
 
 CHUNK = 65536
 AT_ONCE = 64  # datagrams read in one go

@@ -7,9 +7,9 @@ import pytest
 from documents import document
 
 from missionkit.chart.checks import findings
-from missionkit.chart.drawing.diagram import mermaid
-from missionkit.chart.drawing.marks import marks
-from missionkit.chart.drawing.picture import svg
+from missionkit.chart.drawing.mermaid_text import mermaid
+from missionkit.chart.drawing.problem_marks import marks
+from missionkit.chart.drawing.svg_chart import svg
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.guard_expressions import All
 from missionkit.chart.model.mission import Mission

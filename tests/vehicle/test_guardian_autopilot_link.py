@@ -6,11 +6,11 @@ from contextlib import contextmanager
 
 import pytest
 
-from missionkit.vehicle.guardian import frames
-from missionkit.vehicle.guardian.frames import Route
-from missionkit.vehicle.guardian.links import Line, Poller, open_link
+from missionkit.vehicle.guardian import mavlink_frames
+from missionkit.vehicle.guardian.autopilot_link import Line, Poller, open_link
+from missionkit.vehicle.guardian.mavlink_frames import Route
 
-FRAME = frames.still(Route(1, 1, 1, 1), 7, 99)
+FRAME = mavlink_frames.still(Route(1, 1, 1, 1), 7, 99)
 LIMIT = 200  # looks of at most 0.05 s
 
 

@@ -7,8 +7,8 @@ from html import escape
 from itertools import pairwise
 from textwrap import wrap
 
-from missionkit.chart.drawing.layout import Point
-from missionkit.chart.drawing.nested import Rectangle
+from missionkit.chart.drawing.layered_layout import Point
+from missionkit.chart.drawing.nested_layout import Rectangle
 
 MARGIN = 24.0
 LINE = 15.0

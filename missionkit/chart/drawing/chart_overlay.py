@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from missionkit.chart.drawing.marks import Way
+from missionkit.chart.drawing.problem_marks import Way
 
 Tone = Literal["good", "fair", "bad"]
 

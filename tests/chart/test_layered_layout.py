@@ -5,21 +5,21 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.chart.drawing.layout import Box, Link, layout
+from missionkit.chart.drawing.layered_layout import LayoutBox, LayoutLink, layout
 
-SIZES = st.builds(Box, st.floats(20, 200), st.floats(10, 60))
+SIZES = st.builds(LayoutBox, st.floats(20, 200), st.floats(10, 60))
 
 
 @st.composite
-def charts(draw: st.DrawFn) -> tuple[list[Box], list[Link]]:
+def charts(draw: st.DrawFn) -> tuple[list[LayoutBox], list[LayoutLink]]:
     states = draw(st.lists(SIZES, min_size=1, max_size=9))
     number = st.integers(0, len(states) - 1)
-    return states, draw(st.lists(st.builds(Link, number, number, SIZES), max_size=14))
+    return states, draw(st.lists(st.builds(LayoutLink, number, number, SIZES), max_size=14))
 
 
 @settings(deadline=None, max_examples=60, derandomize=True, database=None)
 @given(charts())
-def test_nothing_covers_anything_and_all_is_inside(chart: tuple[list[Box], list[Link]]):
+def test_nothing_covers_anything_and_all_is_inside(chart: tuple[list[LayoutBox], list[LayoutLink]]):
     states, links = chart
     placed = layout(states, links, 0)
     boxes = [
@@ -36,7 +36,9 @@ def test_nothing_covers_anything_and_all_is_inside(chart: tuple[list[Box], list[
 
 @settings(deadline=None, max_examples=60, derandomize=True, database=None)
 @given(charts())
-def test_arrows_run_from_their_source_to_their_target(chart: tuple[list[Box], list[Link]]):
+def test_arrows_run_from_their_source_to_their_target(
+    chart: tuple[list[LayoutBox], list[LayoutLink]],
+):
     states, links = chart
     placed = layout(states, links, 0)
     for link, label, route in zip(links, placed.labels, placed.routes, strict=True):
@@ -48,14 +50,20 @@ def test_arrows_run_from_their_source_to_their_target(chart: tuple[list[Box], li
 
 
 def test_the_initial_state_stands_on_top():
-    box = Box(50, 20)
-    placed = layout([box] * 3, [Link(0, 1, box), Link(2, 0, box), Link(1, 2, box)], 2)
+    box = LayoutBox(50, 20)
+    placed = layout(
+        [box] * 3, [LayoutLink(0, 1, box), LayoutLink(2, 0, box), LayoutLink(1, 2, box)], 2
+    )
     heights = [y for _, y in placed.states]
     assert heights[2] < heights[0] < heights[1]
 
 
 def test_the_ends_of_a_loop_do_not_cross():
-    links = [Link(0, 1, Box(90, 20)), Link(0, 0, Box(50, 20)), Link(0, 2, Box(60, 20))]
-    begin, down, _, up, end = layout([Box(120, 48)] * 3, links, 0).routes[1]
+    links = [
+        LayoutLink(0, 1, LayoutBox(90, 20)),
+        LayoutLink(0, 0, LayoutBox(50, 20)),
+        LayoutLink(0, 2, LayoutBox(60, 20)),
+    ]
+    begin, down, _, up, end = layout([LayoutBox(120, 48)] * 3, links, 0).routes[1]
     assert begin[0] < end[0]
     assert down[0] < up[0]

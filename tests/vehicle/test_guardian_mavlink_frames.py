@@ -5,8 +5,8 @@ import pytest
 
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.vehicle.autopilot_dialect import PX4
-from missionkit.vehicle.guardian import frames
-from missionkit.vehicle.guardian.frames import Frame, Route
+from missionkit.vehicle.guardian import mavlink_frames
+from missionkit.vehicle.guardian.mavlink_frames import Frame, Route
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 12, 0x81, 6 << 16, 4, 3)
 POSITION = mavlink.MAVLink_local_position_ned_message(9, 1.0, 2.0, 3.0, 3.0, 4.0, 0.0)
@@ -29,16 +29,16 @@ def packed(message, version=2, system=1, component=1):
 
 
 def said(message, version=2):
-    return frames.read(packed(message, version))
+    return mavlink_frames.read(packed(message, version))
 
 
 @pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("message", ALL, ids=lambda it: it.get_type())
 def test_frames_are_found_and_read_as_pymavlink_writes_them(message, version):
     data = packed(message, version, 3, 4)
-    assert frames.split(data) == ([data], b"")
-    assert frames.ident_of(data) == message.get_msgId()
-    read = frames.read(data)
+    assert mavlink_frames.split(data) == ([data], b"")
+    assert mavlink_frames.ident_of(data) == message.get_msgId()
+    read = mavlink_frames.read(data)
     if message is IMU:
         assert read is None
     else:
@@ -52,7 +52,7 @@ def test_frames_are_found_in_pieces_and_between_noise():
     found, rest, at = [], b"", 0
     while at < len(stream):
         size = int(rng.integers(1, 30))
-        more, rest = frames.split(rest + stream[at : at + size])
+        more, rest = mavlink_frames.split(rest + stream[at : at + size])
         found += more
         at += size
     assert found == whole
@@ -62,23 +62,25 @@ def test_frames_are_found_in_pieces_and_between_noise():
 def test_a_damaged_frame_is_not_believed():
     data = bytearray(packed(HEARTBEAT))
     data[12] ^= 1
-    assert frames.read(bytes(data)) is None
+    assert mavlink_frames.read(bytes(data)) is None
 
 
 def test_what_matters_is_read():
-    assert frames.beat(said(HEARTBEAT)) == (6 << 16, 12, True)
-    assert frames.speed(said(POSITION)) == 5.0
-    assert frames.order(said(LAND)) == (21, 0.0, 0.0)
-    assert frames.order(said(MODE)) == (176, 1.0, 6.0)
+    assert mavlink_frames.beat(said(HEARTBEAT)) == (6 << 16, 12, True)
+    assert mavlink_frames.speed(said(POSITION)) == 5.0
+    assert mavlink_frames.order(said(LAND)) == (21, 0.0, 0.0)
+    assert mavlink_frames.order(said(MODE)) == (176, 1.0, 6.0)
     for message in (VELOCITY, ATTITUDE, GLOBAL):
-        assert frames.target(said(message)) == (7, 1)
+        assert mavlink_frames.target(said(message)) == (7, 1)
     assert isinstance(said(HEARTBEAT, 1), Frame)
 
 
 def test_what_is_written_pymavlink_reads():
     to = Route(245, 191, 7, 1)
     mav = mavlink.MAVLink(None)
-    still, mode = mav.parse_buffer(frames.still(to, 3, 77) + frames.mode(to, 4, PX4.hold, 2))
+    still, mode = mav.parse_buffer(
+        mavlink_frames.still(to, 3, 77) + mavlink_frames.mode(to, 4, PX4.hold, 2)
+    )
     assert (still.get_srcSystem(), still.get_srcComponent(), still.get_seq()) == (245, 191, 3)
     assert (still.target_system, still.type_mask, still.coordinate_frame) == (7, 0x5C7, 1)
     assert (still.vx, still.vy, still.vz, still.yaw_rate) == (0.0, 0.0, 0.0, 0.0)
