@@ -26,7 +26,7 @@ STARTED = 10.0  # s to wait for the process
 ENDED = 1.0  # s to wait for its end; it stays on while the vehicle does not yet hold
 LOST = "guardian_lost"  # the event when the guardian itself ended
 RESTART_AFTER = 1.0  # s between two starts
-_ROOT = Path(__file__).parents[2]
+_ROOT = Path(__file__).parents[3]
 _RUN = (
     "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); "
     "runpy.run_module('missionkit.vehicle.guardian', run_name='__main__')"

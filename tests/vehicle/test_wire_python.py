@@ -1,0 +1,46 @@
+"""A mission flown over the wire from Python: `missionkit.fly`."""
+
+import threading
+
+import numpy as np
+from vehicle.flying import sitl
+from vehicle.test_wire_mission import TRIP
+
+import missionkit
+from missionkit.recorder.run_summary import read_summary
+
+
+def test_observers_that_fail_or_wait_cost_their_records_and_never_the_flight(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    path, folder, released = tmp_path / "trip.yaml", tmp_path / "record", threading.Event()
+    path.write_text(TRIP)
+    states = []
+
+    def watches(record, _):
+        states.append(record.state)
+        if record.state == "land":
+            released.set()
+
+    def fails(record, _):
+        raise ValueError("no idea")
+
+    def waits(record, _):
+        released.wait()
+
+    mission = missionkit.load(path)
+    with sitl() as autopilot:
+        summary = missionkit.fly(
+            mission,
+            autopilot.url,
+            observers=[watches, fails, waits],
+            folder=folder,
+            speed=autopilot.speed,
+        )
+        truth = autopilot.truth
+    assert summary.outcome == "success", summary.reason
+    assert summary.reason.endswith("by the vehicle's own account")
+    assert list(dict.fromkeys(states)) == ["idle", "out", "land"]
+    assert np.hypot(truth["position"][0] - 8.0, truth["position"][1] - 3.0) < 3.0
+    assert any("observer 2: ValueError: no idea" in problem for problem in summary.problems)
+    assert read_summary(folder).outcome == "success"
+    assert (folder / "flight.mcap").stat().st_size > 0
