@@ -144,6 +144,35 @@ class _Watch:
         return FlightState(memory, self.flown, self.grounded_since, life.state == "aborting")
 
 
+class _Aside:
+    """Calls what stands beside the command: observers and the keeper, which end no flight."""
+
+    def __init__(self) -> None:
+        self._errors: dict[str, Exception] = {}  # the first of each
+        self._fresh: list[str] = []
+
+    def call(self, what: str, function: Callable[..., object], *arguments: object) -> None:
+        try:
+            function(*arguments)
+        except Exception as error:  # noqa: BLE001 - whatever fails here, the vehicle is flown
+            if what not in self._errors:
+                self._errors[what] = error
+                self._fresh.append(
+                    f"{what} raised {type(error).__name__}: {error}; the flight goes on"
+                )
+
+    def take(self) -> tuple[str, ...]:
+        """Return what failed since the last call, a sentence each."""
+        fresh = tuple(self._fresh)
+        self._fresh.clear()
+        return fresh
+
+    def raise_first(self) -> None:
+        """Raise the first error, if there was one."""
+        for error in self._errors.values():
+            raise error
+
+
 async def fly(
     plan: PreparedMission,
     vehicle: Vehicle,
@@ -159,8 +188,9 @@ async def fly(
 ) -> FlownFlight:
     """Fly the mission.
 
-    The command alone must succeed: what `observers` and `keeper` raise ends the flight, so that
-    over a vehicle they are to hand over what may fail or wait to sinks (`recorder.record_sinks`).
+    The command alone must succeed. What `observers` and `keeper` raise joins the problems, once for
+    each, and the flight goes on; where nobody takes `reports`, the first of it is raised when the
+    flight is over. Over a vehicle they hand over what may wait to sinks (`recorder.record_sinks`).
 
     Args:
         plan: the mission, ready to fly.
@@ -189,7 +219,7 @@ async def fly(
         stack.push_async_callback(vehicle.close)
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(contain.interrupting())
-        life, watch = _started(course), _Watch(time_limit, course)
+        life, watch, aside = _started(course), _Watch(time_limit, course), _Aside()
         memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:
             count += 1
@@ -207,14 +237,17 @@ async def fly(
             record = done.record._replace(
                 cycle=cycle, problems=notes + reports() + done.record.problems
             )
-            events, notes = (), ()
-            for observer in observers:
-                observer(record, observation)
+            events = ()
+            for n, observer in enumerate(observers, 1):
+                aside.call(f"observer {n}", observer, record, observation)
             end = watch.over(plan, done)
             if end is None:
-                keeper(watch.course(memory, life), record)
+                aside.call("checkpoints", keeper, watch.course(memory, life), record)
+            notes = aside.take()
     aborted = life.state == "aborting"
     life.finish()
+    if reports is no_reports:
+        aside.raise_first()
     why = watch.why if end in {FlightEnd.NOT_ARMED, FlightEnd.NEVER_LEFT} else ""
     return FlownFlight(end, aborted, memory.now, count, memory, why)
 

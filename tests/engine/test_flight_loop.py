@@ -240,3 +240,29 @@ def test_a_vehicle_out_of_reach_is_told_to_whoever_asked():
     ready = short_stage(HOP)
     with pytest.raises(VehicleError, match="no heartbeat"):
         flight_of(ready, Gone(ready.vehicle))
+
+
+def test_an_observer_that_raises_ends_no_flight_and_is_raised_when_it_is_over():
+    ready, states = short_stage(HOP), []
+
+    def fails(record: Record, _: Observation) -> None:
+        raise ValueError(f"no idea at {record.now:g} s")
+
+    def watches(record: Record, _: Observation) -> None:
+        states.append((record.state, record.problems))
+
+    with pytest.raises(ValueError, match=r"no idea at 0\.05 s"):
+        asyncio.run(fly(ready.plan, ready.vehicle, (fails, watches)))
+    assert states[-1][0] == "land"
+    told = [problem for _, problems in states for problem in problems]
+    assert told == ["observer 1 raised ValueError: no idea at 0.05 s; the flight goes on"]
+
+
+def test_what_raises_is_left_to_those_who_take_reports():
+    ready = short_stage(HOP)
+
+    def fails(*_: object) -> None:
+        raise ValueError("no disk")
+
+    flown = asyncio.run(fly(ready.plan, ready.vehicle, keeper=fails, reports=lambda: ()))
+    assert flown.end is FlightEnd.LANDED

@@ -24,7 +24,7 @@ success: {visit: out}
 """
 
 
-class KilledError(Exception):
+class KilledError(BaseException):
     """The process died."""
 
 
