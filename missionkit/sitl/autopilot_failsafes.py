@@ -14,10 +14,9 @@ import math
 from collections.abc import Callable, Mapping
 
 from missionkit.sitl import fence_breach
-from missionkit.sitl.failsafe_takeover import take_over
 from missionkit.sitl.flight_modes import Flight
 from missionkit.sitl.setpoint_tracking import SetpointTarget
-from missionkit.sitl.sitl_state import ALERT, GCS, SitlState
+from missionkit.sitl.sitl_state import ALERT, GCS, SitlState, take_over
 
 OFFBOARD_LOSS = {3: Flight.RETURN, 4: Flight.LAND, 5: Flight.HOLD}  # COM_OBL_RC_ACT
 OFFBOARD_PILOT = {0: "POSCTL", 1: "ALTCTL", 2: "STABILIZED"}

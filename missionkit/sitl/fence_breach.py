@@ -12,11 +12,10 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from missionkit.sitl.failsafe_takeover import take_over
 from missionkit.sitl.flight_modes import Flight
 from missionkit.sitl.geodetic import Earth, Spot
 from missionkit.sitl.pymavlink_dialect import mavlink
-from missionkit.sitl.sitl_state import SitlState
+from missionkit.sitl.sitl_state import SitlState, take_over
 from missionkit.sitl.stored_plans import FENCE, Item
 
 INSIDE = (

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from missionkit.errors import VehicleError
 from missionkit.geometry import vec
 from missionkit.vehicle.link.connection import Link
-from missionkit.vehicle.link.plan_item import Item
+from missionkit.vehicle.link.message_link import PlanItem
 from missionkit.vehicle.telemetry.earth_origin import Origin
 
 INCLUSION = 5001  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
@@ -23,7 +23,7 @@ Ground = tuple[float, float]  # north, east, m
 _SAME = ("command", "x", "y", "mission_type")
 
 
-def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[Item, ...]:
+def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[PlanItem, ...]:
     """Return the items of a fence to stay inside of; at least three corners."""
     count = len(corners)
     if count < 3:
@@ -31,26 +31,26 @@ def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[Item, ...]:
     items = []
     for seq, corner in enumerate(corners):
         x, y = _place(origin, corner)
-        items.append(Item(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, GLOBAL, param1=float(count)))
+        items.append(PlanItem(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, GLOBAL, param1=float(count)))
     return tuple(items)
 
 
-def box(origin: Origin, north: Ground, east: Ground) -> tuple[Item, ...]:
+def box(origin: Origin, north: Ground, east: Ground) -> tuple[PlanItem, ...]:
     """Return the fence of `inside_fence`: between two norths and two easts (m)."""
     (south, top), (west, right) = north, east
     return polygon(origin, ((south, west), (top, west), (top, right), (south, right)))
 
 
-def rally(origin: Origin, points: Sequence[tuple[float, float, float]]) -> tuple[Item, ...]:
+def rally(origin: Origin, points: Sequence[tuple[float, float, float]]) -> tuple[PlanItem, ...]:
     """Return rally points (north, east, height above home, m)."""
     items = []
     for seq, (north, east, height) in enumerate(points):
         x, y = _place(origin, (north, east))
-        items.append(Item(seq, RALLY, x, y, height, RALLY_PLAN, RELATIVE))
+        items.append(PlanItem(seq, RALLY, x, y, height, RALLY_PLAN, RELATIVE))
     return tuple(items)
 
 
-def set_fence(link: Link, items: Sequence[Item]) -> None:
+def set_fence(link: Link, items: Sequence[PlanItem]) -> None:
     """Upload a fence and make sure that the autopilot has it. Blocks the calling thread.
 
     Raises:
@@ -60,7 +60,7 @@ def set_fence(link: Link, items: Sequence[Item]) -> None:
     _same("the geofence", items, link.download_fence())
 
 
-def set_rally(link: Link, items: Sequence[Item]) -> None:
+def set_rally(link: Link, items: Sequence[PlanItem]) -> None:
     """Upload rally points and make sure that the autopilot has them. Blocks the calling thread.
 
     Raises:
@@ -75,7 +75,7 @@ def _place(origin: Origin, ground: Ground) -> tuple[int, int]:
     return round(1e7 * latitude), round(1e7 * longitude)
 
 
-def _same(what: str, sent: Sequence[Item], got: Sequence[Item]) -> None:
+def _same(what: str, sent: Sequence[PlanItem], got: Sequence[PlanItem]) -> None:
     differ = len(sent) != len(got) or any(
         any(getattr(a, name) != getattr(b, name) for name in _SAME)
         or abs(a.z - b.z) > 0.01

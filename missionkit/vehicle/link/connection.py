@@ -19,7 +19,7 @@ from mavsdk.plugins.param import Param, ParamError
 
 from missionkit.errors import VehicleError
 from missionkit.vehicle.link.link_address import Address, unopened
-from missionkit.vehicle.link.plan_item import Item
+from missionkit.vehicle.link.message_link import PlanItem
 
 LOOK = 0.1  # s between two looks at which systems are there
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
@@ -165,7 +165,7 @@ class Link:
             return True
         return False
 
-    def upload_fence(self, items: Sequence[Item]) -> None:
+    def upload_fence(self, items: Sequence[PlanItem]) -> None:
         """Replace the geofence. Blocks the calling thread.
 
         Raises:
@@ -173,7 +173,7 @@ class Link:
         """
         self._upload("the geofence", self._mission.upload_geofence, items)
 
-    def upload_rally(self, items: Sequence[Item]) -> None:
+    def upload_rally(self, items: Sequence[PlanItem]) -> None:
         """Replace the rally points. Blocks the calling thread.
 
         Raises:
@@ -181,7 +181,7 @@ class Link:
         """
         self._upload("the rally points", self._mission.upload_rally_points, items)
 
-    def download_fence(self) -> tuple[Item, ...]:
+    def download_fence(self) -> tuple[PlanItem, ...]:
         """Return the geofence that the autopilot has. Blocks the calling thread.
 
         Raises:
@@ -189,7 +189,7 @@ class Link:
         """
         return self._download("the geofence", self._mission.download_geofence)
 
-    def download_rally(self) -> tuple[Item, ...]:
+    def download_rally(self) -> tuple[PlanItem, ...]:
         """Return the rally points that the autopilot has. Blocks the calling thread.
 
         Raises:
@@ -207,19 +207,19 @@ class Link:
         self._mavsdk.destroy()
 
     @staticmethod
-    def _upload(what: str, give: Callable[[list[Any]], object], items: Sequence[Item]) -> None:
+    def _upload(what: str, give: Callable[[list[Any]], object], items: Sequence[PlanItem]) -> None:
         try:
             give([MissionItem(**item._asdict()) for item in items])
         except MavsdkError as error:
             raise VehicleError(f"{what} could not be uploaded: {error}") from None
 
     @staticmethod
-    def _download(what: str, get: Callable[[], Sequence[Any]]) -> tuple[Item, ...]:
+    def _download(what: str, get: Callable[[], Sequence[Any]]) -> tuple[PlanItem, ...]:
         try:
             found = get()
         except MavsdkError as error:
             raise VehicleError(f"{what} could not be read back: {error}") from None
-        return tuple(Item(*(getattr(one, name) for name in Item._fields)) for one in found)
+        return tuple(PlanItem(*(getattr(one, name) for name in PlanItem._fields)) for one in found)
 
 
 async def _systems(mavsdk: Mavsdk) -> dict[int, str]:
