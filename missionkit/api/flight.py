@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
+from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.api.missions import LoadedMission
@@ -87,19 +89,22 @@ def fly(
     with (
         Logbook(folder, plan, scene, sinks, mission.path) as book,
         landing_on_interrupt(operator),
+        ExitStack() as stack,
     ):
-        flown = fly_vehicle(
-            plan,
-            vehicle,
-            (log, with_remarks((*book.observing(()), *own), vehicle)),
-            operator=operator,
-            speed=speed,
-            time_limit=model.settings.time_limit,
-            reports=sinks.reports,
-            look_first=not anyway,
+        for each in own:
+            stack.callback(each.close)
+        flown = outside_loop(
+            lambda: fly_vehicle(
+                plan,
+                vehicle,
+                (log, with_remarks((*book.observing(()), *own), vehicle)),
+                operator=operator,
+                speed=speed,
+                time_limit=model.settings.time_limit,
+                reports=sinks.reports,
+                look_first=not anyway,
+            )
         )
-    for each in own:
-        each.close()
     asked, wanted = operator.wants_down, model.success
     return book.finished(
         summarise(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.missions import LoadedMission
 from missionkit.chart.model.mission import Mission
@@ -64,12 +65,15 @@ def rehearse(
     sinks, operator = inline(), operator or Operator()
     scene = scenery_of(world, model)
     with Logbook(folder, ready.plan, scene, sinks, mission.path) as log:
-        result = fly_simulated(
-            ready,
-            log.observing(observers, lambda: ready.vehicle.truth),
-            operator=operator,
-            pace=None if speed is None else RealTime(speed),
-            reports=sinks.reports.take,
+        observing = log.observing(observers, lambda: ready.vehicle.truth)
+        result = outside_loop(
+            lambda: fly_simulated(
+                ready,
+                observing,
+                operator=operator,
+                pace=None if speed is None else RealTime(speed),
+                reports=sinks.reports.take,
+            )
         )
     return log.finished(
         summarise(
