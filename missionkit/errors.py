@@ -1,4 +1,4 @@
-"""What can go wrong, in the words the user reads."""
+"""Errors that users see, and the exit codes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ COMPARED = 400  # names compared: a millisecond each hundred
 
 
 class ExitCode(IntEnum):
-    """What a finished command says to the shell."""
+    """Exit codes of the commands."""
 
     SUCCESS = 0
     ENDED_SAFELY = 1

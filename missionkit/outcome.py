@@ -1,4 +1,4 @@
-"""What a rehearsal came to, in one word and one sentence."""
+"""Outcome of a rehearsal, in one word and one sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plug-in is: its parameters, its manual page, and one pure method.
+"""Base classes of plug-ins: parameters, a manual page, and one pure method.
 
 A plug-in class is a frozen pydantic model. The name a mission file uses is the class variable
 `kind`; the docstring is the manual page; fields carry units in their types. Nothing here reads
@@ -73,7 +73,7 @@ class WindowGuard(Plugin):
 
 
 class Behavior(Plugin):
-    """What a state does. Its memory lives as long as the state is active."""
+    """The action of a state, with memory that lives as long as the state is active."""
 
     def begin(self, seen: Estimate) -> Any:  # noqa: ARG002
         """Return the memory on entry to the state: an immutable value."""
@@ -98,7 +98,7 @@ class Behavior(Plugin):
 
 
 class Prior(NamedTuple):
-    """What is believed of a target before a frame is looked at."""
+    """Prior belief about a target, before a frame is examined."""
 
     body: Transform | None  # body to world at the exposure; None: not known
     target: Target | None  # where the target is believed to be; None: not known

@@ -1,4 +1,4 @@
-"""What the engine needs from the outside world."""
+"""Interfaces of the engine to the outside world."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ class Kept(NamedTuple):
 
 
 class Again(NamedTuple):
-    """What a rehearsal goes on from."""
+    """Saved state from which a rehearsal resumes."""
 
     kept: Kept
     track: Mat  # (N, TRACK_WIDTH), of the simulated vehicle

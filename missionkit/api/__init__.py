@@ -1,1 +1,1 @@
-"""What `missionkit` exports: missions loaded, checked, rehearsed, flown and counted from Python."""
+"""Public API of `missionkit`: load, check, rehearse, fly and run campaigns from Python."""

@@ -1,4 +1,4 @@
-"""What a flight from Python leaves: its track in memory and, in a folder, its record."""
+"""Results of a flight from Python: its track in memory and, in a folder, its record."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Logbook:
 
     @property
     def track(self) -> FlightTrack:
-        """What the flight looked like from afar."""
+        """Track of the flight: positions, states, transitions."""
         return self._track if self._recorder is None else self._recorder.track
 
     def observing(

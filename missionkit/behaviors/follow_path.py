@@ -29,7 +29,7 @@ PLANNED = "path.planned"
 
 
 class OnPath(NamedTuple):
-    """What following a path remembers."""
+    """Memory of `follow_path`."""
 
     yaw: float  # rad, when it began
     down: float  # m, height to keep

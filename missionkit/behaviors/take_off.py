@@ -19,7 +19,7 @@ SPEED = 1.0  # m/s, to finish a climb
 
 
 class Climb(NamedTuple):
-    """What a take-off remembers."""
+    """Memory of `take_off`."""
 
     begun: bool = False  # the autopilot has climbed
     highest: float = 0.0  # m

@@ -36,7 +36,7 @@ class Measure(NamedTuple):
 
 
 class Variant(NamedTuple):
-    """What the runs of one variant say."""
+    """Results of one variant."""
 
     name: str
     settings: Mapping[str, str]

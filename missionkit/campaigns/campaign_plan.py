@@ -1,4 +1,4 @@
-"""What a campaign is to fly: kept as `campaign.json` in its folder, so that it can be resumed."""
+"""Plan of a campaign, kept as `campaign.json` in its folder so that it can be resumed."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class ChartCoverage(NamedTuple):
 
 
 class Unflown(NamedTuple):
-    """What no flight has shown."""
+    """A part of the chart that no flight has reached."""
 
     what: str  # state, transition, failsafe
     name: str

@@ -1,4 +1,4 @@
-"""What flights came to, written on the chart: counts, shares, times, and what was never flown."""
+"""Campaign results as notes on the chart: counts, shares, times, and what was never flown."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def notes(charted: Charted, counts: ChartCoverage, chain: Chain, name: str) -> O
 
 
 class Expected(NamedTuple):
-    """What the chain says of a state."""
+    """Prediction of the Markov chain for a state."""
 
     success: float
     crash: float

@@ -82,7 +82,7 @@ class _Task(NamedTuple):
 
 
 class _Tasks:
-    """What is to be flown; runs that lost their worker first."""
+    """Queue of runs; those that lost their worker come first."""
 
     def __init__(self, cases: Iterable[Case]) -> None:
         self._cases = iter(cases)

@@ -13,7 +13,7 @@ NO_FLIGHT = ("error", "hung", "lost")  # the run says nothing of the mission
 
 
 class RunOrder(NamedTuple):
-    """What all runs of a campaign share; sent to every worker."""
+    """Settings that all runs of a campaign share; sent to every worker."""
 
     mission: str  # path
     settings: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""What can be said of a mission from a sample of its flights, and how surely."""
+"""Statistics of a campaign: estimates from a sample of flights, with confidence intervals."""
 
 from __future__ import annotations
 

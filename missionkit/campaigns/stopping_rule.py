@@ -20,7 +20,7 @@ Verdict = Literal["met", "not met", "open"]
 
 
 class StopDecision(NamedTuple):
-    """What became of a requirement."""
+    """Result of the test of a requirement."""
 
     verdict: Verdict
     after: int  # runs

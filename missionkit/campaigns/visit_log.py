@@ -1,4 +1,4 @@
-"""What a campaign keeps of a flight: which states, for how long, by which transitions and why."""
+"""Visits of a flight that a campaign keeps: states, times, transitions and reasons."""
 
 from __future__ import annotations
 

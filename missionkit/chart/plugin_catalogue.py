@@ -1,4 +1,4 @@
-"""What a mission file may name: plug-ins by kind, and kinds of state.
+"""Catalogue of the plug-ins, by kind, and of the kinds of state.
 
 There is no registry: the command line builds one catalogue and hands it down.
 """

@@ -1,4 +1,4 @@
-"""What a plug-in class must have before a mission may use it, whatever package it comes from."""
+"""Checks plug-in classes before a mission may use them, whatever package they come from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `missionkit camera check` says."""
+"""Output of `missionkit camera check`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from missionkit.vehicle.camera.image_stream import Taken
 
 
 class Subject(NamedTuple):
-    """What is checked."""
+    """The camera and the markers to check."""
 
     source: int | str
     names: tuple[str, ...]  # dictionaries
@@ -24,7 +24,7 @@ class Subject(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What one image showed."""
+    """Detections in one image."""
 
     taken: Taken
     found: tuple[Found, ...]  # of the mission

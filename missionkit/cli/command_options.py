@@ -1,4 +1,4 @@
-"""What several commands have in common: options, and how errors are told."""
+"""Options and error reporting shared by several commands."""
 
 from __future__ import annotations
 

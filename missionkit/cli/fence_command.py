@@ -32,7 +32,7 @@ HOME_TIMEOUT = 10.0  # s to wait for home
 
 
 class Box(NamedTuple):
-    """What is to be stayed inside of, from the take-off point."""
+    """Box to stay inside of, relative to the take-off point."""
 
     north: Ground  # m, south and north limit
     east: Ground  # m, west and east limit
@@ -40,7 +40,7 @@ class Box(NamedTuple):
 
 
 class FenceOptions(NamedTuple):
-    """What the command line asks for."""
+    """Options of the command."""
 
     address: str
     mission: Path

@@ -1,4 +1,4 @@
-"""What a flight looks like while it happens: a live page on a terminal, plain lines elsewhere."""
+"""Live view of a flight: a page on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 

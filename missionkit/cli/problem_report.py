@@ -1,4 +1,4 @@
-"""What is wrong with a mission: for people with the line and a caret, for programs as JSON."""
+"""Problem reports: for people with the line and a caret, for programs as JSON."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from missionkit.vehicle.telemetry.observer import Datum
 
 
 class Afield(NamedTuple):
-    """What a checkpoint of a flight with a vehicle holds."""
+    """Content of a checkpoint of a flight with a vehicle."""
 
     course: FlightState
     date: float  # s since 1970, when it was written
@@ -30,7 +30,7 @@ class Afield(NamedTuple):
 
 
 class Before(NamedTuple):
-    """What a flight goes on from."""
+    """Saved state from which a flight resumes."""
 
     loaded: Loaded
     saved: Afield

@@ -15,7 +15,7 @@ from missionkit.rehearsal import Again, Kept, Stage
 
 
 class Contents(NamedTuple):
-    """What a checkpoint of a run holds."""
+    """Content of a checkpoint of a run."""
 
     kept: Kept
     track: FlightTrack  # what does not grow at every tick
@@ -23,7 +23,7 @@ class Contents(NamedTuple):
 
 
 class Since(NamedTuple):
-    """What a run goes on from."""
+    """Saved state from which a run resumes."""
 
     loaded: Loaded
     again: Again

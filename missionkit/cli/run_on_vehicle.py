@@ -64,7 +64,7 @@ def run_on_vehicle(
 
 
 class Ready(NamedTuple):
-    """What one flight is flown with, and recorded into."""
+    """Resources of one flight: what flies it, and the folder it is recorded into."""
 
     mission: Mission
     world: World

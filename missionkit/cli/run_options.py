@@ -1,4 +1,4 @@
-"""What the command line asks `missionkit run` for."""
+"""Options of `missionkit run`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run was started from, and in what a file differs from it now."""
+"""Origin of a run: the files and options it started from, and differences to them now."""
 
 from __future__ import annotations
 

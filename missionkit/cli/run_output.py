@@ -38,7 +38,7 @@ from missionkit.recorder.scenery import Scenery
 
 
 class Past(Protocol):
-    """What a run goes on from."""
+    """Saved state from which a run resumes."""
 
     @property
     def loaded(self) -> Loaded:
@@ -46,7 +46,7 @@ class Past(Protocol):
 
     @property
     def track(self) -> FlightTrack:
-        """What was flown so far."""
+        """Track flown so far."""
 
 
 P = TypeVar("P", bound=Past)

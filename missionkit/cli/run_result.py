@@ -1,4 +1,4 @@
-"""What a flight came to: outcome, reason, numbers, exit code."""
+"""Result of a run: outcome, reason, numbers, exit code."""
 
 from __future__ import annotations
 

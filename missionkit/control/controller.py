@@ -28,7 +28,7 @@ CUT = 0.05  # m/s, the same of what a bound takes off
 
 
 class ControlMemory(NamedTuple):
-    """What control remembers from one step to the next."""
+    """Memory of the controller between steps."""
 
     pid: PidMemory = PidMemory()
     yaw: YawMemory = YawMemory()

@@ -48,7 +48,7 @@ class PidMemory(NamedTuple):
 
 
 class Tracking(NamedTuple):
-    """What the controller is told at one step."""
+    """Input of the controller at one step."""
 
     error: Triple  # m, NED, desired - actual
     rate: Triple  # m/s, NED, reference velocity - actual velocity

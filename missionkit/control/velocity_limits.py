@@ -21,7 +21,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 class Limits(BaseModel):
-    """What the vehicle is ever asked to do, whatever a behaviour wants.
+    """Limits of the velocity command, whatever a behaviour asks for.
 
     `braking` is the deceleration the approach to a goal is planned with; it stays well under
     `acceleration` so that the lag of the velocity loop does not become overshoot. `lag` is how late

@@ -21,7 +21,7 @@ class Regime(StrEnum):
 
 
 class YawMemory(NamedTuple):
-    """What the law remembers."""
+    """Memory of the yaw law."""
 
     regime: Regime | None = None  # None: not chosen yet
     held: float | None = None  # rad, last desired yaw

@@ -21,7 +21,7 @@ SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
 
 
 class ContainedMemory(NamedTuple):
-    """What is kept from tick to tick."""
+    """Memory between ticks."""
 
     inner: Any  # memory of the navigator
     state: NavState  # the last that could be used

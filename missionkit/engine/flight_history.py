@@ -1,4 +1,4 @@
-"""What a flight went through, kept while it flies: visits, failsafes, where it meant to land."""
+"""History of a flight, updated at every tick: visits, failsafes, the intended landing place."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TakenFailsafe(NamedTuple):
 
 
 class FlightHistory(NamedTuple):
-    """What a flight went through so far."""
+    """History of the flight so far."""
 
     spans: Spans = NOTHING  # state -> first entered, last active, s
     finished: Mapping[str, float] = MappingProxyType({})  # state -> when its behaviour finished, s

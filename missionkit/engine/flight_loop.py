@@ -53,7 +53,7 @@ class FlightEnd(StrEnum):
 
 
 class FlownFlight(NamedTuple):
-    """What the loop gives back."""
+    """Result of the flight loop."""
 
     end: FlightEnd
     aborted: bool
@@ -70,7 +70,7 @@ class FlownFlight(NamedTuple):
 
 
 class Operator:
-    """What the person at the keys wants."""
+    """Requests of the operator: landing and events."""
 
     def __init__(self) -> None:
         self.wants_down = False

@@ -15,7 +15,7 @@ from missionkit.planning.potential_field import FieldMemory
 
 
 class SensorState(NamedTuple):
-    """What was sensed last, and the filters' memories."""
+    """The latest sensor readings, and the memories of the filters."""
 
     navigation: Any  # the navigator's memory
     eye: VisionMemory

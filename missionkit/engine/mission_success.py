@@ -23,7 +23,7 @@ class Condition(NamedTuple):
 
 
 class TruthSummary(NamedTuple):
-    """What ground truth says of a flight, as far as success needs it."""
+    """The ground truth that the conditions of success need."""
 
     visits: Mapping[str, tuple[float, float | None] | None]  # state -> m, deg on entry
     clearance: float  # m

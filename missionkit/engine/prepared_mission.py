@@ -33,7 +33,7 @@ from missionkit.plugin import Plugin
 
 
 class PreparedMission(NamedTuple):
-    """What flies."""
+    """A mission ready to fly: chart, navigator, vision pipeline and camera model."""
 
     chart: Chart
     navigator: Navigator

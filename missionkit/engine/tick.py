@@ -29,7 +29,7 @@ Stopwatch = Callable[[], float]
 
 
 class Ticked(NamedTuple):
-    """What one tick gives."""
+    """Result of one tick."""
 
     memory: FlightMemory
     command: Command

@@ -10,7 +10,7 @@ from missionkit.messages import Health, Observation, Sighting, Target
 
 
 class NavState(NamedTuple):
-    """What the navigator believes, at the time of the newest inertial sample."""
+    """State estimate of a navigator at the time of the newest inertial sample."""
 
     position: Vec3  # (3,), m, NED
     velocity: Vec3  # (3,), m/s, NED

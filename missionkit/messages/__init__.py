@@ -1,4 +1,4 @@
-"""What flows through the house: observation -> estimate -> verdicts -> command -> record.
+"""Messages between the layers: observation -> estimate -> verdicts -> command -> record.
 
 Frames: world NED (m) with its origin at the take-off point, body FRD, camera as in OpenCV.
 Quaternions (w, x, y, z), body to world. SI units, radians, seconds on the mission's clock.

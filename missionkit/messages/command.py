@@ -1,4 +1,4 @@
-"""What behaviours want, and what goes to the vehicle."""
+"""Guidance from behaviours, and commands to the vehicle."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ AnySetpoint = Setpoint | PositionSetpoint | AttitudeSetpoint
 
 
 class Command(NamedTuple):
-    """What goes to the vehicle at one tick. Neither part: let the autopilot hold."""
+    """Command to the vehicle for one tick; without setpoint and action, the autopilot holds."""
 
     setpoint: AnySetpoint | None = None
     action: Action | None = None
@@ -64,7 +64,7 @@ class Mode(StrEnum):
 
 
 class Guidance(NamedTuple):
-    """What a behaviour wants; control turns it into a setpoint."""
+    """Goal and speed of a behaviour; control turns them into a setpoint."""
 
     position: Vec3  # (3,), m, NED, desired
     speed: float  # m/s, not to be exceeded
@@ -83,7 +83,7 @@ class HalfSpace(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a behaviour answers at one tick."""
+    """Answer of a behaviour at one tick."""
 
     guidance: Guidance | None = None  # None and no action: hold still
     action: Action | None = None

@@ -1,4 +1,4 @@
-"""What guards and behaviours see."""
+"""The estimate that guards and behaviours see."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Goal(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """What is known at one tick. Guards and behaviours see this and nothing else."""
+    """The estimate at one tick; guards and behaviours see nothing else."""
 
     now: float
     position: Vec3  # (3,), m, NED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 ABORT = "operator: land"
-"""What the operator's landing is called among the events; it is no name that a chart can hear."""
+"""Event of a landing that the operator orders; not a name that a chart can match."""
 
 CONTROL_RESUMED = "control_resumed"
 """The event when a person, by a key, has let missionkit command again."""

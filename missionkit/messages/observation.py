@@ -1,4 +1,4 @@
-"""What sensors said, each with its time."""
+"""Sensor readings, each with its time."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Battery(NamedTuple):
 
 
 class VehicleStatus(NamedTuple):
-    """What the autopilot says about itself."""
+    """Status reported by the autopilot."""
 
     at: float  # s, time of the last heartbeat
     armed: bool

@@ -1,4 +1,4 @@
-"""What one tick decided."""
+"""Decisions of one tick."""
 
 from __future__ import annotations
 

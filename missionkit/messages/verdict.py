@@ -1,4 +1,4 @@
-"""What a guard answers."""
+"""The verdict of a guard."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _new = tuple.__new__  # a third of the time of the class's own, and guards answe
 
 
 class Verdict(NamedTuple):
-    """What a guard says: it holds, does not, or cannot tell (`holds is None`), and why."""
+    """Answer of a guard: it holds, does not hold, or is unknown (`holds is None`), and why."""
 
     holds: bool | None
     why: str = ""

@@ -1,4 +1,4 @@
-"""What was seen in camera frames."""
+"""Detections in camera frames."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Sighting(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What one expected frame showed. A frame that never came is a look that saw nothing."""
+    """Targets found in one expected frame; a missing frame counts as one without targets."""
 
     at: float  # s
     seen: frozenset[str]  # names of the targets found

@@ -1,4 +1,4 @@
-"""What a camera sees of the markers of a mission, and how far away they are."""
+"""Checks which markers of a mission a camera sees, and how far away they are."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from missionkit.perception.target_sighting import sight
 
 
 class Priors(NamedTuple):
-    """What is believed before a frame is looked at."""
+    """Prior belief, before a frame is examined."""
 
     body: Callable[[float], Transform | None]  # time (s) -> body to world
     targets: Mapping[str, Target]

@@ -19,7 +19,7 @@ _PRIOR_MOST: Final = 4.0
 
 
 class Expectation(NamedTuple):
-    """What is known beforehand about a marker's orientation."""
+    """Prior knowledge of a marker's orientation."""
 
     camera: Quat | None = None  # camera to world; None: nothing can be said
     upright: bool = False  # the marker's y axis points up

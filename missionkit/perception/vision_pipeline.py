@@ -23,7 +23,7 @@ _MOST_MISSED: Final = 100  # frames counted as missed in one tick
 
 
 class VisionMemory(NamedTuple):
-    """What the eye keeps from tick to tick."""
+    """Memory of the vision pipeline between ticks."""
 
     heard_at: float | None = None  # s, when the last frame arrived or was given up
     asked_at: float | None = None  # s, of the last tick

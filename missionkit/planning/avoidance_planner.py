@@ -1,4 +1,4 @@
-"""What a planner of `avoid:` is: memory in, memory out, like a guard or a behaviour."""
+"""Base class of planners for `avoid:`: memory in, memory out, like guards and behaviours."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Weight(Frozen):
 
 
 class KnownMap(Frozen):
-    """What is known of the ground before the flight: north and east of the take-off point."""
+    """The known map of the ground, in metres north and east of the take-off point."""
 
     file: str | None = Field(default=None, description="of ROS map_server, beside the mission")
     north: Span | None = Field(default=None, description="first and last metre of the map")

@@ -37,7 +37,7 @@ BLIND = 0.5  # m/s, enough to hold a place against the wind
 
 
 class FieldMemory(NamedTuple):
-    """What the potential field remembers from one step to the next."""
+    """Memory of the potential field between steps."""
 
     points: Points | None = None  # (N, 3), m, NED, of the last scan
     scanned_at: float = -math.inf  # s, when it was measured

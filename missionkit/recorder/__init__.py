@@ -1,1 +1,1 @@
-"""What a run leaves behind: the flight record (MCAP), `summary.json` and `track.png`."""
+"""Output of a run: the flight record (MCAP), `summary.json` and `track.png`."""

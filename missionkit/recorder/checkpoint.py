@@ -41,14 +41,14 @@ class Stretch(NamedTuple):
 
 
 class Saved(NamedTuple):
-    """What a checkpoint file holds."""
+    """Content of a checkpoint file."""
 
     value: Any
     journals: Mapping[str, Stretch]
 
 
 class Loaded(NamedTuple):
-    """What can be gone on from."""
+    """A checkpoint that was read, with its journals."""
 
     value: Any
     journals: Mapping[str, Rows]
@@ -98,7 +98,7 @@ def write_surely(path: Path, text: str, before: Path | None = None) -> None:
 
 
 class _Written(NamedTuple):
-    """What of a journal is on the disk."""
+    """The part of a journal that is on disk."""
 
     rows: int
     size: int  # bytes

@@ -40,7 +40,7 @@ class Pace:
 
 
 class Seen(NamedTuple):
-    """What the tick before said; a change is worth a message."""
+    """Values of the previous tick; a change triggers a message."""
 
     state: str = ""
     since: float = 0.0  # s

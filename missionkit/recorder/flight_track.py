@@ -1,4 +1,4 @@
-"""What a run looked like from afar: kept in memory for the summary and the picture."""
+"""Track of a run, kept in memory for the summary and the picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the map and its close-up draw: obstacles, fences, paths, goals, targets, markers."""
+"""Draws the map and its close-up: obstacles, fences, paths, goals, targets, markers."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _from_above(places: Sequence[Place]) -> Ground:
 
 
 class Scene(NamedTuple):
-    """What a map shows, and what measures its labels."""
+    """Contents of a map, and the ruler that measures its labels."""
 
     ruler: Ruler
     flown: Flown

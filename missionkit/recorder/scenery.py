@@ -1,4 +1,4 @@
-"""What stands around: obstacles, markers, targets, fences, for the picture and the 3D view."""
+"""Scenery for the picture and the 3D view: obstacles, markers, targets, fences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the simulated camera sees: ground, sky, obstacles and markers, through a real lens."""
+"""Renders camera images: ground, sky, obstacles and markers, with lens distortion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can go wrong in a rehearsal, by name and at a time.
+"""Faults of a rehearsal, each with a name and a start time.
 
     NAME[=VALUE][@WHEN][+DURATION]      WHEN: seconds, or STATE[:DELAY]
 

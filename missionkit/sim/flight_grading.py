@@ -41,7 +41,7 @@ class Visit(NamedTuple):
 
 
 class Grade(NamedTuple):
-    """What a flight was worth."""
+    """Grade of a flight by ground truth."""
 
     succeeded: bool
     visit: Visit | None  # None: the state that counts was never entered

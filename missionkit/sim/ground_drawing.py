@@ -40,7 +40,7 @@ class Sheet(NamedTuple):
 
 
 class Band(NamedTuple):
-    """What is painted where a pixel covers less than `reach` of ground, and more than before."""
+    """Texture for pixels that cover less than `reach` of ground, more than the band before."""
 
     reach: float  # m
     sheet: Sheet

@@ -1,4 +1,4 @@
-"""What really happens: the present truth, and the track that flights are graded by."""
+"""Ground truth: the current state, and the track that flights are graded by."""
 
 from __future__ import annotations
 

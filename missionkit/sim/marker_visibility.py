@@ -1,4 +1,4 @@
-"""What a simulated camera that does not render would detect: the corners of markers.
+"""Detections of a simulated camera that does not render: the corners of markers.
 
 Imported late: it compiles kernels.
 """

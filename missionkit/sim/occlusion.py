@@ -1,4 +1,4 @@
-"""Who stands in front of whom, and what lies in the shade."""
+"""Occlusion and shading in the rendered image."""
 
 from __future__ import annotations
 

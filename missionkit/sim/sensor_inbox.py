@@ -1,4 +1,4 @@
-"""What the simulated sensors have sent and nobody has read yet."""
+"""Sensor data that has arrived and has not been read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from missionkit.messages import (
 
 @dataclass(slots=True)
 class Inbox:
-    """What arrived since the last observation."""
+    """Sensor data that has arrived since the last observation."""
 
     imu: list[Imu] = field(default_factory=list)
     gnss: Gnss | None = None

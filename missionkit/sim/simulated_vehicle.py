@@ -264,7 +264,7 @@ class SimulatedVehicle:
 
     @property
     def _aiding(self) -> float:
-        """What keeps the autopilot's own velocity right, as `kernel_layout.GNSS_OK` has it."""
+        """Whether fixes correct the autopilot's own velocity, as in `kernel_layout.GNSS_OK`."""
         return float(self._mishaps.without_fixes(self.now) is None)
 
     def _take_fix(self, step: int, now: float) -> None:

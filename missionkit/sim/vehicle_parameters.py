@@ -1,4 +1,4 @@
-"""What the simulated vehicle is made of: airframe, inner autopilot, sensors and battery.
+"""Parameters of the simulated vehicle: airframe, inner autopilot, sensors and battery.
 
 Every number can be overridden in a world file. The defaults are those of a 1.6 kg research
 quadrotor with consumer sensors.

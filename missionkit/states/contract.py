@@ -1,4 +1,4 @@
-"""What a kind of state promises, and what it demands of the chart around it."""
+"""Contracts of the kinds of state: guarantees, and demands on the surrounding chart."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Failsafe:
 
 @dataclass(frozen=True, slots=True)
 class Invariant:
-    """What must be true in the state: I(s) of P1, section 7.3.
+    """Condition that must hold in the state: I(s) of P1, section 7.3.
 
     A violation is recorded at once; when it lasts `tolerated` seconds the vehicle leaves for
     the state of `to_kind`.

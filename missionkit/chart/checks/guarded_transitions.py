@@ -49,13 +49,13 @@ class GuardedTransition(NamedTuple):
 
     @property
     def said(self) -> str:
-        """What it is called in messages: "'battery below (floor 0.2)' to 'home'"."""
+        """Name in messages: "'battery below (floor 0.2)' to 'home'"."""
         to = f" to {_quoted(self.model.targets)}" if self.model.to else ""
         return f"{self.reason}{to}"
 
     @property
     def reason(self) -> str:
-        """What it waits for: "'done' for 2 s"."""
+        """Condition in messages: "'done' for 2 s"."""
         model = self.model
         parts = []
         if model.when is not None:

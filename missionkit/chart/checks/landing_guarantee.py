@@ -30,7 +30,7 @@ SHOWN = 5  # states in a message
 
 
 class Escape(NamedTuple):
-    """What becomes of one state in one danger."""
+    """Way out of one state in one danger."""
 
     danger: str
     state: str

@@ -1,4 +1,4 @@
-"""What may be lost in the air, as situations."""
+"""Situations in which something is lost for good in the air."""
 
 from __future__ import annotations
 

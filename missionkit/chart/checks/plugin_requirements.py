@@ -1,4 +1,4 @@
-"""What guards and behaviours need and the mission does not provide."""
+"""Checks that the mission provides what guards and behaviours need."""
 
 from __future__ import annotations
 

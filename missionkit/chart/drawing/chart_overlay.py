@@ -1,4 +1,4 @@
-"""What a drawing shows besides the chart: notes where it is declared, and what it does not declare.
+"""Overlay of a drawing: notes on parts of the chart, and edges that the chart does not have.
 
 Plain words and weights: whoever makes an overlay knows what they mean, the drawing does not.
 """
@@ -15,7 +15,7 @@ Tone = Literal["good", "fair", "bad"]
 
 
 class Note(NamedTuple):
-    """What stands at a state, a transition or a failsafe."""
+    """Note at a state, a transition or a failsafe."""
 
     lines: tuple[str, ...] = ()
     weight: float = 0.0  # of an arrow, from 0 to 1

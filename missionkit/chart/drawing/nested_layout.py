@@ -57,7 +57,7 @@ class Drawing:
 
 
 class _Piece(NamedTuple):
-    """What of an arrow runs on one level."""
+    """Part of an arrow on one level."""
 
     arrow: int
     link: LayoutLink

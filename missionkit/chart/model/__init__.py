@@ -1,1 +1,1 @@
-"""What a mission file may say, as models, and what must be true of it."""
+"""Models of the mission file, and the rules it must satisfy."""

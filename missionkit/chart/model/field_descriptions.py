@@ -1,4 +1,4 @@
-"""What the fields of a model take, in words: nouns, units, bounds, keys."""
+"""Describes the values of a model's fields in words: nouns, units, bounds, keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What editors show for the keys of mission and world files whose fields do not say it themselves.
+"""Descriptions that editors show for keys whose fields have none of their own.
 
 By definition of the JSON Schema and key, or by key alone where it means the same everywhere.
 """

@@ -146,7 +146,7 @@ class Failsafe(MissionPart):
 
 
 class Invariant(MissionPart):
-    """What must hold while the state is active, besides what its kind demands."""
+    """Condition that must hold in the state, in addition to its kind's."""
 
     holds: Condition | None = None
     exit: StateName | None = Field(default=None, description="where to go when it is violated")

@@ -15,7 +15,7 @@ Place3 = Annotated[Point, Field(strict=False)]
 
 
 class Vehicle(MissionPart):
-    """What flies; `--vehicle` replaces it."""
+    """The simulated vehicle; `--vehicle` replaces it."""
 
     use: Literal["sim"] = "sim"
 

@@ -1,4 +1,4 @@
-"""What the models of a mission file have in common, and what their validators may ask."""
+"""Base classes of the models of a mission file, and the context of their validators."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ class Known:
 
     @property
     def says(self) -> str:
-        """What a value is, for messages."""
+        """Description of a valid value, for messages."""
         return f"the name of a {self.what}"
 
     def __get_pydantic_core_schema__(

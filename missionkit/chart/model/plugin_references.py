@@ -35,7 +35,7 @@ class Reference:
 
     @property
     def says(self) -> str:
-        """What a value is, for messages."""
+        """Description of a valid value, for messages."""
         return f"a {WORDS[self.group]}, {{use: ...}}"
 
     def __get_pydantic_core_schema__(

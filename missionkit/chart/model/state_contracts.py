@@ -60,7 +60,7 @@ def due(state: State, nearest: Nearest, catalogue: Catalogue) -> Iterator[Failsa
 
 
 class _Work(NamedTuple):
-    """What carries out the contracts."""
+    """Working data of the contract checks."""
 
     catalogue: Catalogue
     nearest: Nearest

@@ -1,4 +1,4 @@
-"""What the tree of states must be like, beyond what each state says by itself."""
+"""Rules for the tree of states, beyond those for single states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pydantic found wrong, in sentences: what is wrong, what is allowed, the nearest name."""
+"""Turns pydantic's errors into sentences: the error, the allowed values, the nearest name."""
 
 from __future__ import annotations
 

@@ -58,14 +58,14 @@ class Variable(MissionPart):
 
     @property
     def described(self) -> str:
-        """What a value must be, with the range."""
+        """Description of a valid value, with its range."""
         low = "" if self.min is None else f", at least {self.min:g}"
         high = "" if self.max is None else f", at most {self.max:g}"
         return self.type_name + low + high
 
     @property
     def type_name(self) -> str:
-        """What its values are called."""
+        """Name of the type, for messages."""
         return {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[
             type(self.initial)
         ]

@@ -1,4 +1,4 @@
-"""Who leads into a state, and who changes or compares a variable: the chart read backwards."""
+"""Transitions into a state, and actions and guards that use a variable."""
 
 from __future__ import annotations
 

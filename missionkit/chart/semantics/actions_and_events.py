@@ -1,4 +1,4 @@
-"""What outputs do to variables, and which transitions an event concerns."""
+"""Effect of actions on variables, and matching of events to transitions."""
 
 from __future__ import annotations
 

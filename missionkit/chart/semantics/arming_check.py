@@ -1,4 +1,4 @@
-"""What speaks against arming: a failsafe that would bring the vehicle down at once."""
+"""Check before arming: no failsafe may hold that would land the vehicle at once."""
 
 from __future__ import annotations
 

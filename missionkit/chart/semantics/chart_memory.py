@@ -1,4 +1,4 @@
-"""What a chart remembers from one tick to the next, and what it says at each."""
+"""Memory of a chart between ticks, and its decisions at each tick."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ChartMemory(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """What one tick decided."""
+    """Decisions of one tick."""
 
     answers: Mapping[str, Verdict]  # of every guard that was asked, in that order
     fired: tuple[Fired, ...] = ()  # in the order they were taken

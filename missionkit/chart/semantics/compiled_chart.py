@@ -22,7 +22,7 @@ ROOT = ""  # the name of the state around all others, which is never left
 
 
 class GuardContext:
-    """What the guards of one tick are asked with, and what they answered."""
+    """Inputs and answers of the guards in one tick."""
 
     __slots__ = ("active", "answers", "contain", "seen", "variables", "windows")
 
@@ -68,7 +68,7 @@ class Output(NamedTuple):
 
 
 class Shape(Enum):
-    """What a state is in the tree."""
+    """Type of a state in the tree."""
 
     ATOMIC = "atomic"
     COMPOUND = "compound"
@@ -155,7 +155,7 @@ class TimedTransition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """What a configuration means: worked out once for each that is met."""
+    """Precomputed data of a configuration, built once for each that occurs."""
 
     direct: tuple[DirectGuard, ...]  # guards of the package that are asked without ado
     plain: tuple[tuple[GuardFunction, float, str], ...]  # others, with the wait (s) and the source

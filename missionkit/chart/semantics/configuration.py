@@ -1,4 +1,4 @@
-"""What a configuration means for the tick: whom to ask, who commands, how safe it is."""
+"""Data of a configuration for the tick: guards to evaluate, commanding state, safety."""
 
 from __future__ import annotations
 

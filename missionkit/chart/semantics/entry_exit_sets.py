@@ -35,7 +35,7 @@ class Entry(NamedTuple):
 
 
 class Move(NamedTuple):
-    """What a set of transitions does to a configuration."""
+    """Effect of a set of transitions on a configuration."""
 
     exited: Configuration  # in exit order
     entries: tuple[Entry, ...]  # in entry order

@@ -1,4 +1,4 @@
-"""What the chart does at one tick: one pure step.
+"""One step of the chart, as a pure function.
 
 Order of precedence: the pilot, then failsafes in document order, then invariants, then the
 states' own transitions, inner states before the states around them, in document order. Failsafes

@@ -16,7 +16,7 @@ MAX_HINTS = 50  # looking for the nearest of many names takes milliseconds
 
 @dataclass(frozen=True, slots=True)
 class Mistake:
-    """What is wrong. Which known name is nearest to `word` is looked for only when it is told."""
+    """A mistake. The known name nearest to `word` is looked up only when it is reported."""
 
     message: str
     word: str | None = None

@@ -1,4 +1,4 @@
-"""What libyaml says about broken text, in the words of somebody writing a mission."""
+"""Rephrases libyaml's errors for authors of missions."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ _SCALAR_TAGS: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """What a file says: `Table`, `Row`, `Text`, numbers, booleans and None, and what is wrong."""
+    """Content of a file: `Table`, `Row`, `Text`, numbers, booleans and None, and its problems."""
 
     file: str
     data: Any

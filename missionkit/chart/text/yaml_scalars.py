@@ -1,4 +1,4 @@
-"""What a plain YAML scalar means, by the core schema of YAML 1.2 (section 10.3.2).
+"""Resolves plain YAML scalars by the core schema of YAML 1.2 (section 10.3.2).
 
 YAML 1.1, which PyYAML follows by itself, reads `no` as false, `012` as ten and `1:30` as ninety.
 """

@@ -1,4 +1,4 @@
-"""What a saved memory is worth once the vehicle has been heard again.
+"""Reconciles a saved memory with the vehicle that is found on resume.
 
 Between the last checkpoint and now nobody commanded the vehicle. Where chart and vehicle disagree
 the vehicle is right, and the answer is the one that ends on the ground: nothing that has landed
@@ -29,7 +29,7 @@ FAILSAFE_MODES = frozenset(("return", "smart_return", "brake"))  # modes that fa
 
 
 class ResumeAction(Enum):
-    """What is done about it."""
+    """Action taken on resume."""
 
     GO_ON = "the chart goes on"
     LAND = "landing"
@@ -37,7 +37,7 @@ class ResumeAction(Enum):
 
 
 class VehicleFacts(NamedTuple):
-    """What vehicle and chart say."""
+    """Facts about vehicle and chart on which the decision to resume depends."""
 
     status: VehicleStatus | None  # heard since
     state: str  # that commands

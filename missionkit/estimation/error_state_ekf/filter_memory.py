@@ -1,4 +1,4 @@
-"""What the filter remembers from one observation to the next."""
+"""Memory of the filter between observations."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from missionkit.geometry import Mat, Vec3
 
 
 class TargetTrack(NamedTuple):
-    """What is known of one target besides its position, which is part of the filter's state."""
+    """Track of one target, without its position, which is part of the filter's state."""
 
     facing: TargetAttitude = TargetAttitude()
     seen_at: float | None = None  # s, of the last accepted sighting

@@ -20,7 +20,7 @@ from missionkit.geometry import Mat, Quat, Vec3, from_euler, rotate, skew, to_ma
 
 
 class RestSamples(NamedTuple):
-    """What was sensed in the last few seconds at rest."""
+    """Sensor samples of the last few seconds at rest."""
 
     imu: Mat  # (n, 7) time, accel, gyro
     fixes: Mat  # (n, 7) time, position, its sd

@@ -24,7 +24,7 @@ STRAY = [
     *range(state_layout.Z, state_layout.NOISE),
     *range(state_layout.RESIDUAL, state_layout.LOG_WIDTH),
 ]
-"""What is remembered of them."""
+"""Columns of the log that are kept of refused fixes."""
 AGREEING = 10
 """How many refused fixes in a row have to agree before anything is made of them."""
 

@@ -1,4 +1,4 @@
-"""What each sensor should show, and how that changes with the error state; compiled.
+"""Measurement models: predictions and their derivatives by the error state; compiled.
 
 Source: P1 section 6.1, H and h; derivatives for the local angular error of Solà 2017, section 6.
 """

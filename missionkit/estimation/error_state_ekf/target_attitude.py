@@ -1,4 +1,4 @@
-"""What is known of each target besides its place: which way its marker faces, when it was seen."""
+"""Attitude of targets: the direction their markers face, and when they were seen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the optical-flow navigator remembers."""
+"""Memory of the optical-flow navigator."""
 
 from __future__ import annotations
 
