@@ -38,7 +38,7 @@ class Place:
 
 
 class Level(StrEnum):
-    """How bad a problem is: an error is refused, a warning is told."""
+    """Severity of a problem: an error is refused, a warning is only reported."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -60,7 +60,7 @@ class Problem:
 
 
 class MissionkitError(Exception):
-    """Every error that is told to the user as a sentence instead of a traceback."""
+    """Base class of errors that the user sees as a sentence instead of a traceback."""
 
     exit_code = ExitCode.CRASH
 

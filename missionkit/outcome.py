@@ -64,7 +64,7 @@ def missing(found: Sequence[Condition]) -> str:
 
 
 def aborted(*, asked: bool) -> str:
-    """Return why a flight ended that was told to land."""
+    """Return why a flight ended that was ordered to land."""
     return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
 
 

@@ -44,7 +44,7 @@ class Guard(Plugin):
         """Say whether the guard holds, with value, threshold and margin where it has them."""
 
     def region(self) -> Region | None:
-        """Declare what the guard reads and where it holds; None: that cannot be told."""
+        """Declare what the guard reads and where it holds; None: unknown."""
         return None
 
 
@@ -64,11 +64,11 @@ class WindowGuard(Plugin):
         """Say whether the guard holds, from the memory already advanced to this tick."""
 
     def resumed(self, memory: Any, gap: float) -> Any:  # noqa: ARG002
-        """Return the memory after `gap` (s) in which nobody commanded and nothing was seen."""
+        """Return the memory after a `gap` (s) without commands and observations."""
         return memory
 
     def region(self) -> Region | None:
-        """Declare what the guard reads and where it holds; None: that cannot be told."""
+        """Declare what the guard reads and where it holds; None: unknown."""
         return None
 
 

@@ -100,7 +100,7 @@ class Again(NamedTuple):
 
     @property
     def now(self) -> float:
-        """Mission time (s) at which it goes on."""
+        """Mission time (s) at which it resumes."""
         return self.kept.course.memory.now + self.gap
 
 
@@ -149,13 +149,13 @@ def rehearse(
     """Fly and grade.
 
     Args:
-        ready: the flight, set up afresh also when it goes on.
+        ready: the flight, set up afresh even when it resumes.
         observers: called after every tick.
         operator: asks for a landing.
         pace: lets mission time pass; as fast as possible by default.
-        save: called at every transition and once a second with what can be gone on from.
+        save: called at every transition and once a second with the state to resume from.
         reports: what failed beside the flight since the last call; joins the problems.
-        again: goes on from there.
+        again: the saved state to resume from.
     """
     visits = _Witness(ready)
     resume = None if again is None else _restored(ready, visits, again)
@@ -182,7 +182,7 @@ def rehearse(
 
 
 def _restored(ready: Stage, visits: _Witness, again: Again) -> Resumption:
-    """Put the vehicle where it was, and let it fly on alone; what it says then nobody hears."""
+    """Restore the vehicle, and let it fly on alone, without listening to it."""
     ready.vehicle.track.restore(again.track)
     restore(ready.vehicle, again.kept.vehicle)
     visits.passage = again.kept.passage

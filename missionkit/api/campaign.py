@@ -178,7 +178,7 @@ def rule_of(
     Args:
         width: of the success rate's interval.
         require: success rate to be exceeded.
-        better: the rate that `require` is told from; half the failures if absent.
+        better: the alternative rate that `require` is tested against; half the failures if absent.
 
     Raises:
         UsageError: the rates do not fit together.

@@ -39,7 +39,7 @@ def rehearse(
         seed: of everything random; the same seed gives the same flight, bit for bit.
         faults: what goes wrong, as `--fault` takes it: `NAME[=VALUE][@WHEN][+DURATION]`.
         observers: called after every tick (20 Hz) with its `Record` and `Observation`; what one
-            raises is listed among the problems, and the flight goes on.
+            raises is listed among the problems, and the flight continues.
         operator: sends events to the chart, or asks for a landing.
         speed: times real time; as fast as the machine allows if absent.
         folder: where the flight record, `summary.json` and `track.png` are left; it must not hold

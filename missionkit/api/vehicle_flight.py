@@ -57,7 +57,7 @@ def vehicle_of(
         source: device number, file or URL of a real camera, or "rendered": a drawn one;
             None: the mission's own.
         folder: of the mission, which a file that it names is looked for in.
-        share: what of the estimate the autopilot is told.
+        share: which parts of the estimate are sent to the autopilot.
         system: its MAVLink system id, where several share the link.
         guard: how long its guardian bears silence (s, of the wall: what makes this computer slow
             lasts as long however fast a simulated vehicle's time goes); None: no guardian.
@@ -87,7 +87,7 @@ def relied_on(mission: Mission) -> frozenset[str]:
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:
-    """Return what the autopilot is to be told: `pose`, `target=NAME`, or both.
+    """Return which estimates to send to the autopilot: `pose`, `target=NAME`, or both.
 
     Raises:
         UsageError: it is neither, or the mission has no such target.
@@ -130,9 +130,9 @@ def fly_vehicle(
         operator: asks for a landing.
         speed: seconds of the vehicle in one of the wall.
         time_limit: mission time (s) after which the flight is aborted.
-        keeper: called after every tick with all that is needed to go on from it.
+        keeper: called after every tick with everything needed to resume from it.
         reports: takes what fails beside the flight.
-        resume: goes on with a flight under way.
+        resume: continues a flight in progress.
         look_first: begin only once the pre-flight report has nothing against flying.
 
     Raises:

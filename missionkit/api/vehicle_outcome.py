@@ -1,4 +1,4 @@
-"""How a flight over MAVLink ended: nobody knows the truth, the vehicle's own account counts."""
+"""Outcome of a flight over MAVLink by the vehicle's own account; there is no ground truth."""
 
 from __future__ import annotations
 

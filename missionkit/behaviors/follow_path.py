@@ -195,7 +195,7 @@ class FollowPath(Behavior):
         return held if seen.obstacles is None else backed_off(held, seen.obstacles, self._keep)
 
     def _waiting(self, on: OnPath, towards: Goal, events: tuple[str, ...] = ()) -> Step:
-        """Stand where there is no path yet."""
+        """Stop while there is no path yet."""
         guidance = None
         if on.held is not None:
             guidance = Guidance(vec(*on.held, on.down), self.speed, yaw=on.yaw)

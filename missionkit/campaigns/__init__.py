@@ -1,1 +1,1 @@
-"""Many runs of one mission: flown in parallel, counted, analysed, told on a page."""
+"""Many runs of one mission: flown in parallel, counted, analysed, reported on a page."""

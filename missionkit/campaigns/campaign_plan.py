@@ -35,7 +35,7 @@ class Rule(BaseModel):
 
     @property
     def hoped(self) -> float:
-        """The rate that is told from the required one."""
+        """The alternative rate that the required one is tested against."""
         return (1.0 + (self.require or 0.0)) / 2 if self.better is None else self.better
 
 
@@ -64,7 +64,7 @@ class Campaign(BaseModel):
         return len(variants(self.vary))
 
     def order(self, folder: Path) -> RunOrder:
-        """Return what the workers are told."""
+        """Return the settings for the workers."""
         records = str((folder / "records").resolve()) if self.records else ""
         return RunOrder(self.mission, self.settings, self.plugins, self.faults, records)
 

@@ -73,7 +73,7 @@ def expected(chain: Chain) -> dict[str, Expected]:
 
 
 def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> Note:
-    """Return a state's note; one that does not command is no state of the chain."""
+    """Return a state's note; one that does not command is not a state of the chain."""
     runs, visits = counts.passed[name], counts.entries[name]
     if not visits:
         return Note(("never reached",), pale=True)

@@ -28,7 +28,7 @@ from missionkit.engine.clock import stopwatch
 
 LOSSES = 2  # workers that a run may cost
 STARTING = 120.0  # s that importing everything may take
-GRACE = 5.0  # s that a worker outlives its time limit when nobody kills it
+GRACE = 5.0  # s that a worker survives past its time limit unless it is killed
 
 _processes = multiprocessing.get_context("forkserver")
 

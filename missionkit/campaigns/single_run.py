@@ -40,7 +40,7 @@ class Loaded(NamedTuple):
 
 
 def fly(order: RunOrder, case: Case) -> Row:
-    """Fly one run and return its row; what goes wrong on the way is told in it."""
+    """Fly one run and return its row; errors are reported in the row."""
     try:
         return _row(order, case)
     except Exception as error:  # noqa: BLE001 - a run that breaks is a result, not the end

@@ -70,7 +70,7 @@ class VisitLog:
 
     @property
     def ways(self) -> dict[str, int]:
-        """How often each transition was taken, told apart by why."""
+        """How often each transition was taken, by reason."""
         return {way(*fired): count for fired, count in sorted(self._fired.items())}
 
     @property
@@ -109,5 +109,5 @@ def targets(to: str) -> list[str]:
 
 
 def _again(fired: Fired, record: Record) -> bool:
-    """Say whether a state that was active is entered anew: not by what only acts."""
+    """Say whether an active state is re-entered; transitions without a target do not count."""
     return fired.source != fired.to or fired.to == record.state

@@ -46,7 +46,7 @@ def load(path: Path, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHIN
 
 
 def _require_world(root: Path, mission: Mission, name: str) -> None:
-    """Refuse a file that is no world; what it says is not told, since anybody may have named it.
+    """Refuse a file that is not a world, without quoting it: it may be any file.
 
     Raises:
         FileError: it is not in the mission's folder, or is something else.

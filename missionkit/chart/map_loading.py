@@ -1,4 +1,4 @@
-"""The map a mission names, read with it, so that its mistakes are told before flight."""
+"""Loads the map of a mission together with it, so that its mistakes are reported before flight."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def report(
     *,
     as_json: Json = False,
 ) -> None:
-    """Write the table, the summary and the report of a campaign anew."""
+    """Rewrite the table, the summary and the report of a campaign."""
     from missionkit.cli import run_campaign as command  # noqa: PLC0415
 
     raise typer.Exit(command.report(folder, as_json=as_json))

@@ -57,7 +57,7 @@ def fence(wanted: FenceOptions) -> ExitCode:
     Raises:
         FileError: the mission cannot be used.
         UsageError: it has no fence, or a rally point or the address is none.
-        VehicleError: nobody answers, it flies, or it has not taken the fence.
+        VehicleError: no vehicle answers, it flies, or it has not accepted the fence.
     """
     if Path(wanted.address).suffix in {".yaml", ".yml"}:
         raise UsageError(
@@ -121,7 +121,7 @@ async def _given(vehicle: MavsdkVehicle, around: Box, points: Sequence[Point]) -
 
 
 async def _home(vehicle: MavsdkVehicle) -> Origin:
-    """Wait until the vehicle on the ground has said where its home is."""
+    """Wait until the vehicle on the ground has reported its home position."""
     if vehicle.state.armed:
         raise VehicleError("the vehicle is armed: a fence is given to one on the ground")
     await told(vehicle, ("HOME_POSITION",), HOME_TIMEOUT)

@@ -110,7 +110,7 @@ def planned(text: str) -> tuple[float, str]:
     """Return when to send which event.
 
     Raises:
-        UsageError: the text is no `NAME@SECONDS`.
+        UsageError: the text is not `NAME@SECONDS`.
     """
     event, _, at = text.partition("@")
     try:

@@ -37,7 +37,7 @@ def validate(
     values = overrides(settings)
     try:
         catalogue = assemble(plugins)
-    except FileError as error:  # a plug-in file; without it nothing can be said about a mission
+    except FileError as error:  # a plug-in file; without it the mission cannot be checked
         problems = list(error.problems)
         checked: dict[Path, tuple[Mission | None, list[Problem]]] = {}
     else:

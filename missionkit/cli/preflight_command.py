@@ -30,7 +30,7 @@ def preflight(wanted: PreflightOptions) -> ExitCode:
 
     Raises:
         UsageError: the address is none, or the options do not fit together.
-        VehicleError: nobody answers there, or it is armed and parameters are to be written.
+        VehicleError: no vehicle answers, or it is armed and parameters are to be written.
     """
     if wanted.write and wanted.as_json:
         raise UsageError("--set asks and tells: leave out --json")

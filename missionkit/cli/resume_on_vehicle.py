@@ -1,4 +1,4 @@
-"""`missionkit run --vehicle ADDRESS --resume RUN`: the vehicle flew on while nobody commanded."""
+"""`missionkit run --vehicle ADDRESS --resume RUN`: the vehicle flew on without commands."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Before(NamedTuple):
 
 
 def before(folder: Path, stamp: str) -> Before:
-    """Return what the flight in a folder goes on from.
+    """Return the saved state from which the flight in a folder resumes.
 
     Args:
         folder: of the run.
@@ -57,9 +57,9 @@ def before(folder: Path, stamp: str) -> Before:
 
 
 def woken(past: Before, vehicle: MavsdkVehicle, speed: float) -> Resumption:
-    """Return with what to go on, now that the vehicle has been reached.
+    """Return the state to resume with, now that the vehicle has been reached.
 
-    Mission time has gone on by the real gap. A clock that was set back counts as no gap.
+    Mission time has advanced by the real gap. A clock that was set back counts as no gap.
     """
     saved = past.saved
     vehicle.observer.settle(saved.datum)

@@ -31,7 +31,7 @@ class Since(NamedTuple):
 
 
 def since(folder: Path, gap: float, stamp: str) -> Since:
-    """Return what the run in a folder goes on from. The mission's plug-ins are loaded already.
+    """Return the saved state of the run in a folder. The mission's plug-ins are loaded already.
 
     Args:
         folder: of the run.

@@ -56,7 +56,7 @@ class CampaignOptions(NamedTuple):
 
 
 def campaign(wanted: CampaignOptions) -> ExitCode:
-    """Fly, or go on flying; leave a folder with journal, table, summary and report.
+    """Fly, or resume; leave a folder with journal, table, summary and report.
 
     Raises:
         FileError: mission, world or plug-in file cannot be used.
@@ -114,7 +114,7 @@ def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
 
 
 def _resumed(wanted: CampaignOptions, folder: Path) -> tuple[Campaign, Path]:
-    """Return the campaign of a folder; all it may be given anew is more runs and other workers."""
+    """Return the campaign of a folder; only the number of runs and the workers may change."""
     told = found(folder)
     if wanted.settings or wanted.vary or wanted.faults or wanted.plugins or wanted.seed:
         raise UsageError("--resume flies what was begun: --set, --vary, --fault, ... do not fit")

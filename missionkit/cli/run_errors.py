@@ -1,4 +1,4 @@
-"""A flight on the command line: whatever happens, its record stays and a sentence is told."""
+"""Errors of a flight on the command line: the record is kept and one sentence is printed."""
 
 from __future__ import annotations
 

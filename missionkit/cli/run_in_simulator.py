@@ -23,7 +23,7 @@ from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
 def run_in_simulator(
     order: RunOptions, mission: Mission, catalogue: Catalogue, before: Origin | None
 ) -> ExitCode:
-    """Fly the mission in the simulator; `before` is what a run that is gone on with flew.
+    """Fly the mission in the simulator; `before` is what a resumed run has flown.
 
     Raises:
         FileError: the world cannot be used.

@@ -35,7 +35,7 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 def run_on_vehicle(
     order: RunOptions, mission: Mission, catalogue: Catalogue, origin: Origin | None
 ) -> ExitCode:
-    """Fly the mission with the vehicle at an address; `origin` is of a run that is gone on with.
+    """Fly the mission with the vehicle at an address; `origin` is that of a resumed run.
 
     Raises:
         FileError: the world, or the film that is the camera, cannot be used.
@@ -71,7 +71,7 @@ class Ready(NamedTuple):
     plan: PreparedMission
     vehicle: MavsdkVehicle
     folder: Folder
-    past: Before | None  # what it goes on from
+    past: Before | None  # what it resumes from
 
 
 def _flown(order: RunOptions, ready: Ready) -> Summary:

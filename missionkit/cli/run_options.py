@@ -23,9 +23,9 @@ class RunOptions(NamedTuple):
     vehicle: str | None = None  # address; the simulator if absent
     system: int | None = None  # MAVLink system id, where several vehicles share the link
     source: str | None = None  # of a real camera, or "rendered"
-    share: tuple[str, ...] = ()  # what the vehicle is told: "pose", "target=NAME"
+    share: tuple[str, ...] = ()  # estimates to send to the vehicle: "pose", "target=NAME"
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
-    resume: Path | None = None  # the folder of the run that is gone on with
+    resume: Path | None = None  # the folder of the run to resume
     gap: float = GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission
     anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

@@ -131,7 +131,7 @@ def check_plugins(order: RunOptions, before: Origin) -> None:
 
 
 def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:
-    """Refuse a mission that was changed since the run was started, unless forced to go on.
+    """Refuse a mission that has changed since the run was started, unless forced.
 
     Raises:
         UsageError: it was, and that is not wanted or cannot be flown; names the differences.
@@ -164,7 +164,7 @@ def _changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file; of one that is no text, such as a map's image, its digest."""
+    """Return the text of a file; of a binary file, such as a map's image, its digest."""
     data = path.read_bytes()
     try:
         return data.decode()

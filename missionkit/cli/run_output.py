@@ -1,4 +1,4 @@
-"""The folder of one run: a new one, or that of a run that is gone on with; what is left there."""
+"""The folder of one run, new or resumed, and the files that are left there."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Folder(NamedTuple):
         reports: Reports,
         forget: Callable[[], None],
     ) -> None:
-        """Leave the summary and the picture; there is nothing to go on with any more.
+        """Write the summary and the picture, and remove the checkpoints.
 
         What cannot be written is reported, and changes nothing about how the flight went.
 
@@ -117,18 +117,18 @@ def folder_of(
     label: str,
     found: Callable[[Path, str], P],
 ) -> Iterator[tuple[Folder, P | None]]:
-    """Hold the folder of a run, and what it goes on from, while this context is open.
+    """Hold the folder of a run, and what it resumes from, while this context is open.
 
     Args:
         order: of the command line.
         mission: that is flown.
-        before: what a run that is gone on with was started from.
+        before: what a resumed run was started from.
         label: ends the name of a new folder.
         found: reads the checkpoint of a folder, given the stamp of the mission as it is now.
 
     Raises:
         UsageError: another process flies this run, the mission was changed, or there is no
-            checkpoint to go on from.
+            checkpoint to resume from.
     """
     origin = origin_of(order, mission)
     path = order.resume or run_folder(order.out, mission.name, label)

@@ -19,7 +19,7 @@ def guard_files(name: str, taken: Collection[str] = ()) -> Files:
     """Return a package with one guard, its entry point and its test.
 
     Raises:
-        UsageError: `name` is no identifier in lower case, or is taken.
+        UsageError: `name` is not an identifier in lower case, or is taken.
     """
     checked = _identifier(name, "guard", taken)
     return _package(
@@ -36,7 +36,7 @@ def behavior_files(name: str, taken: Collection[str] = ()) -> Files:
     """Return a package with one behaviour, its entry point and its test.
 
     Raises:
-        UsageError: `name` is no identifier in lower case, or is taken.
+        UsageError: `name` is not an identifier in lower case, or is taken.
     """
     checked = _identifier(name, "behavior", taken)
     return _package(

@@ -35,7 +35,7 @@ class SitlOptions(NamedTuple):
 
 
 def sitl(wanted: SitlOptions) -> ExitCode:
-    """Simulate until interrupted, or told to quit over the control socket.
+    """Simulate until interrupted, or ordered to quit over the control socket.
 
     Raises:
         FileError: the world file cannot be used.

@@ -29,7 +29,7 @@ def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> 
     """Return `velocity` (m/s, NED) with its part towards the plane limited; the rest stays.
 
     A vehicle that closes faster than it may is asked to go back by `FIRM` times the excess, since
-    one whose velocity loop lags, or has learnt to fly fast, does not do at once what it is told.
+    one whose velocity loop lags, or has learnt to fly fast, does not follow its command at once.
     """
     n = bound.normal
     gap = float((seen.position - bound.point) @ n)

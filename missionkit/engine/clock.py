@@ -35,7 +35,7 @@ class RealTime:
 
 def date() -> float:
     """Return the computer's idea of the date (s since 1970): the one clock that outlives us."""
-    return time.time()  # noqa: TID251 - a flight goes on in another process, perhaps after a reboot
+    return time.time()  # noqa: TID251 - a flight resumes in another process, perhaps after a reboot
 
 
 def stopwatch() -> float:

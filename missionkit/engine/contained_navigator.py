@@ -1,6 +1,6 @@
 """A navigator of another package, kept from bringing a flight down.
 
-While it fails, what it said last stands, marked as diverged: the failsafes of the estimate act.
+While it fails, its last estimate is kept, marked as diverged: the failsafes of the estimate act.
 """
 
 from __future__ import annotations

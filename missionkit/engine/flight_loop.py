@@ -84,7 +84,7 @@ class Operator:
         """Send an event to the chart, which hears it at the next tick.
 
         Raises:
-            UsageError: it is no name of an event.
+            UsageError: it is not the name of an event.
         """
         if not is_event(event):
             raise UsageError(f"event {event!r}: expected words joined by '.', such as 'go'")
@@ -202,9 +202,9 @@ async def fly(
         believe_stopwatch: show the measured timing to the guards, and limit plug-ins by the wall's
             time. A simulation shows its own timing and limits by processor time instead, so that
             a busy machine does not change how a mission is rehearsed.
-        keeper: called after every tick but the last with all that is needed to go on from it.
+        keeper: called after every tick but the last with everything needed to resume from it.
         reports: what failed beside the flight since the last call; joins the problems.
-        resume: goes on with a flight under way instead of beginning one; called, if time goes on
+        resume: continues a flight in progress instead of starting one; called, if time goes on
             while the vehicle is being reached, once it is.
 
     Raises:
@@ -258,7 +258,7 @@ async def _opening(
     pace: Pace,
     resume: Resumption | Callable[[], Resumption] | None,
 ) -> ResumedFlight:
-    """Return with what the flight begins or goes on."""
+    """Return the state with which the flight begins or resumes."""
     if resume is None:
         return ResumedFlight(FlightState(begin(plan)), (), ())
     since = resume() if callable(resume) else resume

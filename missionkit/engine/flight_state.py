@@ -61,7 +61,7 @@ class FlightMemory(NamedTuple):
 
 
 class FlightState(NamedTuple):
-    """A flight under way: all that the shell around the tick needs to go on with it."""
+    """A flight in progress: everything that the shell around the tick needs to continue it."""
 
     memory: FlightMemory
     flown: bool = False  # it has been in the air

@@ -15,7 +15,7 @@ def with_ground_contact(observation: Observation, before: VehicleStatus | None) 
 
     Args:
         observation: what was sensed.
-        before: what the vehicle said of itself until then.
+        before: the vehicle's previous status.
     """
     now = observation.status
     if now is None or before is None or not before.in_air or now.in_air or not now.armed:

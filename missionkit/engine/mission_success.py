@@ -17,7 +17,7 @@ class Condition(NamedTuple):
     """One condition of success, and what came of it."""
 
     says: str
-    met: bool | None  # None: only the truth could tell, and nobody knows it
+    met: bool | None  # None: needs the ground truth, which is unknown
     figure: str
     never: str = ""  # the state that was never entered
 
@@ -41,7 +41,7 @@ def conditions(
     Args:
         wanted: the mission's `success`.
         passage: what the flight went through.
-        truth: of a simulated flight; None: nobody knows it.
+        truth: of a simulated flight; None: unknown.
     """
     return tuple(found for one in wanted for found in _conditions(one, passage, truth))
 

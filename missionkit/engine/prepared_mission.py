@@ -44,7 +44,7 @@ class PreparedMission(NamedTuple):
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
-    brake: PotentialField | None = None  # before obstacles, whoever plans the way past them
+    brake: PotentialField | None = None  # before obstacles, whichever planner leads past them
     floor: float = math.inf  # m, NED, how far down guidance may lead
     arm_anyway: bool = False  # although a failsafe holds on the ground already
 

@@ -1,4 +1,4 @@
-"""First part of the tick: from what sensors said to what is known."""
+"""First part of the tick: from sensor readings to the estimate."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class NavState(NamedTuple):
 
 
 class Navigator(Protocol):
-    """Turns what sensors said into where the vehicle is. Its memory is an immutable value."""
+    """Estimates the vehicle's state from sensor readings. Its memory is an immutable value."""
 
     def begin(self) -> Any:
         """Return the memory before the first observation."""

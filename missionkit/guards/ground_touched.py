@@ -16,7 +16,7 @@ TOUCHED = Quantity("ground touched", most=1.0, whole=True)
 class GroundTouched(Guard):
     """Holds when the vehicle touches the ground outside landing and take-off.
 
-    That is at the tick at which it says that it is no longer in the air, with its rotors turning
+    That is the tick at which it reports that it is no longer in the air, with its rotors turning
     and in a mode that neither lands nor takes off; the event `ground_touched` comes with it.
     Every mission has it as a failsafe that lands.
     """

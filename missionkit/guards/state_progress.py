@@ -61,8 +61,8 @@ class GoalUnreachable(WindowGuard):
 
     ||e_p|| > e_max for t > t_threshold  (P1, section 7.2, failsafe 3)
 
-    The clock of the paper starts anew whenever the distance shrinks by `progress`, so that a
-    long leg is not taken for an unreachable goal. While nobody commanded, before `--resume`, it
+    The paper's timer restarts whenever the distance shrinks by `progress`, so that a
+    long leg is not taken for an unreachable goal. Without commands, before `--resume`, it
     stands still.
     """
 

@@ -1,4 +1,4 @@
-"""Where a guard holds, said as intervals of the quantities it reads.
+"""Regions in which guards hold, as intervals of the quantities they read.
 
 Checks before a flight compare guards by what they declare here; nothing of it is used in the air.
 """

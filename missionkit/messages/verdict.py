@@ -18,7 +18,7 @@ class Verdict(NamedTuple):
 
     @classmethod
     def unknown(cls, why: str) -> Verdict:
-        """Return a verdict that nothing can be said."""
+        """Return a verdict that is unknown."""
         return _new(cls, (None, why, None, None, None))
 
     @classmethod

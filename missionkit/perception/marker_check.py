@@ -36,7 +36,7 @@ class Checkup:
 
     Args:
         names: dictionaries of markers.
-        markers: of the mission; without any, all of the dictionaries are told.
+        markers: of the mission; without any, all of the dictionaries are reported.
         camera: its lens; only needed for the markers of a mission.
         longest_side: of the images (px).
     """

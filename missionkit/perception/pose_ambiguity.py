@@ -21,7 +21,7 @@ _PRIOR_MOST: Final = 4.0
 class Expectation(NamedTuple):
     """Prior knowledge of a marker's orientation."""
 
-    camera: Quat | None = None  # camera to world; None: nothing can be said
+    camera: Quat | None = None  # camera to world; None: unknown
     upright: bool = False  # the marker's y axis points up
     attitude: Quat | None = None  # marker axes to world, the previous estimate
     angle_sd: float | None = None  # rad, of `attitude`

@@ -24,7 +24,7 @@ class Frozen(BaseModel):
 
 
 class Weight(Frozen):
-    """Ground that is to be avoided where that is no long way round."""
+    """Ground to avoid unless the detour is long."""
 
     polygon: Polygon
     cost: Number = Field(ge=1, description="of a metre; 1 elsewhere")

@@ -24,7 +24,7 @@ ESCAPE = 50.0  # a metre of the way out of the margin costs as much as so many i
 
 
 class NoRouteError(ValueError):
-    """There is no path; the message says why."""
+    """Raised when there is no path; the message says why."""
 
 
 class Way(NamedTuple):

@@ -1,4 +1,4 @@
-"""Checkpoints of a flight under way: files in the run's folder from which it can go on.
+"""Checkpoints of a flight in progress: files in the run's folder from which it can resume.
 
 Each is written whole, beside the last one, which is kept: whenever the process dies, at least one
 of the two can be read. What only grows (the track) is not written again each time but appended to
@@ -110,7 +110,7 @@ class Checkpoints:
 
     Args:
         folder: exists.
-        since: what the flight goes on from, `None` at its start.
+        since: what the flight resumes from, `None` at its start.
     """
 
     def __init__(self, folder: Path, since: Loaded | None = None) -> None:
@@ -137,7 +137,7 @@ class Checkpoints:
             _journal(self._folder, name).unlink(missing_ok=True)
 
     def _go_on(self, since: Loaded) -> None:
-        """Drop what is newer than the checkpoint that is gone on from."""
+        """Drop what is newer than the checkpoint to resume from."""
         if since.name == BEFORE:
             os.replace(self._folder / BEFORE, self._folder / NEWEST)  # noqa: PTH105
         for name, rows in since.journals.items():

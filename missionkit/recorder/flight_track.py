@@ -48,7 +48,7 @@ class FlightTrack(NamedTuple):
 
     times: list[float]  # s
     estimated: list[Place]  # m, NED
-    true: list[Place]  # m, NED; empty when nobody knows the truth
+    true: list[Place]  # m, NED; empty if the ground truth is unknown
     cycles: list[Cycle]
     visits: list[Visit]
     guards: dict[str, list[Span]]
@@ -133,7 +133,7 @@ def _goal(track: FlightTrack, goal: Goal | None) -> None:
 
 
 def _answers(track: FlightTrack, record: Record, before: float) -> None:
-    """Extend each guard's last span when it was asked at the tick before and said the same."""
+    """Extend each guard's last span if its answer is the same as at the previous tick."""
     for name, said in record.verdicts:
         spans = track.guards.setdefault(name, [])
         holds = None if said.holds is None else bool(said.holds)

@@ -1,4 +1,4 @@
-"""`track.png`: a run on one page: map, height, states, what each guard said, why it switched.
+"""`track.png`: a run on one page: map, height, states, guards, and the reasons for transitions.
 
 Drawn with matplotlib's objects and without its global state, so that runs can be drawn side by
 side in one process.

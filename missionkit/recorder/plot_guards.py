@@ -24,7 +24,7 @@ def guard_rows(track: FlightTrack) -> int:
 
 
 def draw_guards(axes: Axes, ruler: Ruler, track: FlightTrack) -> None:
-    """Draw one row per guard: what it said while it was asked, nothing while it was not."""
+    """Draw one row per guard: its answers while it was evaluated, nothing otherwise."""
     names = _liveliest(track)
     rows = guard_rows(track)
     axes.set_title("Guards", pad=10)

@@ -11,12 +11,12 @@ _MEASURED = re.compile(r"-?\d+\.\d+|-?\d+(?= (?:s|ms|m|m/s|cm|deg|%)(?:\W|$))")
 
 
 class Noted(NamedTuple):
-    """A kind of problem: what was said first, and when it came up."""
+    """A kind of problem: its first message, and when it came up."""
 
     at: float  # s, mission time
     says: str
-    last: float  # s, when it was last said
-    times: int = 1  # that it came up, after not having been said at the tick before
+    last: float  # s, when it was last reported
+    times: int = 1  # that it came up, after a tick without it
 
     def line(self) -> str:
         """Return it as one line.
@@ -64,6 +64,6 @@ def note(known: list[Noted], problems: Iterable[str], now: float, before: float)
 
 
 def unsaid(problems: Iterable[str], before: Iterable[str]) -> list[str]:
-    """Return the problems of a kind that was not said at the tick before."""
+    """Return the problems of a kind that was not reported at the previous tick."""
     kinds = set(map(kind_of, before))
     return [problem for problem in problems if kind_of(problem) not in kinds]

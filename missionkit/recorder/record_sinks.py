@@ -47,7 +47,7 @@ def _sentence(why: str | Exception) -> str:
 
 
 def contained(what: str, call: Callable[P, None], reports: Reports) -> Callable[P, None]:
-    """Return a call that reports what it raises and goes on."""
+    """Return a call that reports what it raises and continues."""
 
     def safe(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
@@ -74,7 +74,7 @@ class Inline:
     Args:
         what: is written, for the report when that fails.
         reports: takes it.
-        persistent: go on with the next job after one that failed.
+        persistent: continue with the next job after one that failed.
     """
 
     def __init__(self, what: str, reports: Reports, *, persistent: bool = False) -> None:
@@ -105,7 +105,7 @@ class Background:
         reports: takes it.
         room: jobs that may wait; what comes on top is dropped, and reported.
         newest: a job takes the place of one that waits, instead of being dropped.
-        persistent: go on with the next job after one that failed.
+        persistent: continue with the next job after one that failed.
     """
 
     def __init__(

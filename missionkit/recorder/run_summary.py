@@ -51,7 +51,7 @@ class Condition(_Part):
     """One condition of success, and what came of it."""
 
     condition: str
-    met: bool | None  # None: nobody knows the truth
+    met: bool | None  # None: the ground truth is unknown
     figure: str
 
 

@@ -60,7 +60,7 @@ def bands(name: str, diagonal: int) -> tuple[Band, ...]:
 
 
 def _sheet(tile: Image, texel: float, diagonal: int) -> Sheet:
-    """Lay out a square tile; a row is no power of two long, which would defeat the cache."""
+    """Lay out a square tile; a row length of a power of two would defeat the cache."""
     side = tile.shape[0]
     repeats = math.ceil(1.9 * diagonal / side) + 1
     how = cv2.INTER_LINEAR if texel in {FINE, COARSE} else cv2.INTER_NEAREST

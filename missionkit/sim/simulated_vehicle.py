@@ -128,7 +128,7 @@ class SimulatedVehicle:
     def apply(self, command: Command) -> None:
         """Send a command; it arrives 20 to 40 ms later.
 
-        Without setpoint and action a vehicle in offboard mode is told to hold; one that takes off,
+        Without setpoint and action a vehicle in offboard mode has to hold; one that takes off,
         lands or holds is left alone. RETURN is refused, which an event says.
 
         Raises:

@@ -1,7 +1,7 @@
 """The state of a simulated vehicle as plain values, to be saved and put back.
 
 `PARTS` says of each class which attributes change in flight. Everything else follows from world,
-camera, seed and faults, with which the vehicle is built anew. Noise is saved as how much of each
+camera, seed and faults, with which the vehicle is rebuilt. Noise is saved as how much of each
 stream was used. Left out: what arrived since the last observation (nothing, right after one), and
 the last rendered picture, which only a frozen camera would show again.
 """

@@ -27,7 +27,7 @@ from missionkit.guards.state_progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Guard, Plugin, WindowGuard
 
-NEVER_DONE = ("hold", "servo", "spiral")  # behaviours that go on until something else ends them
+NEVER_DONE = ("hold", "servo", "spiral")  # behaviours that continue until something else ends them
 
 
 class GuardRegion(NamedTuple):
@@ -156,7 +156,7 @@ def region_of(plugin: Plugin) -> Region | None:
 
 
 def atom(guard: ex.Expression) -> Quantity:
-    """Return a guard that is not told apart any further, as a quantity that is 0 or 1."""
+    """Return an opaque guard, as a quantity that is 0 or 1."""
     return Quantity(ex.text(guard), most=1.0, whole=True)
 
 

@@ -161,7 +161,7 @@ def _unnamed(quantity: Quantity, there: Interval | None) -> Iterator[Interval | 
 
 
 def remains(boxes: Boxes, cut: Boxes) -> Boxes | None:
-    """Return what of `boxes` is in none of `cut`; None beyond the cap: it cannot be told."""
+    """Return what of `boxes` is in none of `cut`; None beyond the cap: undecided."""
     pieces = list(boxes)
     for other in cut:
         pieces = [piece for box in pieces for piece in difference(box, other)]
@@ -171,7 +171,7 @@ def remains(boxes: Boxes, cut: Boxes) -> Boxes | None:
 
 
 def covered(boxes: Boxes, by: Boxes) -> bool:
-    """Say whether every situation in `boxes` is in one of `by`; False if it cannot be told."""
+    """Say whether every situation in `boxes` is in one of `by`; False if undecided."""
     return all(_covered(box, by) for box in boxes)
 
 

@@ -35,11 +35,11 @@ class Escape(NamedTuple):
     danger: str
     state: str
     first: str  # what acts first
-    seconds: float | None  # at most, until land or return; None: never, or nobody can tell
+    seconds: float | None  # at most, until land or return; None: never, or unknown
 
 
 class Out(NamedTuple):
-    """One way to go on: where to, how soon, and by what."""
+    """One way out: where to, how soon, and by what."""
 
     to: str
     seconds: float

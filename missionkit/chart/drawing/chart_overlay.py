@@ -1,6 +1,6 @@
 """Overlay of a drawing: notes on parts of the chart, and edges that the chart does not have.
 
-Plain words and weights: whoever makes an overlay knows what they mean, the drawing does not.
+Plain words and weights: the maker of an overlay knows their meaning, the drawing does not.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ UNMARKED = Marks()
 
 
 def marks(mission: Mission, problems: Sequence[Problem]) -> Marks:
-    """Return what to mark; problems that belong to no state are only told.
+    """Return what to mark; problems that belong to no state are only listed.
 
     Of a file that is included several times, the instance that has the problem is marked, or all
     of them where all have it.

@@ -21,7 +21,7 @@ BOUNDS: Mapping[str, str] = {"gt": "above", "ge": "at least", "lt": "below", "le
 
 
 def field_at(model: type[BaseModel], path: Path) -> FieldInfo | None:
-    """Return the innermost field along `path`; steps that are no field are passed over."""
+    """Return the innermost field along `path`; steps that are not fields are skipped."""
     field, models = None, [model]
     for step in path:
         found = [inner for each in models if (inner := _field(each, step)) is not None]

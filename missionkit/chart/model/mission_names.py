@@ -21,7 +21,7 @@ def names_in(path: Path, catalogue: Catalogue) -> Mapping[str, Collection[str]]:
         catalogue: what it may draw on.
 
     Raises:
-        FileError: it cannot be read, or is no mapping.
+        FileError: it cannot be read, or is not a mapping.
     """
     document = read_file(path)
     if not isinstance(document.data, dict):

@@ -139,7 +139,7 @@ def _stood_for(tree: Tree, name: str) -> str:
 
 
 def _no_history(tree: Tree, mission: Mission) -> Iterator[Problem]:
-    """Check that failsafes and invariants lead to states, which can be told to be safe."""
+    """Check that failsafes and invariants lead to states, whose safety is known."""
     for failsafe in mission.failsafes:
         if tree[failsafe.to].state.history is not None:
             message = f"failsafe {failsafe.name!r}: {failsafe.to!r} is a history, not a state"

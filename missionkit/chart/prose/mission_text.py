@@ -34,7 +34,7 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     """Yield the paragraphs that say what a mission does, in the order of the file.
 
     Args:
-        mission: as its file says it; what the contracts of its kinds add is told as added.
+        mission: as its file says it; what the contracts of its kinds add is marked as added.
         catalogue: the kinds of state.
     """
     full = fulfilled(mission, catalogue)

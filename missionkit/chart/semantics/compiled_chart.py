@@ -121,7 +121,7 @@ class State:
     kind: StateKind
     behavior: Behavior | None
     target: str | None  # what the behaviour works on
-    dwell: float  # s, least time before a transition that is no failsafe
+    dwell: float  # s, least time before a transition other than a failsafe
     transitions: tuple[Transition, ...] = ()
     entry: tuple[Output, ...] = ()
     exit: tuple[Output, ...] = ()
@@ -157,7 +157,7 @@ class TimedTransition(NamedTuple):
 class Configuration:
     """Precomputed data of a configuration, built once for each that occurs."""
 
-    direct: tuple[DirectGuard, ...]  # guards of the package that are asked without ado
+    direct: tuple[DirectGuard, ...]  # guards of the package, evaluated directly without containment
     plain: tuple[tuple[GuardFunction, float, str], ...]  # others, with the wait (s) and the source
     timed: tuple[Transition, ...]  # those whose guard must hold for some time
     timers: tuple[tuple[float, str], ...]  # wait (s) and source of those without a guard
@@ -167,7 +167,7 @@ class Configuration:
     heard: tuple[tuple[TimedTransition, ...], ...]  # with an event
     soonest: float  # s, the least wait of those without an event
     promising: tuple[State, ...]  # those with an invariant
-    pilot: str  # whose behaviour commands; empty if nobody's
+    pilot: str  # whose behaviour commands; empty if none does
     mode: Mode
     mode_text: str  # what the record says of it
     flying: bool

@@ -74,7 +74,7 @@ def _wait(state: State, transition: Transition) -> float:
 def _asks(
     ways: Sequence[TimedTransition],
 ) -> tuple[list[DirectGuard], list[tuple[GuardFunction, float, str]]]:
-    """Return the guards that can be asked without ado, each once, and the rest.
+    """Return the guards that can be evaluated directly, each once, and the rest.
 
     One with an event is asked for the record only.
     """

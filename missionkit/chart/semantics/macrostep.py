@@ -53,7 +53,7 @@ class Macrostep:
         self.orders: tuple[Action, ...] = ()
         self.problems = problems
         self.pilot_entered = False
-        self.stale = False  # the guards have yet to be told of the last microstep
+        self.stale = False  # the guards have not seen the last microstep yet
 
     def run(self, forced: Transition | None, *, rested: bool) -> tuple[ChartMemory, Decision]:
         """Take the entry of the first tick, what is forced, and all that follows.
@@ -174,7 +174,7 @@ class Macrostep:
         return transition.ask(self.question)[0] is True
 
     def _refresh(self) -> None:
-        """Ask the guards anew, with the configuration, variables and behaviour as they are now."""
+        """Re-evaluate the guards with the current configuration, variables and behaviour."""
         self.stale = False
         memory, question = self.memory, self.question
         seen = question.seen

@@ -204,7 +204,7 @@ def _without(table: Table, keys: tuple[str, ...]) -> Table:
 
 
 def _merged(one: Any, other: Mapping[str, Any]) -> Any:
-    """Return a mapping with the entries of another added; what is no mapping stays as it is."""
+    """Return a mapping with the entries of another added; anything but a mapping stays as it is."""
     if not other or not (one is None or isinstance(one, Table)):
         return one
     table = Table(place_of(other)) if one is None else _without(one, ())

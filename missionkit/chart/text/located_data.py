@@ -117,7 +117,7 @@ def key_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
 
 
 def value_at(data: object, path: tuple[int | str, ...]) -> object:
-    """Return the value at `path`, passing over steps that are no key of the data."""
+    """Return the value at `path`, skipping steps that are not keys of the data."""
     for step in path:
         data = _child(data, step)
     return data

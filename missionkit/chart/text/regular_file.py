@@ -34,7 +34,7 @@ def read_bytes(path: Path, most: int) -> bytes:
     """Return what a regular file holds, at most `most` bytes, without ever waiting.
 
     Raises:
-        OSError: it cannot be opened or is something else than a file, which is said.
+        OSError: it cannot be opened or is not a file; the message says which.
         ValueError: it is not the name of a file.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)

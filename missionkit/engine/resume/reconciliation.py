@@ -1,6 +1,6 @@
 """Reconciles a saved memory with the vehicle that is found on resume.
 
-Between the last checkpoint and now nobody commanded the vehicle. Where chart and vehicle disagree
+Since the last checkpoint the vehicle had no commands. Where chart and vehicle disagree
 the vehicle is right, and the answer is the one that ends on the ground: nothing that has landed
 is armed again, and a pilot who has taken over is left alone. The cases stand in `CASES`, the
 first that applies counts.
@@ -23,7 +23,7 @@ from missionkit.engine.resume.restore_chart import fitted
 from missionkit.errors import VehicleError
 from missionkit.messages import VehicleStatus
 
-MISSION_MODES = frozenset(("hold", "offboard", "take_off", "land"))  # modes that are no pilot's
+MISSION_MODES = frozenset(("hold", "offboard", "take_off", "land"))  # modes that are not a pilot's
 
 FAILSAFE_MODES = frozenset(("return", "smart_return", "brake"))  # modes that failsafes choose too
 
@@ -113,7 +113,7 @@ CASES: tuple[ResumeCase, ...] = (
 
 
 class ResumedFlight(NamedTuple):
-    """With what the flight goes on."""
+    """State with which the flight resumes."""
 
     course: FlightState
     events: tuple[str, ...]  # for the first tick

@@ -20,18 +20,18 @@ from missionkit.engine.resume.checkpoint_policy import StartsAgain
 def fitted(
     chart: Chart, saved: ChartMemory, now: float, gap: float, *, changed: bool
 ) -> tuple[ChartMemory, bool, tuple[str, ...]]:
-    """Return the memory to go on with, whether the chart stands where it stood, and the news.
+    """Return the memory to resume with, whether the chart keeps its states, and messages.
 
     How long a guard has held (`for:`) is not known across a gap: for the states' own transitions
-    it counts anew, for failsafes and invariants it counts on. Times of entry stay, so `after:`
+    it restarts, for failsafes and invariants it keeps counting. Times of entry stay, so `after:`
     goes on.
 
     Args:
         chart: that is flown now.
         saved: the memory as it was saved.
         now: s.
-        gap: s in which nobody commanded, up to now.
-        changed: the mission is not the one that was flown; guards then begin anew.
+        gap: s without commands, up to now.
+        changed: the mission is not the one that was flown; guards then restart.
     """
     fresh = begin(chart, now)
     if not changed:

@@ -19,18 +19,18 @@ CALM = 1.0  # s without a refused measurement: it is
 
 
 class Resumption(NamedTuple):
-    """From what, and when, a flight goes on."""
+    """State from which a flight resumes, and when."""
 
     course: FlightState  # as it was saved
-    now: float  # s, mission time, which went on while nobody commanded
+    now: float  # s, mission time, which advanced during the gap
     changed: bool = False  # the mission is not the one that was flown
-    notes: tuple[str, ...] = ()  # what else is to be told
+    notes: tuple[str, ...] = ()  # further messages
 
 
 async def wake(
     plan: PreparedMission, vehicle: Vehicle, pace: Pace, since: Resumption
 ) -> ResumedFlight:
-    """Listen until the vehicle has said what it does, then fit the memory to it.
+    """Listen until the vehicle has reported its state, then adapt the memory to it.
 
     The filter takes in what is heard; the chart and its guards do not move. In the air it is given
     time to get over the hole in its data, while the autopilot holds.
@@ -59,7 +59,7 @@ def _enough(before: FlightMemory, heard: FlightMemory, *, waited: float, calm: f
 
 
 def _sound(plan: PreparedMission, before: FlightMemory, heard: FlightMemory) -> bool:
-    """Say whether the filter takes what it is told, fixes among it; until aligned it need not.
+    """Say whether the filter accepts its measurements, fixes among them; not needed until aligned.
 
     A flight that had no fixes lately is not asked for any.
     """

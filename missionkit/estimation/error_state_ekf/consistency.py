@@ -25,7 +25,7 @@ NOISY_ABOVE = 1.55
 CONSISTENT_BELOW = 1.2
 """Ninety of a hundred windows lie below it if the noise is right."""
 LARGEST_NIS = 10.0
-"""ε/m of one sighting counts at most so much: a false marker is no noise."""
+"""ε/m of one sighting counts at most this much: a false marker is not noise."""
 
 
 class NisAverage(NamedTuple):

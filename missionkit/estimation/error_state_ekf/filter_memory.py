@@ -35,7 +35,7 @@ class FilterMemory(NamedTuple):
     tracks: tuple[TargetTrack, ...]  # one per target, in the order they were given
     corrections: tuple[Timed, ...]  # world <- odom: the sum of all resets of the position
     broken: bool  # the last observation was left out, since its result was not finite
-    parked: bool = False  # the autopilot last said: on the ground, disarmed
+    parked: bool = False  # the autopilot's last report: on the ground, disarmed
     missing: float = 0.0  # s, length of a gap in the inertial samples, until aligned again
 
 

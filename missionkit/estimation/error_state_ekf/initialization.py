@@ -81,7 +81,7 @@ def aligned(
     """Return where the filter starts, None while the vehicle moves or the field is unknown.
 
     At rest the accelerometer shows b_a - Rᵀ g: the bias along gravity is found, across it the
-    bias and the tilt cannot be told apart, and the covariance says so:
+    bias and the tilt cannot be distinguished, and the covariance shows it:
     δθ = [f]× δb_a / g², f the specific force.
 
     Args:

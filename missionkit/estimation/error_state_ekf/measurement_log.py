@@ -1,4 +1,4 @@
-"""Turning what sensors said into rows of the measurement log (`state_layout`)."""
+"""Converts sensor readings to rows of the measurement log (`state_layout`)."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ its positions, and the fixes agree with each other and with nothing visual again
 on the ground before arming, where nothing depends on the old place yet. Then the filter admits an
 error as large as the disagreement and takes the same fix again. After an outage nothing of this is
 needed: by then the filter's own uncertainty lets the fix through the gate. A target that is seen
-again and again somewhere else is started anew at the place where it is seen.
+again and again somewhere else is restarted at the place where it is seen.
 """
 
 from __future__ import annotations

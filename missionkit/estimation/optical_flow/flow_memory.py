@@ -26,7 +26,7 @@ class FlowMemory(NamedTuple):
     bias: Vec3  # (3,), rad/s, of the gyroscope
     mu: Mat  # (3, 2), m and m/s: north, east, up
     S: Mat  # (3, 2, 2) covariances
-    in_air: bool  # as the autopilot said last
+    in_air: bool  # by the autopilot's last report
     mag_at: float | None  # s, last field heard
     flow_at: float  # s, last flow used, or the last moment on the ground
     range_at: float | None  # s, of the last range taken in the air

@@ -68,14 +68,14 @@ def position_sd(known: FlowMemory, rate_bias_sd: float) -> float:
 def height_sd(known: FlowMemory, settings: FlowKalman) -> float:
     """Return the standard deviation (m) of the height.
 
-    The barometer's offset drifts: without a range it is no better for being averaged.
+    The barometer's offset drifts: without a range, averaging does not help.
     """
     drift = 0.0 if ranged(known) else settings.baro_sd
     return math.sqrt(max(float(known.S[UP, 0, 0]), 0.0) + drift**2)
 
 
 def ranged(known: FlowMemory) -> bool:
-    """Say whether a range finder has said lately how high the vehicle is."""
+    """Say whether a range finder has recently measured the height."""
     return not known.in_air or (known.range_at is not None and known.now - known.range_at <= LATELY)
 
 

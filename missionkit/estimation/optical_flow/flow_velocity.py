@@ -29,7 +29,7 @@ def across(flow: Vec3, rates: Vec3, distance: float) -> Mat:
 
 @compiled
 def over_ground(flow: Vec3, rates: Vec3, height: float, q: Vec3, climb: float, out: Vec3) -> bool:
-    """Write the velocity north and east (2,), m/s, into `out`; say whether that can be told.
+    """Write the velocity north and east (2,), m/s, into `out`; say whether it is known.
 
     Flow says nothing of motion along its axis: the climb does. d = h / R_33, and v_z follows from
     R_31 v_x + R_32 v_y + R_33 v_z = -climb.
