@@ -1,4 +1,4 @@
-"""What the autopilot does by itself when something is lost.
+"""Failsafes of the autopilot.
 
 PX4: https://docs.px4.io/main/en/config/safety.html; `src/modules/commander/failsafe/failsafe.cpp`
 (fromOffboardLossActParam, fromNavDllOrRclActParam, fromBatteryWarningActParam) and
@@ -92,7 +92,7 @@ def _offboard_lost(state: SitlState) -> None:
         state.fly(OFFBOARD_LOSS[action])
     elif action in {6, 7}:
         state.body.kill()
-    elif not _has_rc(state):  # nobody can fly a manual mode
+    elif not _has_rc(state):  # without a remote control a manual mode cannot be flown
         state.fly(Flight.RETURN)
     else:
         state.enter(state.dialect.named(OFFBOARD_PILOT.get(action, "POSCTL")))

@@ -136,7 +136,7 @@ def _answer(state: SitlState, request: Any) -> Answer:
 
 
 class ControlSocket:
-    """The socket; `wants_end` once somebody has sent `{"quit": true}`."""
+    """The socket; `wants_end` once a client has sent `{"quit": true}`."""
 
     def __init__(self, state: SitlState, selector: selectors.BaseSelector, port: int) -> None:
         self.wants_end = False

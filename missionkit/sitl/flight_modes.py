@@ -17,7 +17,7 @@ STABILIZE, MANUAL, ARMED = 16, 64, 128
 
 
 class Flight(StrEnum):
-    """What the vehicle does in a mode. A pilot's sticks are centred: it stays where it is."""
+    """Behaviour of the vehicle in a mode. A pilot's sticks are centred: it hovers."""
 
     PILOT = auto()
     COMMANDED = auto()
@@ -76,7 +76,7 @@ ARDUPILOT = (
 
 
 class ModeTable(NamedTuple):
-    """What tells one autopilot from the other on the wire."""
+    """Differences between the autopilots on the wire."""
 
     name: str
     autopilot: int  # MAV_AUTOPILOT

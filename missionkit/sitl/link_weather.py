@@ -10,7 +10,7 @@ LATE = 0.06  # s, by which a reordered packet is overtaken at most
 
 
 class Weather(Protocol):
-    """What faults do to packets."""
+    """Effect of faults on packets."""
 
     def delay(self, direction: str, now: float) -> float | None:
         """Return how late (s) a packet sent at `now` (s) arrives; `None`: it is lost."""

@@ -156,7 +156,7 @@ def _strike(state: SitlState) -> None:
 
 
 def restart(state: SitlState, silent: float) -> None:
-    """Begin anew after `silent` s; in flight it holds, as after ArduPilot's watchdog.
+    """Restart after `silent` s; in flight it holds, as after ArduPilot's watchdog.
 
     https://ardupilot.org/copter/docs/common-watchdog.html
     """

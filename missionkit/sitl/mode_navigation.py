@@ -1,4 +1,4 @@
-"""What the vehicle is told at each moment in each mode.
+"""Setpoints of the inner autopilot in each mode.
 
 https://docs.px4.io/main/en/flight_modes_mc/;
 https://ardupilot.org/dev/docs/copter-commands-in-guided-mode.html.
@@ -46,14 +46,14 @@ def _command(state: SitlState, dt: float) -> Command | None:
 
 
 def _stay(state: SitlState) -> Command | None:
-    """Hold, where it is or where it was told to."""
+    """Hold, at the current or the commanded position."""
     if state.orbit is not None:
         return to(state, _round(state, state.orbit))
     return act(state, Action.HOLD, "hold") if state.aim is None else to(state, state.aim)
 
 
 def _round(state: SitlState, orbit: Orbit) -> SetpointTarget:
-    """Return the target that goes on round a circle, looking at its centre."""
+    """Return the target on a circle, facing its centre."""
     out = state.body.position - orbit.centre
     angle = math.atan2(out[1], out[0])
     n, e, d = map(float, orbit.centre)

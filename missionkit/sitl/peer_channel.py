@@ -12,7 +12,7 @@ COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1: MAVSDK takes no other one for an autopi
 
 
 class Sender(NamedTuple):
-    """Who sent a message."""
+    """Sender of a message."""
 
     system: int
     component: int
@@ -28,7 +28,7 @@ class Channel:
     """
 
     def __init__(self, write: Callable[[bytes], None], system: int, weather: Weather) -> None:
-        self.heard = False  # has the peer ever said anything?
+        self.heard = False  # has the peer ever sent anything?
         self.streams: dict[int, Beat] = {}
         self.pending: list[Message] = []  # a long answer, sent little by little
         self._write = write

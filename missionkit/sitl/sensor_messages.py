@@ -138,7 +138,7 @@ def updated(state: SitlState, told: tuple[float, float]) -> tuple[int, tuple[flo
 
     Args:
         state: all that is known.
-        told: those times (s) when it was sent last.
+        told: times (s) when each was last sent.
     """
     mag, baro = state.sensed.mag, state.sensed.baro
     times = (-1.0 if mag is None else mag.at, -1.0 if baro is None else baro.at)

@@ -63,7 +63,7 @@ class SimulatedBody(SimulatedVehicle):
 
     @property
     def power(self) -> float:
-        """What the rotors take (W)."""
+        """Power of the rotors (W)."""
         return self._power() if self._plant.armed else 0.0
 
     @property

@@ -27,7 +27,7 @@ WAIT = 0.2  # s, at most, between two looks at whether to stop
 
 
 class Setup(NamedTuple):
-    """What is simulated, and where it is reached."""
+    """Settings of a simulated autopilot: world, dialect, links, ports."""
 
     world: World = World(world="empty")
     dialect: str = "px4"

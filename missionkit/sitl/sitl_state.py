@@ -1,4 +1,4 @@
-"""What the simulated autopilot knows and wants; the other modules read and change it."""
+"""State of the simulated autopilot; the other modules read and change it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ INFO = mavlink.MAV_SEVERITY_INFO
 DEAD_RECKONING = 10.0  # s, ArduPilot: AP_NavEKF3 posRetryTimeUseVel_ms
 FLOW = {"px4": ("EKF2_OF_CTRL", 1), "ardupilot": ("EK3_SRC1_VELXY", 5)}
 """Parameter that lets the estimator use optical flow, and the value that does."""
-FLOW_HELD = 5.0  # s that it goes on without flow, as EKF2_NOAID_TOUT
+FLOW_HELD = 5.0  # s that it continues without flow, as EKF2_NOAID_TOUT
 GCS = mavlink.MAV_TYPE_GCS
 JOURNAL = 100_000  # notes
 TEXT = 50  # characters of a STATUSTEXT
@@ -61,7 +61,7 @@ class Orbit(NamedTuple):
 
 @dataclass(slots=True)
 class Sensed:
-    """The newest of what each sensor said."""
+    """The newest reading of each sensor."""
 
     imu: Imu = field(default_factory=lambda: Imu(0.0, vec(0.0, 0.0, 0.0), vec(0.0, 0.0, 0.0)))
     gnss: Gnss | None = None
@@ -150,7 +150,7 @@ class SitlState:
 
     @property
     def by_flow(self) -> bool:
-        """Whether its estimator lives by optical flow: told to, and on the ground or seeing it."""
+        """Whether its estimator uses optical flow: enabled, and on the ground or flow in sight."""
         chosen = self.parameters[FLOW[self.dialect.name][0]] == FLOW[self.dialect.name][1]
         return chosen and self.now - self.sensed.flow_held_at <= FLOW_HELD
 

@@ -52,7 +52,7 @@ def open_link(text: str, autopilot: MavlinkAutopilot, selector: selectors.BaseSe
 
 
 class UdpLink:
-    """Datagrams to and from one peer (`out`) or whoever sends some."""
+    """Datagrams to and from one peer (`out`) or any sender."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class UdpLink:
     def _write(self, data: bytes, peer: Address) -> None:
         try:
             self._socket.sendto(data, peer)
-        except OSError:  # nobody there, or the buffer is full: UDP loses packets
+        except OSError:  # no receiver, or the buffer is full: UDP loses packets
             return
 
     def _read(self) -> None:

@@ -44,7 +44,7 @@ class Item(NamedTuple):
 
 @dataclass(slots=True)
 class Plans:
-    """What was uploaded, by MAV_MISSION_TYPE, and where the mission stands."""
+    """Uploaded items by MAV_MISSION_TYPE, and the current mission item."""
 
     items: dict[int, tuple[Item, ...]] = field(
         default_factory=lambda: {MISSION: (), FENCE: (), RALLY: ()}

@@ -1,4 +1,4 @@
-"""What can go wrong on the wire and in the autopilot, besides the simulator's own faults.
+"""Faults of the link and the autopilot, in addition to the simulator's own.
 
 NAME[=VALUE][@WHEN][+DURATION]      as in a rehearsal; WHEN in simulated seconds
 """

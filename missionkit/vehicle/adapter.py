@@ -58,7 +58,7 @@ class MavsdkVehicle:
         pace: seconds of the vehicle in one of the wall, for simulated autopilots.
         patience: s to wait for an answer.
         lock: against a second process on the same link.
-        share: what of the estimate the autopilot is told; nothing by default.
+        share: which parts of the estimate are sent to the autopilot; nothing by default.
         system: MAVLink system id of the vehicle, where several share the link.
         guard: how long the guardian bears silence; None: no guardian, for who only looks.
         relies_on: inputs whose absence is a problem (`reliance`).
@@ -106,7 +106,7 @@ class MavsdkVehicle:
 
     @property
     def state(self) -> AutopilotState:
-        """What the autopilot says about itself."""
+        """Status reported by the autopilot."""
         return self._joined.state
 
     @property
@@ -116,22 +116,22 @@ class MavsdkVehicle:
 
     @property
     def observer(self) -> Observer:
-        """What turns messages into observations."""
+        """Converts messages to observations."""
         return self._joined.observer
 
     @property
     def streamer(self) -> Streamer:
-        """What sends setpoints."""
+        """Sends the setpoints."""
         return self._joined.streamer
 
     @property
     def streams(self) -> Streams:
-        """What keeps telemetry coming."""
+        """Requests the telemetry streams."""
         return self._joined.streams
 
     @property
     def guardian(self) -> Guardian | None:
-        """What owns the link, and stops the vehicle when this process falls silent."""
+        """Process that owns the link, and stops the vehicle when this process falls silent."""
         return self._guardian
 
     @property
@@ -146,14 +146,14 @@ class MavsdkVehicle:
 
     @property
     def camera_problem(self) -> str:
-        """What is wrong with the camera now, "" if nothing is."""
+        """Current problem of the camera, "" if there is none."""
         return self._camera.problem
 
     async def connect(self) -> None:
         """Reach the vehicle; one that has been reached stays so.
 
         Raises:
-            VehicleError: the link is in use or nobody answered; what to check is said.
+            VehicleError: the link is in use or no vehicle answered, with what to check.
         """
         if self._parts is not None:
             return
@@ -194,7 +194,7 @@ class MavsdkVehicle:
         return replace(seen, problems=seen.problems + missing) if missing else seen
 
     async def send(self, command: Command) -> None:
-        """Carry out `command`. Nothing is sent while somebody else commands."""
+        """Carry out `command`. Nothing is sent while a pilot or the autopilot commands."""
         parts, at = self._joined, self._clock.wall(self._now)
         if at is not None:
             parts.obey(self._corrected(command, parts.observer), at)
@@ -219,12 +219,12 @@ class MavsdkVehicle:
             self._sharing(record, seen)
 
     async def close(self) -> None:
-        """Let go of the vehicle; one that follows our setpoints is told to hold."""
+        """Release the vehicle; one that follows our setpoints is ordered to hold."""
         parts, self._parts = self._parts, None
         if self._camera.running:
             self._camera.stop()
         if parts is not None:
-            await asyncio.to_thread(parts.leave)  # not behind calls that nobody answers
+            await asyncio.to_thread(parts.leave)  # not behind unanswered calls
             await asyncio.to_thread(self._workers.shutdown, cancel_futures=True)
             parts.link.close()
         self._workers.shutdown(wait=False)

@@ -26,7 +26,7 @@ LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
 
 
 class Dialect(NamedTuple):
-    """What one autopilot wants to hear, and what it means by what it says."""
+    """Commands that one autopilot expects, and the meaning of its modes."""
 
     name: str
     modes: Mapping[int, str]  # custom mode -> word of the mission; see VehicleStatus
@@ -44,7 +44,7 @@ class Dialect(NamedTuple):
     intervals: Mapping[int, float]  # message id -> Hz
     sphere: float  # m, radius of the earth in its simulators
     target_frame: int  # MAV_FRAME in which it takes LANDING_TARGET
-    leash: float | None  # m, how far ahead a position may be told; None: its timeout covers them
+    leash: float | None  # m, most distance to a position setpoint; None: its timeout covers them
 
 
 INTERVALS: Mapping[int, float] = {

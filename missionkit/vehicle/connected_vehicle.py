@@ -1,4 +1,4 @@
-"""What there is only while connected, and how it carries out a tick's command."""
+"""Parts that exist only while connected, and how they carry out a tick's command."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ class ConnectedVehicle:
         return state.mode == dialect.offboard_word and not self.phase.climbing
 
     def _pauses(self) -> bool:
-        """Tell the guardian that setpoints stop on purpose, if they do: waking up is no purpose."""
+        """Tell the guardian if setpoints stop on purpose; waking up does not count as one."""
         if self.state.heard < self.streamer.woken + BACKLOG:
             return False
         self._idle()

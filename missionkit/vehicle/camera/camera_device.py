@@ -18,13 +18,13 @@ REOPEN_AFTER = 1.0  # s until a camera that went away is opened again
 STREAM_TIMEOUT = 5.0  # s to wait for a stream, at its opening and for an image
 GONE, BACK = "camera_gone", "camera_back"  # events
 
-# What cannot be opened is told in a sentence of ours, not on the terminal at every attempt.
+# We report a failure to open once; OpenCV would print it at every attempt.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
 
 
 class Capture(Protocol):
-    """What OpenCV's VideoCapture offers."""
+    """Interface of OpenCV's VideoCapture."""
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name
         """Whether it could be opened."""

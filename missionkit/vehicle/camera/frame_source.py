@@ -21,7 +21,7 @@ Painter = Callable[[Pose, float], Frame]  # pose and time (s, mission) -> what t
 
 
 class CameraCarrier(Protocol):
-    """What a camera may ask of the vehicle that carries it."""
+    """Interface of the vehicle for its camera."""
 
     def pose(self) -> Pose | None:
         """Return where the vehicle is, None while that is not known."""
@@ -42,7 +42,7 @@ class Camera(Protocol):
 
     @property
     def problem(self) -> str:
-        """What is wrong with it now, "" if nothing is."""
+        """Current problem, "" if there is none."""
 
     def start(self, around: CameraCarrier) -> None:
         """Begin."""
@@ -114,7 +114,7 @@ class ThreadedCamera(abc.ABC):
         """Look until `ended`."""
 
     def give(self, frame: Frame) -> None:
-        """Offer a frame; the oldest that nobody has taken are lost."""
+        """Offer a frame; the oldest frames not taken are dropped."""
         with self._lock:
             self._frames.append(frame)
 

@@ -1,4 +1,4 @@
-"""What the actions of a mission are on the wire, each confirmed from telemetry.
+"""Sends the actions of a mission as commands, each confirmed by telemetry.
 
 One worker thread of its own: commands never wait for the event loop, and setpoints never wait for
 commands. The newest wish counts; an older one that is still being carried out is abandoned.
@@ -34,7 +34,7 @@ Wish = tuple[str, float | None]  # an action's name or OFFBOARD, and a height (m
 
 @dataclass(slots=True)
 class CommandReport:
-    """What became of a wish."""
+    """Result of a requested action."""
 
     wish: Wish
     result: Result
@@ -42,7 +42,7 @@ class CommandReport:
 
 @dataclass(slots=True)
 class _Box:
-    """What worker and loop share."""
+    """Data shared by worker and loop."""
 
     wish: Wish | None = None
     running: Wish | None = None
@@ -102,7 +102,7 @@ class Commander:
             return True
 
     def drop(self) -> None:
-        """Forget what has not begun, and abandon what has: somebody else commands."""
+        """Drop pending actions and abandon running ones: missionkit no longer commands."""
         with self._news:
             self._box.wish = None
             self._box.running = None

@@ -34,7 +34,7 @@ class CommandOutcome(StrEnum):
     REFUSED = "refused"
     UNCONFIRMED = "unconfirmed"  # acknowledged, but telemetry does not show it
     UNKNOWN = "unknown"  # no answer: it may have happened, or may yet
-    ABANDONED = "abandoned"  # somebody else commands, or something more urgent came
+    ABANDONED = "abandoned"  # missionkit no longer commands, or something more urgent came
 
 
 class Result(NamedTuple):
@@ -80,7 +80,7 @@ class Ask(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """What every command needs."""
+    """Resources of every command."""
 
     wire: MessageLink
     cache: Cache

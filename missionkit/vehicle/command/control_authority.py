@@ -1,4 +1,4 @@
-"""Who commands: missionkit, a pilot, or the autopilot by itself; an explicit machine.
+"""State machine of control authority: missionkit, a pilot, or the autopilot itself.
 
     ground -> commanding <-> doubting        missionkit commands
     pilot, failsafe, rebooted, stranger      it has given way, until a person gives control back
@@ -77,7 +77,7 @@ def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> boo
 
 
 class ControlAuthority:
-    """Notices that somebody else commands, and keeps it so until a person gives control back.
+    """Detects that missionkit has lost control, until a person gives it back.
 
     Args:
         dialect: of the autopilot.
@@ -147,7 +147,7 @@ class ControlAuthority:
             return True
 
     def expects(self, now: Said) -> bool:
-        """Say whether what a heartbeat says is no surprise."""
+        """Say whether the content of a heartbeat is expected."""
         with self._lock:
             if now.armed != self._armed:
                 return bool(self._aim) if now.armed else self._where().on_ground is True
@@ -156,7 +156,7 @@ class ControlAuthority:
             return self._of_our_making(word(self._dialect, now.mode))
 
     def doubt(self) -> None:
-        """Note that a heartbeat said something surprising: ask for nothing until the next one."""
+        """Note an unexpected heartbeat: command nothing until the next one."""
         unheard = self._unheard()
         with self._lock:
             self._was_unheard = unheard or (self.state == "doubting" and self._was_unheard)
@@ -241,7 +241,7 @@ class ControlAuthority:
         return "", ""
 
     def _of_our_making(self, mode: str) -> bool:
-        if not self._aim:  # armed by somebody else, or found flying
+        if not self._aim:  # armed by another, or found flying
             return mode in FOUND
         if mode == self._aim:
             return True
@@ -252,7 +252,7 @@ class ControlAuthority:
         return any(ends(it, self._height, mode, where) for it in (self._aim, self._mode))
 
     def _overridden(self, mode: str) -> bool:
-        """Count a heartbeat; return whether somebody chose another mode after ours was accepted."""
+        """Count a heartbeat; return whether another mode was chosen after ours was accepted."""
         where = self._where()
         if not self._accepted or mode == self._aim or ends(self._aim, self._height, mode, where):
             self._against = 0

@@ -1,4 +1,4 @@
-"""What the mission has seen, told to the autopilot: its visual pose, and the target to land on.
+"""Sends the mission's estimates to the autopilot: its visual pose, and the landing target.
 
     VISION_POSITION_ESTIMATE    the estimate, at every tick at which vision corrects it
     LANDING_TARGET              where the target is believed, once each time it has been seen
@@ -28,7 +28,7 @@ Fields = dict[str, Any]
 
 
 class Share(NamedTuple):
-    """What the autopilot is told."""
+    """Estimates to send to the autopilot."""
 
     pose: bool = False  # VISION_POSITION_ESTIMATE
     target: str | None = None  # name of the target that goes out as LANDING_TARGET
@@ -61,7 +61,7 @@ class Sharing:
         self._start = start
         self._stamp = stamp
         self._frame = frame
-        self._seen_at: float | None = None  # s, of the sighting told last
+        self._seen_at: float | None = None  # s, of the sighting sent last
 
     def __call__(self, record: Record, _: Observation) -> None:
         """Tell the autopilot what this tick knows."""

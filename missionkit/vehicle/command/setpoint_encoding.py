@@ -1,11 +1,11 @@
-"""What a setpoint is on the wire: SET_POSITION_TARGET_LOCAL_NED or SET_ATTITUDE_TARGET.
+"""Encodes setpoints as SET_POSITION_TARGET_LOCAL_NED or SET_ATTITUDE_TARGET.
 
     velocity    mask 0x5c7, velocity and yaw rate
     position    mask 0x9f8, position and yaw, moved from the mission's origin to the autopilot's
     attitude    mask 0x07, attitude and thrust
 
 ArduPilot takes the thrust for a climb rate unless GUID_OPTIONS has bit 3, and flies to a position
-even when nothing more is heard. So it is told a point on the way, no more than a leash ahead: when
+even if no more setpoints come. So it gets a point on the way, at most a leash ahead: when
 missionkit falls silent it stops there. PX4's failsafe counts for all three kinds.
 """
 

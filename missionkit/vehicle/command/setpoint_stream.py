@@ -1,4 +1,4 @@
-"""The stream of setpoints: one thread, and silence when nobody thinks any more.
+"""Streams setpoints from one thread; silent when no new commands come.
 
 A setpoint goes out because a tick asked for it, and for no other reason. The thread shares nothing
 with the event loop, so that a loop that hangs cannot keep the vehicle flying:
@@ -8,7 +8,7 @@ with the event loop, so that a loop that hangs cannot keep the vehicle flying:
     up to SILENT (1.5 s)         zero velocity, whatever it was: the vehicle holds
     older                        nothing: the autopilot's own failsafe takes over
 
-A stalled interpreter sends nothing either, which leads to the same failsafe. Once it goes on it
+A stalled interpreter sends nothing either, which leads to the same failsafe. Once it continues it
 waits for telemetry that is newer than its waking: the world has changed meanwhile.
 
 A setpoint with a number that is not finite is zero velocity from the start.
@@ -116,7 +116,7 @@ class Streamer:
             self._news.notify()
 
     def quiet(self) -> None:
-        """Send nothing until told again."""
+        """Send nothing until the next command."""
         with self._news:
             self._told = None
             self._fresh = False

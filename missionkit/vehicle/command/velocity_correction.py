@@ -1,4 +1,4 @@
-"""What is added to a velocity setpoint so that the vehicle flies it, and not what it takes for it.
+"""Corrects velocity setpoints for the error of the autopilot's own velocity.
 
 An autopilot follows a setpoint by its own estimate of velocity. Where satellites are all it has,
 that is wrong by 0.2 to 0.3 m/s for half a minute and more; a camera that sees a marker knows
@@ -31,7 +31,7 @@ NOTHING = vec(0.0, 0.0, 0.0)
 
 
 class Correction(NamedTuple):
-    """What is added now, and what that follows from; an immutable value."""
+    """The current correction and the data it is based on; immutable."""
 
     offset: Vec3 = NOTHING  # (3,), m/s, NED
     at: float | None = None  # s, mission, of the last step
@@ -47,7 +47,7 @@ def step(
         last: the one before.
         now: mission time.
         own: velocity by the mission's own estimate, None while no target is seen.
-        said: velocity by the autopilot's, None if it never said one.
+        said: velocity by the autopilot's estimate, None if it never sent one.
     """
     heard = _remembered(last.own, own)
     dt = 0.0 if last.at is None else min(max(now - last.at, 0.0), LONGEST_STEP)

@@ -93,7 +93,7 @@ def open_link(scheme: str, place: str, number: int, poller: Poller, take: Take) 
 
 
 class Datagrams:
-    """UDP, from one peer that is called or from whoever sends something."""
+    """UDP, with one peer that is called or any sender."""
 
     def __init__(self, host: str, port: int, poller: Poller, take: Take, *, out: bool) -> None:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]

@@ -39,7 +39,7 @@ class Frame(NamedTuple):
 
 
 class Beat(NamedTuple):
-    """What a heartbeat says."""
+    """Content of a heartbeat."""
 
     mode: int  # custom_mode
     autopilot: int  # MAV_AUTOPILOT
@@ -47,7 +47,7 @@ class Beat(NamedTuple):
 
 
 class Route(NamedTuple):
-    """Whom a frame of ours is from, and to."""
+    """Sender and recipient of one of our frames."""
 
     system: int
     component: int

@@ -5,7 +5,7 @@
     BRAKING   none for 0.5 s: zero velocity is sent; a setpoint of the mission ends it
     HOLDING   none for 1 s, or the process is gone: the vehicle is to hold, and setpoints and orders
               of the mission are refused from here on
-    HELD      it holds, or somebody else flies it; a person must give control back
+    HELD      it holds, or is flown by another; a person must give control back
 
 A mission that falls silent on purpose (an order of its own such as LAND, a pilot, a vehicle that is
 not heard) says so first, and is WATCHING. Zero velocity is ignored in a pilot's mode, so it is sent
@@ -26,7 +26,7 @@ STANDS = 0.3  # m/s
 
 
 class Phase(StrEnum):
-    """What the guardian is doing."""
+    """Phase of the guardian."""
 
     WATCHING = "watching"
     STEERED = "steered"
@@ -46,7 +46,7 @@ USUAL = Patience()
 
 
 class Guard(NamedTuple):
-    """What the guardian knows; times are the vehicle's (s)."""
+    """State of the guardian; times are the vehicle's (s)."""
 
     phase: Phase = Phase.WATCHING
     told: float = NEVER  # when the mission's last setpoint passed, NEVER after it fell silent

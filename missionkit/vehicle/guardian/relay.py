@@ -1,7 +1,7 @@
 """Frames between the autopilot and the mission, looked at on the way; the policy decides.
 
 Sent on untouched, but for streams that the mission does without, and for what it may not say once
-the vehicle is told to hold.
+the vehicle is ordered to hold.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ UPWARDS = frozenset(
 )
 HEARD = frozenset((mavlink_frames.HEARTBEAT,))
 HEARD_HOLDING = frozenset((mavlink_frames.HEARTBEAT, mavlink_frames.LOCAL_POSITION))
-OFFBOARD = (SET_MODE, 6.0)  # PX4's main mode: setpoints go on, so it is no word of silence
+OFFBOARD = (SET_MODE, 6.0)  # PX4's main mode: setpoints continue, so it announces no silence
 
 
 class Ends(NamedTuple):
@@ -115,7 +115,7 @@ class Relay:
 
     def _pass(self, bundle: list[bytes]) -> None:
         if self._met:
-            with suppress(OSError):  # nobody there, or it does not read: told by the control end
+            with suppress(OSError):  # no receiver, or it does not read: the control end reports it
                 self._ends.local.send(bundle[0] if len(bundle) == 1 else b"".join(bundle))
 
     def _hear(self, frame: bytes) -> None:

@@ -20,7 +20,7 @@ ODD, SPAN = 20, 5.0  # so many odd stamps in that time (s), the old clock still 
 
 
 class Stamp(Enum):
-    """What a stamp is worth."""
+    """Result of the check of a timestamp."""
 
     SOUND = "fits the clock"
     ODD = "does not fit: ignore the message"
@@ -29,7 +29,7 @@ class Stamp(Enum):
 
 
 class _Clock(NamedTuple):
-    """What several messages agree on; times in seconds of the vehicle."""
+    """Clock on which several messages agree; times are the vehicle's (s)."""
 
     delay: float  # the least seen between stamp and arrival, plus the clocks' offset
     newest: float  # stamp

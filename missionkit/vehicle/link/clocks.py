@@ -19,7 +19,7 @@ AGREED = 0.05  # s by which answers and messages may disagree if they are stampe
 
 
 def wall() -> float:
-    """Return wall time (s) from an arbitrary start; it goes on while the process is stopped."""
+    """Return wall time (s) from an arbitrary start; it advances while the process is stopped."""
     return time.perf_counter()
 
 
@@ -94,7 +94,7 @@ class BootClock:
                 self._floors.append(min(floor, newest))
 
     def forget(self) -> None:
-        """Begin anew: the vehicle has rebooted."""
+        """Restart: the vehicle has rebooted."""
         with self._lock:
             self._least.clear()
             self._floors.clear()

@@ -71,7 +71,7 @@ class Link:
         system_id: int | None = None,
         local: Address | None = None,
     ) -> Link:
-        """Connect, and wait until an autopilot has said something.
+        """Connect, and wait for the first message of an autopilot.
 
         Args:
             address: where it is.
@@ -80,7 +80,7 @@ class Link:
             local: where its guardian relays the link; None: there is none.
 
         Raises:
-            VehicleError: the link cannot be opened, or nobody answers within `patience` (s).
+            VehicleError: the link cannot be opened, or no vehicle answers within `patience` (s).
         """
         _hush()
         setting = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)

@@ -1,4 +1,4 @@
-"""The mission's side of the guardian: started with the link, told of silence that is meant.
+"""The mission's side of the guardian: starts with the link, announces intended silence.
 
     MAVSDK <-- UDP on loopback --> guardian <-- the vehicle's address --> autopilot
     adapter <-- socket pair, a word each --> guardian
@@ -41,7 +41,7 @@ class Guardian:
         lock: file descriptor of the link's lock, which the guardian holds as well.
         pace: seconds of the vehicle in one of the wall.
         patience: how long silence may last.
-        held: called, on a thread of its own, when the guardian has told the vehicle to hold.
+        held: called, on a thread of its own, when the guardian has ordered the vehicle to hold.
         note: takes an event for the mission.
     """
 

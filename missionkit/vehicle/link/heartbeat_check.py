@@ -21,7 +21,7 @@ STEADY = 10  # heartbeats in a row of one kind: the other one has gone
 
 
 class Said(NamedTuple):
-    """What a heartbeat says that counts."""
+    """The relevant content of a heartbeat."""
 
     mode: int  # custom_mode
     armed: bool
@@ -31,11 +31,11 @@ Expected = Callable[[Said], bool]
 
 
 class Believed(NamedTuple):
-    """What to make of a heartbeat."""
+    """Result of the check of a heartbeat."""
 
     fields: Fields | None  # to be passed on; None: it is ignored
-    doubted: Said | None = None  # what it said instead, and is not believed yet
-    retracted: Said | None = None  # what the one before it said, which this one does not
+    doubted: Said | None = None  # its actual content, which is not trusted yet
+    retracted: Said | None = None  # content of the previous one, which this one does not confirm
     stranger: bool = False  # another kind of vehicle says so for the third time
     odd: bool = False  # the first one of another kind
 
@@ -51,7 +51,7 @@ class HeartbeatCheck:
     def __init__(self) -> None:
         self._fields: Fields | None = None  # believed last
         self._doubted: Said | None = None
-        self._since = 0.0  # s, when that was first said
+        self._since = 0.0  # s, when that was first received
         self._strangers = 0
         self._alternated = 0
         self._steady = 0  # heartbeats in a row of the vehicle's own kind

@@ -32,14 +32,14 @@ class Address(NamedTuple):
 
     @property
     def key(self) -> str:
-        """What two processes must not share: the port that is bound, the device, or the peer."""
+        """Resource that two processes must not share: the bound port, the device, or the peer."""
         if self.scheme.endswith("in"):
             return f"{self.scheme[:3]}-{self.number}"
         return re.sub(r"[^A-Za-z0-9]+", "-", f"{self.scheme}-{self.place}-{self.number}")
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """What to check when nobody answers."""
+        """Hints for when no vehicle answers."""
         text = _ADVICE[self.scheme].format(place=self.place, number=self.number)
         return tuple(text.split("; "))
 

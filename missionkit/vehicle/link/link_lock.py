@@ -38,7 +38,7 @@ class LinkLock:
         """Take the lock.
 
         Raises:
-            VehicleError: another process has it, which is named, or there is no safe place for it.
+            VehicleError: another process, which is named, has it, or there is no safe place for it.
         """
         try:
             file = _own_file(self.path)

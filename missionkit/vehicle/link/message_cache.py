@@ -15,7 +15,7 @@ Fields = Mapping[str, Any]
 Wall = Callable[[], float]
 
 KEPT = 4000  # messages of one name that wait to be read; older ones are dropped
-ENOUGH = 0.02  # s between two looks of somebody who waits, should a notice be missed
+ENOUGH = 0.02  # s between two polls of a waiting thread, should a notification be missed
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What arrives is looked at before it is believed: heartbeats, and stamps of the autopilot's clock.
+"""Checks incoming messages before they are used: heartbeats, and the autopilot's timestamps.
 
     link -> MessageCheck -> cache -> everything else
 
@@ -28,16 +28,16 @@ ASK_EVERY = 0.2  # s of the vehicle between two requests for a heartbeat, at lea
 
 
 class Judge(Protocol):
-    """Who is told what heartbeats mean."""
+    """Receiver of checked heartbeats."""
 
     def expects(self, now: Said) -> bool:
-        """Say whether what a heartbeat says is no surprise."""
+        """Say whether the content of a heartbeat is expected."""
 
     def hear(self, message: Message) -> None:
         """Take a heartbeat in that is believed."""
 
     def doubt(self) -> None:
-        """Note that a heartbeat said something surprising."""
+        """Note an unexpected heartbeat."""
 
     def accepted(self, command: int) -> None:
         """Note that heartbeats show from now on what a command (MAV_CMD) did."""

@@ -1,4 +1,4 @@
-"""What the adapter needs of the link: sending a message, parameters, and the items of a plan."""
+"""Interface of the link for the adapter: messages, parameters, and the items of a plan."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ NAMES: Mapping[int, str] = {
     330: "OBSTACLE_DISTANCE",
     331: "ODOMETRY",
 }
-SPARE = frozenset(  # streamed unasked by one autopilot or the other; needed here by nobody
+SPARE = frozenset(  # streamed unasked by one autopilot or the other; not used here
     (
         30,  # ATTITUDE
         33,  # GLOBAL_POSITION_INT
@@ -83,7 +83,7 @@ CLOCKED = frozenset(("HIGHRES_IMU", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED")
 def boot_time(message: Message) -> float | None:
     """Return when a message was stamped (s since boot), None if it is not.
 
-    Zero is no stamp: the fixes of PX4's simulated receiver have none.
+    Zero is not a timestamp: the fixes of PX4's simulated receiver have none.
     """
     fields = message.fields
     boot = 1e3 * float(fields.get("time_boot_ms", 0)) or float(fields.get("time_usec", 0))  # us

@@ -22,11 +22,11 @@ EVERY = 0.2  # s (of the vehicle) between two questions
 OPEN = 50  # questions that may still be answered
 SPAN = 10.0  # s (of the vehicle) over which the clocks' rates are compared
 LATEST, DOUBLE = 10, 3  # questions looked back on, and how many of them two vehicles answered
-MOST_RATE = 0.1  # share by which they may differ before it is said
+MOST_RATE = 0.1  # share by which they may differ before it is reported
 
 
 class Answer(NamedTuple):
-    """What the vehicle said its time was, and when it was asked."""
+    """Time reported by the vehicle, and when it was requested."""
 
     boot: float  # s since its boot
     sent: float  # s, wall
@@ -67,7 +67,7 @@ class TimeSync:
             self._wire.send("TIMESYNC", tc1=0, ts1=nanos)
 
     def hear(self, message: Message) -> None:
-        """Keep an answer, perhaps to somebody else, on the thread that brings it."""
+        """Keep an answer, perhaps to another client, on the thread that brings it."""
         if message.name == "TIMESYNC" and (told := int(message["tc1"] or 0)) > 0:
             self._heard.append((told, int(message["ts1"] or 0)))
 
@@ -80,7 +80,7 @@ class TimeSync:
         return taken
 
     def _compare(self, last: Answer) -> None:
-        """Say, once, that the vehicle's time does not pass as fast as was said."""
+        """Report, once, that the vehicle's time does not pass as fast as configured."""
         first = self._first
         if first is None or last.boot < first.boot:  # it has rebooted
             self._first = last

@@ -1,4 +1,4 @@
-"""What kind of vehicle a heartbeat is from (MAV_TYPE), and which kinds missionkit flies.
+"""Types of vehicle (MAV_TYPE), and which of them missionkit flies.
 
 Missions hover, stop and turn on the spot: a fixed wing cannot, and a rover takes "take off" for
 something else. Source: MAVLink minimal.xml, MAV_TYPE.

@@ -20,12 +20,12 @@ class Change(NamedTuple):
 
     @property
     def question(self) -> str:
-        """What a person is asked."""
+        """Question to the operator."""
         return f"{self.parameter} is {self.was:g}: {self.why}. Write {self.to:g}?"
 
 
 class Written(NamedTuple):
-    """What became of a change; `now` is what was read back, None if nothing was."""
+    """Result of a change; `now` is the value read back, None if there was none."""
 
     change: Change
     now: float | None

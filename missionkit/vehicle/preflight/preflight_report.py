@@ -22,7 +22,7 @@ MOST_NORTH = 2.5  # deg
 
 
 class Findings(NamedTuple):
-    """What was read; None or missing: the vehicle has not said so."""
+    """Values read; None or missing if the vehicle has not sent them."""
 
     armed: bool | None
     in_air: bool | None
@@ -54,7 +54,7 @@ class Check(NamedTuple):
 
 
 class PreflightReport(NamedTuple):
-    """What was found before the flight."""
+    """Results of the pre-flight checks."""
 
     vehicle: str
     checks: tuple[Check, ...]

@@ -1,4 +1,4 @@
-"""What the pre-flight report says of sensors, several of which may speak.
+"""Pre-flight checks of the sensors; there may be several of a kind.
 
 Each function returns how good it is and a sentence; what a mission could not use is named.
 """
@@ -67,7 +67,7 @@ def battery(packs: Packs) -> Verdict:
 
 
 def obstacles(rings: Sequence[Fields]) -> Verdict:
-    """Judge what OBSTACLE_DISTANCE said lately."""
+    """Judge the recent OBSTACLE_DISTANCE messages."""
     if not rings:
         return FailsafeLevel.GOOD, "no OBSTACLE_DISTANCE arrives: a mission sees no obstacles"
     refusals = [obstacle_ring.refusal(fields, IDENTITY) for fields in rings]

@@ -1,4 +1,4 @@
-"""What the autopilot says about itself, read from the newest messages."""
+"""State of the autopilot, from its newest messages."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _ALARMED = frozenset((5, 6))  # MAV_STATE: critical, emergency
 _POWERED = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
 _BEHIND = 2.0  # s that EXTENDED_SYS_STATE may be older than the heartbeat: it has stopped
 
-LATELY = 2.0  # s, wall; what was said before does not show where it is
+LATELY = 2.0  # s, wall; older messages do not show where it is
 
 SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
 
 
 class Whereabouts(NamedTuple):
-    """Where the vehicle says it is; None: it has not said so lately."""
+    """Reported position of the vehicle; None: no recent report."""
 
     on_ground: bool | None = None
     height: float | None = None  # m above home
@@ -33,7 +33,7 @@ NOWHERE = Whereabouts()
 
 
 class AutopilotState:
-    """The autopilot's own words. None: it has not said so.
+    """State as the autopilot reports it. None: not reported.
 
     Args:
         cache: the newest messages.
@@ -60,8 +60,8 @@ class AutopilotState:
     def in_air(self) -> bool | None:
         """Whether it flies; armed and active counts as flying where it does not say.
 
-        Disarmed it does not, whatever was said last: that may be old, its heartbeat is not. What
-        EXTENDED_SYS_STATE said counts no longer once heartbeats come without it.
+        Disarmed it does not, whatever the last report: that may be old, its heartbeat is not. What
+        EXTENDED_SYS_STATE reported no longer counts once heartbeats come without it.
         """
         if self.armed is False:
             return False
@@ -124,7 +124,7 @@ class AutopilotState:
         return (0.0 if home is None else float(home[2])) - float(local["z"])
 
     def whereabouts(self) -> Whereabouts:
-        """Return where it is by what it has said lately."""
+        """Return its position by its recent messages."""
         landed = self._cache.latest("EXTENDED_SYS_STATE", LATELY)
         said = 0 if landed is None else int(landed["landed_state"])
         local = self._cache.latest("LOCAL_POSITION_NED", LATELY)

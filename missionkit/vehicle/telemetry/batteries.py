@@ -3,7 +3,7 @@
 What keeps the vehicle in the air counts: packs for propulsion or for everything. Where no pack says
 so, the one with the lowest id of those that do not say what they are for counts; ArduPilot says of
 no pack what it is for. Packs for avionics or payload never count. Of several that count the
-emptiest is told, as old as the oldest of their readings.
+emptiest is reported, as old as the oldest of their readings.
 
 Source: MAVLink common.xml, BATTERY_STATUS (147) and MAV_BATTERY_FUNCTION.
 """
@@ -27,7 +27,7 @@ Ident = tuple[int, int]
 
 
 class Pack(NamedTuple):
-    """One battery as it said last."""
+    """Last report of one battery."""
 
     ident: Ident
     function: int  # MAV_BATTERY_FUNCTION

@@ -1,4 +1,4 @@
-"""What a vehicle is doing, in the mission's words, where its own mode does not tell.
+"""Flight phase of a vehicle whose mode does not determine it.
 
 PX4 has a mode for taking off, holding and following setpoints each. ArduCopter does all of it in
 GUIDED, so the difference is kept here.
@@ -16,7 +16,7 @@ WITHIN = 0.3  # m below the height at which a climb counts as done
 
 
 class FlightPhase(AutopilotState):
-    """The autopilot's words, with GUIDED told apart."""
+    """The autopilot's modes, with GUIDED split by phase."""
 
     def __init__(self, cache: Cache, dialect: Dialect) -> None:
         super().__init__(cache, dialect)

@@ -1,4 +1,4 @@
-"""What looks down: optical flow and range finders.
+"""Downward-looking sensors: optical flow and range finders.
 
     OPTICAL_FLOW_RAD (106)   integrals over an interval, rad: PX4
     OPTICAL_FLOW (100)       rates, rad/s, in its fields flow_rate: ArduPilot

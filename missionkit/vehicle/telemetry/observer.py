@@ -34,14 +34,14 @@ RARELY = 0.1  # s between two readings of magnetometer and barometer, as the fil
 
 
 class Datum(NamedTuple):
-    """What positions and heights of a flight are measured from."""
+    """Datum of the positions and heights of a flight."""
 
     origin: Origin | None = None
     ground: float | None = None  # m, pressure altitude of home
 
 
 class Inertial(NamedTuple):
-    """What HIGHRES_IMU brought."""
+    """Data from HIGHRES_IMU."""
 
     imu: tuple[Imu, ...]
     mag: Magnetometer | None
@@ -106,7 +106,7 @@ class Observer:
 
     @property
     def datum(self) -> Datum:
-        """What is measured from."""
+        """Datum of positions and heights."""
         return Datum(self.origin, self._ground)
 
     @property
@@ -121,7 +121,7 @@ class Observer:
         self.origin, self._ground = datum
 
     def forget(self) -> None:
-        """Begin anew with the clock of an autopilot that has rebooted, at the next tick.
+        """Restart with the clock of an autopilot that has rebooted, at the next tick.
 
         Home stays where it was. May be called from any thread.
         """

@@ -44,7 +44,7 @@ class Arrivals:
         self._learnt: dict[str, Message] = {}
 
     def forget(self) -> None:
-        """Begin anew with the clock of an autopilot that has rebooted."""
+        """Restart with the clock of an autopilot that has rebooted."""
         self._boot.forget()
         self._waiting = {name: [] for name in QUEUED}
 

@@ -1,4 +1,4 @@
-"""What sensors say of obstacles and of the ground; several of a kind may speak."""
+"""Readings of obstacle and ground sensors; there may be several of a kind."""
 
 from __future__ import annotations
 

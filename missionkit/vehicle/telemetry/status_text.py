@@ -1,4 +1,4 @@
-"""What the autopilot says in text, as events that a chart could hear and the record keeps."""
+"""Status texts of the autopilot, as events for the chart and the record."""
 
 from __future__ import annotations
 
