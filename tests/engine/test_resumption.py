@@ -73,6 +73,10 @@ class Manual(Listening):
         return seen if status is None else replace(seen, status=status._replace(mode="position"))
 
 
+class KilledError(BaseException):
+    """The process died: a recorder that only fails never ends a flight."""
+
+
 def saved(ready: Stage, at: float = AT) -> FlightState:
     """Fly to a moment, and leave the vehicle there."""
     courses: list[FlightState] = []
@@ -80,9 +84,9 @@ def saved(ready: Stage, at: float = AT) -> FlightState:
     def keep(course: FlightState, _: Record) -> None:
         courses.append(course)
         if course.memory.now >= at - 1e-6:
-            raise TimeoutError
+            raise KilledError
 
-    with pytest.raises(TimeoutError):
+    with pytest.raises(KilledError):
         asyncio.run(fly(ready.plan, Listening(ready.vehicle), keeper=keep))
     return courses[-1]
 
