@@ -76,7 +76,7 @@ class FileError(MissionkitError):
 
 
 class UsageError(MissionkitError):
-    """The command line asks for something that does not exist or does not fit."""
+    """The command line names something that does not exist or does not fit."""
 
     exit_code = ExitCode.BAD_FILE
 

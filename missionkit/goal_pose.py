@@ -9,7 +9,7 @@ import numpy as np
 from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec
 from missionkit.messages import Goal, HalfSpace, Target
 
-SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than asked for
+SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than commanded
 LEVEL = 0.1  # below this horizontal part of its normal, a marker lies flat and no yaw faces it
 
 

@@ -67,7 +67,7 @@ def _imported(source: str) -> Iterator[str]:
     """Yield the modules of the package that a source may import.
 
     The package's own `__init__` is left out: it is the public API, which holds no kernels and
-    names modules of the whole house.
+    names modules of all of missionkit.
     """
     for package, names, whole in IMPORT.findall(source):
         if (package or whole) != PACKAGE:

@@ -28,7 +28,7 @@ def reason(result: Rehearsal, *, asked: bool = False) -> str:
 
     Args:
         result: of a flight.
-        asked: the operator asked for a landing.
+        asked: the operator requested a landing.
     """
     grade = result.grade
     if result.succeeded:

@@ -57,7 +57,7 @@ class WindowGuard(Plugin):
 
     @abc.abstractmethod
     def advance(self, memory: Any, seen: Estimate) -> Any:
-        """Return the next memory; called once a tick whether or not the guard is asked."""
+        """Return the next memory; called once per tick, evaluated or not."""
 
     @abc.abstractmethod
     def check(self, memory: Any, seen: Estimate) -> Verdict:
@@ -101,7 +101,7 @@ class Prior(NamedTuple):
     """Prior belief about a target, before a frame is examined."""
 
     body: Transform | None  # body to world at the exposure; None: not known
-    target: Target | None  # where the target is believed to be; None: not known
+    target: Target | None  # estimated position of the target; None: not known
 
 
 class Detector(Plugin):
@@ -117,7 +117,7 @@ class Detector(Plugin):
             frame: an image (height, width) grey or (height, width, 3) BGR, or in a simulation
                 that does not draw, the corners of the markers in view.
             camera: intrinsics (px) and mount on the body.
-            prior: what is believed of vehicle and target, to choose between what is possible.
+            prior: prior beliefs about vehicle and target, to choose between possible solutions.
 
         Returns:
             One sighting for each way the target can be seen as: its pose in the camera's frame

@@ -70,12 +70,12 @@ class Rehearsal(NamedTuple):
     flown: FlownFlight
     grade: Grade
     conditions: tuple[Condition, ...] = ()  # of the mission's success
-    flaws: tuple[str, ...] = ()  # what makes it no success whatever the mission asks for
+    flaws: tuple[str, ...] = ()  # what rules out a success, whatever the mission's conditions
     passage: FlightHistory = FlightHistory()
 
     @property
     def succeeded(self) -> bool:
-        """Landed by itself, unhurt, as it believed, and all that the mission asks for was met."""
+        """Landed undamaged where it meant to, and met every condition of the mission."""
         landed = self.flown.end is FlightEnd.LANDED and not self.flown.aborted and self.grade.landed
         return landed and not self.flaws and all(it.met for it in self.conditions)
 
@@ -151,7 +151,7 @@ def rehearse(
     Args:
         ready: the flight, set up afresh even when it resumes.
         observers: called after every tick.
-        operator: asks for a landing.
+        operator: may request a landing.
         pace: lets mission time pass; as fast as possible by default.
         save: called at every transition and once a second with the state to resume from.
         reports: what failed beside the flight since the last call; joins the problems.

@@ -45,7 +45,7 @@ def fly(
         mission: that `load` returned.
         address: of the vehicle, such as `udpin://0.0.0.0:14540` or `serial:///dev/ttyACM0:921600`.
         observers: called after every tick (20 Hz) with its `Record` and `Observation`.
-        operator: sends events to the chart, or asks for a landing.
+        operator: sends events to the chart, or requests a landing.
         folder: where the flight record, `summary.json` and `track.png` are left; it must not hold
             a record yet. Nothing is written without it.
         camera: device number, file or URL of the camera, or "rendered" for a drawn one; the

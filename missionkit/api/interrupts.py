@@ -24,7 +24,7 @@ def landing_on_interrupt(operator: Operator) -> Iterator[None]:
     Python handles no signals, nothing changes.
 
     Args:
-        operator: is asked to land.
+        operator: gets the request to land.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

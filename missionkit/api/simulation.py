@@ -40,7 +40,7 @@ def rehearse(
         faults: what goes wrong, as `--fault` takes it: `NAME[=VALUE][@WHEN][+DURATION]`.
         observers: called after every tick (20 Hz) with its `Record` and `Observation`; what one
             raises is listed among the problems, and the flight continues.
-        operator: sends events to the chart, or asks for a landing.
+        operator: sends events to the chart, or requests a landing.
         speed: times real time; as fast as the machine allows if absent.
         folder: where the flight record, `summary.json` and `track.png` are left; it must not hold
             a record yet. Nothing is written without it.

@@ -127,7 +127,7 @@ def fly_vehicle(
         plan: the mission, ready to fly.
         vehicle: what carries it out.
         observers: called after every tick.
-        operator: asks for a landing.
+        operator: may request a landing.
         speed: seconds of the vehicle in one of the wall.
         time_limit: mission time (s) after which the flight is aborted.
         keeper: called after every tick with everything needed to resume from it.

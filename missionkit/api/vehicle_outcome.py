@@ -66,7 +66,7 @@ def outcome_of(flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success
 def reason_of(
     flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
 ) -> str:
-    """Return why it ended so, in a sentence; `asked`: the operator asked for a landing."""
+    """Return the reason of the outcome in a sentence; `asked`: the operator requested a landing."""
     missed = _missed(flown, passage, wanted, asked=asked)
     return missed or f"{succeeded(passage)}, by the vehicle's own account"
 

@@ -44,7 +44,7 @@ def flown_chart(campaign: Campaign, settings: Mapping[str, str]) -> Charted:
     """Return the chart that a variant of a campaign flew.
 
     Args:
-        campaign: what was asked for.
+        campaign: the plan of the campaign.
         settings: of the variant.
 
     Raises:

@@ -1,4 +1,4 @@
-"""One run of a campaign: what was asked for, and what came of it."""
+"""One run of a campaign: its order and its results."""
 
 from __future__ import annotations
 

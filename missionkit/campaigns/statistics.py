@@ -18,7 +18,7 @@ CHUNK = 1_000_000  # numbers drawn at a time
 
 
 class Interval(NamedTuple):
-    """An estimate and the bounds it lies between with the confidence asked for."""
+    """An estimate with its bounds at the requested confidence."""
 
     value: float
     low: float

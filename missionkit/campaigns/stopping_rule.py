@@ -83,7 +83,7 @@ def _successes(rows: Sequence[Row], variant: int) -> list[bool]:
 
 
 def _stop(successes: Sequence[bool], rule: Rule) -> int | None:
-    """Return at which run of a variant everything asked for is known."""
+    """Return the run of a variant at which every requirement is decided."""
     stops: list[int | None] = []
     if rule.width is not None:
         stops.append(narrow_at(successes, rule.width))

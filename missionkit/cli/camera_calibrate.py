@@ -55,7 +55,7 @@ def calibration(sources: Sequence[str], squares: Squares, size: str | None, most
     Args:
         sources: images, films, devices or URLs.
         squares: of the board.
-        size: WIDTHxHEIGHT that a device is asked for (px).
+        size: WIDTHxHEIGHT to request from a device (px).
         most: images that are looked at.
 
     Raises:

@@ -77,7 +77,7 @@ def box_of(mission: Mission, margin: float) -> Box:
     The mission's own failsafe is to act first, and the autopilot's if that fails.
 
     Raises:
-        UsageError: no failsafe asks for a fence.
+        UsageError: no failsafe has a fence.
     """
     found = walls(mission)
     if not found:

@@ -94,7 +94,7 @@ def recalled(order: RunOptions, origin: Origin) -> RunOptions:
     """Return an order for the rest of a run: what it does not say is as it was.
 
     Raises:
-        UsageError: it asks for what a run under way cannot change.
+        UsageError: an option that a run in progress cannot change.
     """
     if order.faults:
         raise UsageError("--fault cannot be changed by --resume")

@@ -58,7 +58,7 @@ def _length(metres: float) -> str:
 
 
 def report(order: RunOptions, summary: Summary, folder: Path) -> None:
-    """Tell the person at the terminal, or the program that asked for JSON."""
+    """Print the result for people, or as JSON."""
     if order.as_json:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return

@@ -75,7 +75,7 @@ KINDS: Mapping[str, Callable[[str, Collection[str]], Files]] = {
 
 
 def new(kind: str, name: str, to: Path, taken: Collection[str] = ()) -> tuple[Path, ...]:
-    """Write what `missionkit new KIND NAME --to FOLDER` asks for; return the files written.
+    """Write the files of `missionkit new KIND NAME --to FOLDER`; return their paths.
 
     Args:
         kind: guard, behavior or mission.

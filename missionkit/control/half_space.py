@@ -10,7 +10,7 @@ from missionkit.messages import Estimate, HalfSpace
 
 RETURN = 2.0  # 1/s, m/s back out for each metre on the wrong side
 FIRM = 3.0  # times what the vehicle is too fast that the command falls below the admissible speed
-OUTWARD = 2.0  # m/s, most that is asked for away from the plane
+OUTWARD = 2.0  # m/s, largest velocity commanded away from the plane
 
 
 def admissible_speed(gap: float, limits: Limits) -> float:
@@ -28,7 +28,7 @@ def admissible_speed(gap: float, limits: Limits) -> float:
 def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> Triple:
     """Return `velocity` (m/s, NED) with its part towards the plane limited; the rest stays.
 
-    A vehicle that closes faster than it may is asked to go back by `FIRM` times the excess, since
+    A vehicle that closes too fast is commanded back by `FIRM` times the excess, since
     one whose velocity loop lags, or has learnt to fly fast, does not follow its command at once.
     """
     n = bound.normal

@@ -47,7 +47,7 @@ def act(
         plan: what flies.
         acting: of the state that commands.
         seen: what is known, with that state in it.
-        orders: what the chart itself asks the autopilot for; the last one that is sane counts.
+        orders: the chart's own commands to the autopilot; the last sane one counts.
         contain: keeps what went wrong.
     """
     state = plan.chart.states[seen.state]

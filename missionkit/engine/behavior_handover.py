@@ -17,7 +17,7 @@ from missionkit.engine.flight_state import BehaviorState, PausedBehavior
 def handed_over(
     chart: Chart, acting: BehaviorState, before: str, after: str, moves: Iterable[Move]
 ) -> BehaviorState:
-    """Return the state of the behaviour that commands now; not begun if it must begin afresh.
+    """Return the state of the commanding behaviour; not begun if it has to restart.
 
     Args:
         chart: the chart that moved.

@@ -22,7 +22,7 @@ from missionkit.messages import Cycle, Observation, Record, is_event
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
-REFUSED = 30.0  # s in which nothing but what speaks against arming was heard
+REFUSED = 30.0  # s without any observation that allows arming
 LONGEST_ABORT = 300.0  # s an abort may take, or the wait for arming
 LONGEST_SILENCE_LANDING = (
     120.0  # s without a heartbeat while landing: nothing more can be learnt or done
@@ -81,7 +81,7 @@ class Operator:
         self.wants_down = True
 
     def send(self, event: str) -> None:
-        """Send an event to the chart, which hears it at the next tick.
+        """Send an event to the chart, which handles it at the next tick.
 
         Raises:
             UsageError: it is not the name of an event.
@@ -91,7 +91,7 @@ class Operator:
         self._events.append(event)
 
     def take(self) -> tuple[str, ...]:
-        """Return what was sent since it was last asked."""
+        """Return the events sent since the last call."""
         sent = tuple(self._events)
         self._events.clear()
         return sent
@@ -132,7 +132,7 @@ class _Watch:
         return FlightEnd.OUT_OF_TIME if now >= self.time_limit + LONGEST_ABORT else None
 
     def _refused(self, done: Ticked) -> bool:
-        """Say whether arming has been refused for long; one sound moment begins afresh."""
+        """Say whether arming has been refused for too long; one tick without refusal resets it."""
         if not done.grounded or self.flown:
             self.refused_since = None
             return False
@@ -196,7 +196,7 @@ async def fly(
         plan: the mission, ready to fly.
         vehicle: what carries it out.
         observers: called after every tick with its record and observation.
-        operator: asks for a landing; also done here at `time_limit` (s).
+        operator: may request a landing, which `time_limit` (s) also does.
         pace: lets mission time pass; as fast as possible by default.
         time_limit: mission time (s) after which the flight is aborted.
         believe_stopwatch: show the measured timing to the guards, and limit plug-ins by the wall's

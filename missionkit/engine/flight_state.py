@@ -44,7 +44,7 @@ class BehaviorState(NamedTuple):
     done: bool = False
     goal: Goal | None = None
     failing: tuple[str, ...] = ()
-    events: tuple[str, ...] = ()  # from the behaviour, to be heard at the next tick
+    events: tuple[str, ...] = ()  # from the behaviour, to be handled at the next tick
     paused: Mapping[str, PausedBehavior] = {}  # states around the one that commands
     past: Mapping[str, PausedBehavior] = {}  # states that a history may lead back to
     scan: FieldMemory = FieldMemory()  # the newest, for braking

@@ -35,7 +35,7 @@ class Ticked(NamedTuple):
     command: Command
     record: Record
     took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
-    grounded: str = ""  # why nothing is armed, though the mission asks for it
+    grounded: str = ""  # why the vehicle is not armed although the mission wants it
 
 
 def _no_stopwatch() -> float:

@@ -39,7 +39,7 @@ class Navigator(Protocol):
         """Return body to world at `at` (s), None where it is not known any more."""
 
     def read(self, known: Any) -> NavState:
-        """Return what is believed now."""
+        """Return the current estimate."""
 
 
 class NavigatorParameters(Protocol):

@@ -93,7 +93,7 @@ class Step(NamedTuple):
     goal: Goal | None = None
     note: str = ""  # shown in the live view and the record
     memory: Any = None  # given back to the behaviour at the next tick
-    events: tuple[str, ...] = ()  # for the chart, heard at the next tick
+    events: tuple[str, ...] = ()  # for the chart, handled at the next tick
     stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance
     retreat: Vec3 | None = None  # (3,), m/s, NED, flown instead of zero while it stops
     bound: HalfSpace | None = None  # never to be left, also while it holds still

@@ -16,7 +16,7 @@ _new = tuple.__new__
 
 
 class Target(NamedTuple):
-    """Where a target is believed to be."""
+    """Estimated position of a target."""
 
     name: str
     position: Vec3  # (3,), m, NED, of the marker's centre
@@ -35,7 +35,7 @@ class Health(NamedTuple):
     vision_at: float | None  # s, last accepted visual pose
     position_sd: float  # m, horizontal, 1 sigma
     rejected: int  # measurements in a row that failed the gate
-    placed: bool = True  # the position has a source: a fix or sighting taken lately, or flow
+    placed: bool = True  # the position has a source: a recent fix or sighting, or flow
     height_sd: float | None = None  # m, 1 sigma, None: not known
     resets: int = 0  # how often the position has jumped to what had been refused before
     misfit: str = ""  # how the sightings do not fit the filter's noise, if they do not

@@ -1,4 +1,4 @@
-"""Events: words joined by dots that a chart can hear."""
+"""Events: words joined by dots that a chart can match."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Record(NamedTuple):
     state: str  # that commands
     active: tuple[str, ...]  # the whole configuration, outer states first
     mode: Mode
-    verdicts: tuple[tuple[str, Verdict], ...]  # every guard that was asked this tick
+    verdicts: tuple[tuple[str, Verdict], ...]  # every guard that was evaluated this tick
     fired: tuple[Fired, ...]  # in the order they were taken
     command: Command
     step_note: str

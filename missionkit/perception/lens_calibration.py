@@ -1,7 +1,7 @@
 """The lens of a camera from views of a ChArUco board, and how well they determine it.
 
 A small reprojection error says that the lens fits where the board was. What it is worth elsewhere
-is told by the standard deviations, by how much of the image the views cover, and by how far the
+is shown by the standard deviations, by how much of the image the views cover, and by how far the
 board was tilted: https://docs.opencv.org, "Camera Calibration", calibrateCameraExtended.
 """
 
@@ -23,7 +23,7 @@ CELLS: Final = (8, 6)  # parts of the image, across and down
 NAMES: Final = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
 POWERS: Final = {"k1": 3, "k2": 5, "k3": 7}  # of the distance from the middle
 
-SURE: Final = 3.0  # standard deviations that a k3 must have to be believed
+SURE: Final = 3.0  # standard deviations by which k3 must differ from 0
 SLACK: Final = 1.0  # px that a coefficient may be unsure by in the corners of the image
 FOCAL_SLACK: Final = 0.005  # share of the focal length
 WILD: Final = 0.1  # share of the focal length by which no lens may be unsure

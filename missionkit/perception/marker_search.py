@@ -40,7 +40,7 @@ class MarkerSearch:
 
         Args:
             frame: an image, or ready corners.
-            priors: what is believed before it is looked at.
+            priors: prior beliefs about the targets.
         """
         detections = tuple(self._detections(frame))
         body = priors.body(frame.at) if detections else None

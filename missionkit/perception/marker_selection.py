@@ -34,7 +34,7 @@ def area_of(corners: npt.NDArray[np.float64]) -> float:
 
 
 def plausible(candidate: Candidate, prior: Target | None) -> bool:
-    """Say whether a sighting lies near enough to where its target is believed to be.
+    """Say whether a sighting lies near enough to the estimated position of its target.
 
     A marker with the same id elsewhere is refused once it is farther than five standard
     deviations and `GATE_LEAST` away. Without a prior or an own pose everything is plausible.

@@ -66,7 +66,7 @@ class VisionPipeline:
         Args:
             memory: as the last tick left it.
             observation: with the frame that arrived, if one did.
-            priors: what is believed before it is looked at.
+            priors: prior beliefs about the targets.
             contain: keeps what went wrong in a detector.
         """
         frame, now = observation.frame, observation.now

@@ -28,7 +28,7 @@ class Leg(NamedTuple):
         return self.start[0] + far * self.way[0], self.start[1] + far * self.way[1]
 
 
-@lru_cache(maxsize=16)  # asked at every tick
+@lru_cache(maxsize=16)  # evaluated at every tick
 def legs(spots: tuple[Spot, ...]) -> tuple[Leg, ...]:
     """Return the parts of a path through `spots` that have a length."""
     found: list[Leg] = []

@@ -26,7 +26,7 @@ def drawn(
         area: south-west and north-east corner (m).
         resolution: edge of a cell (m).
         walls: blocked, with every cell they touch.
-        weights: polygons and what a metre costs there, 1 elsewhere; the dearest counts.
+        weights: polygons and the cost of a metre in them, 1 elsewhere; the highest counts.
     """
     (south, west), (north, east) = area
     rows = max(1, round((north - south) / resolution))

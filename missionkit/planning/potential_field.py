@@ -30,7 +30,7 @@ from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2,
 
 OWN = 1.2  # m, around a work: what stands there is what it hangs on
 ROOM = 0.2  # m, that a vehicle at its goal may still move towards what it works on
-LEAST_GAP = 0.1  # m, kept of what is worked on, whatever the goal asks for
+LEAST_GAP = 0.1  # m, kept from the object of a task, whatever the goal
 FIRM = 3.0  # times the excess over the admissible speed that the last check takes off
 RETREAT = 6.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
 BLIND = 0.5  # m/s, enough to hold a place against the wind
@@ -77,7 +77,7 @@ class PotentialField(Plugin):
     it, since an estimate that jumped may never come nearer than where it began.
 
     `sight` is how far obstacles are seen; by default as far as the scanner says. A scanner that
-    was heard and falls silent leaves the vehicle blind: it holds.
+    was received and falls silent leaves the vehicle blind: it holds.
     """
 
     kind: ClassVar[str] = "potential_field"
@@ -169,7 +169,7 @@ class PotentialField(Plugin):
         )
 
     def blind(self, memory: FieldMemory, now: float) -> bool:
-        """Say whether the scanner has fallen silent; one that was never heard has not."""
+        """Say whether the scanner has fallen silent; one that never sent anything has not."""
         return now - self.max_age > memory.scanned_at > -math.inf
 
     def fastest(self, memory: FieldMemory, now: float) -> float:
@@ -228,7 +228,7 @@ class PotentialField(Plugin):
         )
 
     def _aimed(self, memory: FieldMemory, goal: Vec3) -> FieldMemory:
-        """Begin afresh with a new goal."""
+        """Restart with a new goal."""
         x, y, z = goal.tolist()
         if memory.goal is None or math.dist(memory.goal, (x, y, z)) > 1.0:
             return memory._replace(goal=(x, y, z), progress=BoundaryProgress())

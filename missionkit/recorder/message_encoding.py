@@ -92,7 +92,7 @@ def _setpoint(sent: AnySetpoint) -> str:
 
 
 def guards(at: str, record: Record) -> str:
-    """Return every guard that was asked, with its answer."""
+    """Return every guard that was evaluated, with its answer."""
     return f'{{"timestamp":{at},"guards":{json_fragments.verdicts(record.verdicts)}}}'
 
 
@@ -115,7 +115,7 @@ def transition(at: str, fired: Fired) -> str:
 
 
 def estimate(at: str, seen: Estimate) -> str:
-    """Return velocity, height, heading and what is believed about the targets."""
+    """Return velocity, height, heading and the estimates of the targets."""
     targets = ",".join([_target(it) for it in seen.targets.values()])
     return (
         f'{{"timestamp":{at},"velocity":{json_fragments.vector(seen.velocity)},'

@@ -1,4 +1,4 @@
-"""The close-up of `track.png`: the last goal at a target, as near as the error asks for."""
+"""The close-up of `track.png`: the last goal at a target, scaled to the error."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _bar(it: Span) -> tuple[float, float]:
 
 
 def _liveliest(track: FlightTrack) -> list[str]:
-    """Return the guards in the order they were first asked, at most `MOST`.
+    """Return the guards in the order they were first evaluated, at most `MOST`.
 
     When there are more, those that changed their answer most often stay.
     """

@@ -91,7 +91,7 @@ def _shown(track: FlightTrack) -> tuple[list[Numbered], int]:
 
 
 def _columns(ruler: Ruler, rows: Sequence[Numbered], room: float) -> Columns:
-    """Return where the columns are, as wide as what stands in them."""
+    """Return the positions of the columns, as wide as their content."""
     number = max((ruler.width(str(it), NUMBER) for it, _, _ in rows), default=0.0)
     time = max((ruler.width(_time(at), PLAIN) for _, at, _ in rows), default=0.0)
     states = max((ruler.width(_states(it), BOLD) for _, _, it in rows), default=0.0)

@@ -95,7 +95,7 @@ class Summary(_Part):
 
     @property
     def succeeded(self) -> bool:
-        """Whether all that the mission asks for was met."""
+        """Whether every condition of the mission was met."""
         return self.outcome == "success"
 
 
@@ -123,7 +123,7 @@ def summarise(
         faults: injected, as written on the command line.
         parameters: of the mission file, after `--set`.
         grade: the simulator's judgement from ground truth.
-        conditions: of success: what is asked for, whether it was met, the figure.
+        conditions: of success: the requirement, whether it was met, the figure.
         record_hash: what closing the flight record returned.
     """
     return Summary(

@@ -83,7 +83,7 @@ class Fence(NamedTuple):
 
 
 class Scenery(NamedTuple):
-    """Everything that stands in the world, and what the mission says about places in it."""
+    """Everything in the world, and the mission's places in it."""
 
     obstacles: tuple[Round | Box, ...] = ()
     markers: tuple[Marker, ...] = ()

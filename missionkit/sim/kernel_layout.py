@@ -1,4 +1,4 @@
-"""Where things stand in the arrays that the kernels share, and the constants they read.
+"""Layout of the arrays that the kernels share, and the constants they read.
 
 `state` (17,): position 0:3 (m, NED), velocity 3:6 (m/s, NED), attitude 6:10 (w, x, y, z), rates
 10:13 (rad/s, FRD), rotor thrusts 13:17 (N). `memory` (SIZE,): what the autopilot and the contact

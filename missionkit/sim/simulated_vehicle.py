@@ -48,7 +48,7 @@ class SimulatedVehicle:
     """A simulated quadrotor behind the port `Vehicle`; two runs with one seed are bit-identical.
 
     Time passes only in `advance`. The synchronous methods do the work; `connect`, `observe`,
-    `send` and `close` are what the port asks for.
+    `send` and `close` implement the port.
 
     Args:
         world: obstacles, markers, wind, sensors.

@@ -31,7 +31,7 @@ def problems(state: SitlState) -> list[str]:
 
 
 def _needs_station(state: SitlState) -> bool:
-    """Tell whether PX4 wants a ground station (NAV_DLL_ACT) and hears none."""
+    """Return whether PX4 requires a ground station (NAV_DLL_ACT) and has none."""
     if state.dialect.name != "px4" or not state.parameters["NAV_DLL_ACT"]:
         return False
     return state.silence(kind=GCS) > state.parameters["COM_DL_LOSS_T"]
@@ -80,7 +80,7 @@ def cannot_run(state: SitlState, mode: Mode) -> str:
 
 
 def streaming(state: SitlState) -> bool:
-    """Tell whether setpoints have arrived lately."""
+    """Return whether setpoints have arrived recently."""
     target = state.target
     return target is not None and state.now - target.at <= state.parameters["COM_OF_LOSS_T"]
 

@@ -77,7 +77,7 @@ def _arm(state: SitlState, order: CommandFields) -> int:
 
 
 def change_mode(state: SitlState, mode: Mode | None) -> int:
-    """Enter a mode that a station asks for."""
+    """Enter a mode that a station requests."""
     if mode is None:
         return refused(state)
     return _done(state, well=arming_rules.change(state, mode))

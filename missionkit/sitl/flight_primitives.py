@@ -1,4 +1,4 @@
-"""The parts that flights by itself are made of."""
+"""Primitives of autonomous flights."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def limits(state: SitlState) -> TrackingLimits:
 
 
 def cruise(state: SitlState) -> float:
-    """Return the speed (m/s) of flights by itself."""
+    """Return the speed (m/s) of autonomous flights."""
     px4 = state.dialect.name == "px4"
     usual = state.parameters["MPC_XY_CRUISE"] if px4 else state.parameters["WPNAV_SPEED"] / 100.0
     return state.speed or usual

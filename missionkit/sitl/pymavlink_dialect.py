@@ -1,4 +1,4 @@
-"""The words of pymavlink that this package uses, imported in one place."""
+"""The names of pymavlink that this package uses, imported in one place."""
 
 from __future__ import annotations
 

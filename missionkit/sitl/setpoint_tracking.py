@@ -41,7 +41,7 @@ TILT = math.radians(35.0)
 
 
 class SetpointTarget(NamedTuple):
-    """Where to be, how fast, or how inclined; `None` where nothing is asked for."""
+    """Commanded position, velocity or attitude; `None` where not commanded."""
 
     at: float  # s, when it arrived
     position: Axes = NONE  # m, NED
@@ -56,13 +56,13 @@ class SetpointTarget(NamedTuple):
 
     @property
     def leans(self) -> bool:
-        """Whether it asks for an acceleration or attitude, with neither place nor speed."""
+        """Whether it commands an acceleration or attitude, with neither position nor velocity."""
         pushed = self.acceleration != NONE and self.position == self.velocity == NONE
         return self.attitude is not None or pushed
 
     @property
     def moves(self) -> bool:
-        """Whether it asks for anything but a position: a stream that must not end."""
+        """Whether it commands anything but a position: a stream that must not end."""
         return self.attitude is not None or self.rates is not None or self.position == NONE
 
 

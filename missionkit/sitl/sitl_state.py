@@ -110,9 +110,9 @@ class SitlState:
     booted: float = 0.0
     silent_until: float = 0.0  # restarting
     target: SetpointTarget | None = None  # the newest setpoint
-    aim: SetpointTarget | None = None  # where it flies by itself
+    aim: SetpointTarget | None = None  # target of an autonomous flight
     orbit: Orbit | None = None
-    phase: str = ""  # of a flight by itself
+    phase: str = ""  # of an autonomous flight
     phase_since: float = 0.0
     origin_set: bool = False
     speed: float | None = None  # m/s, asked for by DO_CHANGE_SPEED
@@ -188,7 +188,7 @@ class SitlState:
         self.failsafe, self.pending = "", None
 
     def begin(self, phase: str) -> None:
-        """Begin a phase of a flight by itself."""
+        """Begin a phase of an autonomous flight."""
         self.phase, self.phase_since, self.aim, self.orbit = phase, self.now, None, None
 
     def fly(self, flight: Flight) -> None:
@@ -196,7 +196,7 @@ class SitlState:
         self.enter(self.dialect.doing(flight))
 
     def silence(self, kind: int | None = None, system: int | None = None) -> float:
-        """Return how long (s) ago a station of that kind was heard, infinite if never."""
+        """Return the time (s) since a station of that kind last sent, infinite if never."""
         heard = [
             at
             for who, (at, what) in self.peers.items()

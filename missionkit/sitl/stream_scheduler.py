@@ -56,7 +56,7 @@ BUILDERS: Mapping[int, Builder] = {
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW: flow_range_messages.optical_flow,
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: flow_range_messages.optical_flow_rad,
 }
-FRESH_ONLY = frozenset(  # sent once for each measurement, however often they are asked for
+FRESH_ONLY = frozenset(  # sent once for each measurement, even if requested more often
     (
         mavlink.MAVLINK_MSG_ID_HIGHRES_IMU,
         mavlink.MAVLINK_MSG_ID_GPS_RAW_INT,
@@ -77,12 +77,12 @@ MISSING = {  # what the real one does not have
             mavlink.MAVLINK_MSG_ID_ALTITUDE,
             mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
             mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD,
-            mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,  # passed on from the sensor, never asked for
+            mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE,  # passed on from the sensor, never requested
         )
     ),
 }
 
-RATES: Mapping[str, Mapping[int, float]] = {  # Hz, without being asked
+RATES: Mapping[str, Mapping[int, float]] = {  # Hz, sent by default
     "px4": {
         HEARTBEAT: 1.0,
         mavlink.MAVLINK_MSG_ID_SYS_STATUS: 5.0,
@@ -201,7 +201,7 @@ def ask_group(state: SitlState, channel: Channel, group: int, rate: float) -> No
 
 
 def send_due(state: SitlState, messages: Messages) -> None:
-    """Send what is due on every link; before a peer was heard, heartbeats only."""
+    """Send what is due on every link; heartbeats only until a peer has sent something."""
     if not state.troubles.active("streams_frozen", state.now):
         messages.forget()
     stopped = state.troubles.active("streams_stopped", state.now) is not None

@@ -1,4 +1,4 @@
-"""Logic: a state that commands nothing by itself."""
+"""Logic: a state that commands nothing itself."""
 
 from missionkit.messages import Mode
 from missionkit.states.contract import StateKind

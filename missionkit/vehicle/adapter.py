@@ -293,7 +293,7 @@ class MavsdkVehicle:
                 f"name yours, such as --system {min(systems)}"
             )
         beat = self.cache.latest("HEARTBEAT")
-        if beat is not None and unfit(beat.fields):  # one packet alone is not believed
+        if beat is not None and unfit(beat.fields):  # one packet alone is not trusted
             await self.call(
                 self.cache.wait,
                 lambda: self.cache.latest("HEARTBEAT") is not beat,

@@ -29,12 +29,12 @@ class Dialect(NamedTuple):
     """Commands that one autopilot expects, and the meaning of its modes."""
 
     name: str
-    modes: Mapping[int, str]  # custom mode -> word of the mission; see VehicleStatus
+    modes: Mapping[int, str]  # custom mode -> name in the mission; see VehicleStatus
     hold: tuple[float, float, float]  # parameters of DO_SET_MODE
     offboard: tuple[float, float, float]
     land: tuple[float, float, float] | None  # None: NAV_LAND
-    offboard_word: str  # word of the mode in which setpoints are obeyed
-    hold_word: str  # word of the mode in which the vehicle holds
+    offboard_word: str  # name of the mode in which setpoints are obeyed
+    hold_word: str  # name of the mode in which the vehicle holds
     warm: float  # s of setpoints before it enters that mode
     early: bool  # whether setpoints may be sent while it takes off
     takeoff_param: str | None  # parameter for the height, None: within the command

@@ -40,7 +40,7 @@ class ConnectedVehicle:
         clock: mission time.
         tell: takes an event for the mission.
         note: takes a sentence for the record.
-        check: decides which messages are believed.
+        check: decides which messages are trusted.
         pace: seconds of the vehicle in one of the wall.
         idle: called when setpoints stop on purpose.
     """
@@ -168,14 +168,14 @@ class ConnectedVehicle:
         return (silent and steering) or self.streams.gap > GAP
 
     def _listens(self) -> bool:
-        """Whether a setpoint may go out now: ours to command, heard of lately, in a fit mode."""
+        """Whether a setpoint may be sent: in control, heard from recently, in a suitable mode."""
         state, dialect = self.state, self.dialect
         if not self.authority.ours or not state.armed:
             return False
         if (wall() - state.heard) * self._pace > LINK_LOST_AFTER:
             return False
         if state.heard < self.streamer.woken + BACKLOG:
-            return False  # what was heard may have waited while the process stood still
+            return False  # received messages may have waited while the process was stopped
         if dialect.early:
             return state.mode != "land"  # ignored outside offboard, and needed to enter it
         return state.mode == dialect.offboard_word and not self.phase.climbing

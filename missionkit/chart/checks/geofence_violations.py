@@ -30,7 +30,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             return
         for failsafe, acts, walls in fences:
             if leg.before and acts(leg.start) and not acts(leg.end):
-                continue  # told where that is the goal
+                continue  # reported where that is the goal
             at = _first_broken(leg, acts, walls)
             if at is not None:
                 yield _problem(leg, failsafe, at, acts)
@@ -79,7 +79,7 @@ def _margin(fence: InsideFence, place: Point3) -> float:
 def _fence(
     failsafe: Failsafe, guards: Mapping[str, ex.Expression]
 ) -> Iterator[tuple[Broken, tuple[InsideFence, ...]]]:
-    """Yield when a failsafe acts, if it asks for nothing but fences, and their walls."""
+    """Yield when a failsafe acts that depends on fences only, and their walls."""
     found: list[InsideFence] = []
     waiting: list[ex.Expression] = [failsafe.when]
     while waiting:

@@ -53,7 +53,7 @@ class RegionReader:
         self.quantities = dict(_variables(tree))
 
     def truth(self, guard: ex.Expression | None, source: str = "") -> GuardRegion:
-        """Return where a guard holds, asked for a transition of the state `source`."""
+        """Return where a guard holds in a transition of the state `source`."""
         match guard:
             case None:
                 return ALWAYS

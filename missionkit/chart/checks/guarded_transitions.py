@@ -33,7 +33,7 @@ class GuardedTransition(NamedTuple):
 
     @property
     def written(self) -> bool:
-        """Whether it stands in the file, and was not added by a contract."""
+        """Whether it is in the file, not added by a contract."""
         return bool(self.place.file)
 
     @property

@@ -1,4 +1,4 @@
-"""Whether every flying state comes to land or return by itself, whatever is lost, and how soon.
+"""Checks that every flying state leads to land or return, whatever is lost, and how soon.
 
 For each danger the chart is played against an opponent who chooses every guard that the danger
 leaves open, from the moment when nothing fresh is left of what is lost. A state is safe if some
@@ -270,7 +270,7 @@ def _threshold(region: Boxes, danger: Box) -> float:
 
 
 def _without(region: Boxes, rising: set[Quantity]) -> Boxes:
-    """Return a region without what it asks of quantities that rise; some are too high for it."""
+    """Return a region without its conditions on rising quantities; some are too high for it."""
     return tuple(
         {quantity: span for quantity, span in box.items() if quantity not in rising}
         for box in region

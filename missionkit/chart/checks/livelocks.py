@@ -79,7 +79,7 @@ def _fresh(box: Box) -> Box | None:
 
 
 def _after_dwell(way: GuardedTransition) -> Boxes:
-    """Return when a way is ready for nothing but what it asks of the world around."""
+    """Return when a transition is ready, by its conditions on the outside world only."""
     model = way.model
     waits = max(model.for_, model.after or 0.0)
     if not (way.eventless and way.written and model.to and model.when is not None and way.dwell):

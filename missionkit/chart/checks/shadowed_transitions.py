@@ -156,7 +156,7 @@ def _told_shadowed(way: GuardedTransition, one: GuardedTransition) -> Problem:
 
 
 def _overlaps(way: GuardedTransition, before: Sequence[GuardedTransition]) -> Iterator[Problem]:
-    """Yield a transition that holds together with one above it that asks the same quantities."""
+    """Yield a transition that can hold together with an earlier one over the same quantities."""
     if not way.eventless or not way.model.to:
         return
     mine = _asked(way)

@@ -111,7 +111,7 @@ class StateTree:
         return self.states[name].state.place()
 
     def guards(self) -> Iterator[tuple[str, ex.Expression]]:
-        """Yield each guard that is asked, and the state for which it is, empty for failsafes."""
+        """Yield each guard that is evaluated, and its state, empty for failsafes."""
         for failsafe in self.mission.failsafes:
             yield "", failsafe.when
         for name, state, _ in self.states.values():

@@ -11,7 +11,7 @@ from missionkit.planning.potential_field import PotentialField
 
 
 def problems_of(chart: AnalysedChart, sight: float) -> Iterator[Problem]:
-    """Yield a warning for each behaviour that asks for more speed than can be stopped from.
+    """Yield a warning for each behaviour that is too fast to stop.
 
     Args:
         chart: the mission's.

@@ -88,7 +88,7 @@ def _goal(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
 
 
 def _not_aimed_at(chart: AnalysedChart, one: Success, place: Place) -> Iterator[Problem]:
-    """Yield the condition if every behaviour is known and none goes where it asks to be."""
+    """Yield the condition if every behaviour is known and none goes to its place."""
     misses = []
     for _, state, _ in chart.tree.states.values():
         if state.behavior is None or one.target not in state.behavior.plugin.targets():

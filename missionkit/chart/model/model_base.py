@@ -98,7 +98,7 @@ class MissionPart(BaseModel):
     _source: Table | None = PrivateAttr(default=None)
 
     def place(self, key: str | None = None) -> Place:
-        """Return where this part stands in its file, or the value of one of its keys."""
+        """Return the place of this part in its file, or of the value of one of its keys."""
         if self._source is None:
             return NOWHERE
         return self._source.place if key is None else self._source.place_of(key)

@@ -95,7 +95,7 @@ class Nearest:
         return not any(word in self._raised or word.startswith(OWN_EVENTS) for word in way.event)
 
     def included(self, name: str) -> str | None:
-        """Return the state whose file a state stands in; None: the mission's own."""
+        """Return the state that includes the file of a state; None: the mission's own file."""
         outer = name.rpartition("/")[0]
         return outer if outer in self.every else None
 

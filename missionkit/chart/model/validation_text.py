@@ -30,7 +30,7 @@ _TYPE_ERRORS = ("_type", "_parsing", "_from_float")
 def describe(error: Mapping[str, Any], model: type[BaseModel], path: Path) -> Mistake:
     """Return the sentence for one error of `ValidationError.errors()` on `model`.
 
-    It names the key itself, but not where the model stands in the document.
+    It names the key itself, but not the model's place in the document.
 
     Args:
         error: as pydantic gives it; its `loc` may name alternatives of a type.

@@ -134,7 +134,7 @@ def _inside(state: State) -> str:
 
 
 def _demands(chart: ExplainedChart, state: State) -> Iterator[str]:
-    """Say what must hold in a state, by its kind and by itself."""
+    """Describe what must hold in a state, by its kind and its own invariant."""
     due = chart.catalogue.kinds[state.kind].invariant
     if due is not None:
         to = state.invariant.exit

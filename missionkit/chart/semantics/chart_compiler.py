@@ -180,7 +180,7 @@ class _Compiler:
         return self.count
 
     def _names(self, expression: ex.Expression) -> tuple[str, ...]:
-        """Return what the record calls the guards that an expression asks."""
+        """Return the names in the record of the guards in an expression."""
         match expression:
             case ex.All(parts=parts) | ex.Any(parts=parts):
                 return tuple(dict.fromkeys(name for part in parts for name in self._names(part)))

@@ -42,7 +42,7 @@ class ChartMemory(NamedTuple):
 class Decision(NamedTuple):
     """Decisions of one tick."""
 
-    answers: Mapping[str, Verdict]  # of every guard that was asked, in that order
+    answers: Mapping[str, Verdict]  # of every guard that was evaluated, in that order
     fired: tuple[Fired, ...] = ()  # in the order they were taken
     moves: tuple[entry_exit_sets.Move, ...] = ()  # one for each microstep
     entered: bool = False  # the state that commands was entered at this tick

@@ -108,7 +108,7 @@ class Transition:
     unknown_takes: bool = False  # failsafes: an unknown verdict counts as holding
     patient: bool = False  # waits for the dwell of its source
     internal: bool = False
-    reads: tuple[str, ...] = ()  # names of the guards it asks, in that order
+    reads: tuple[str, ...] = ()  # names of the guards it evaluates, in that order
     check: Callable[[Estimate], Verdict] | None = None  # of its only guard, one of the package
     default: bool = False  # a default failsafe: added by the contract of a kind
 

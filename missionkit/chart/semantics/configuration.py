@@ -76,7 +76,7 @@ def _asks(
 ) -> tuple[list[DirectGuard], list[tuple[GuardFunction, float, str]]]:
     """Return the guards that can be evaluated directly, each once, and the rest.
 
-    One with an event is asked for the record only.
+    One with an event is evaluated for the record only.
     """
     direct: dict[str, DirectGuard] = {}
     plain: list[tuple[GuardFunction, float, str]] = []

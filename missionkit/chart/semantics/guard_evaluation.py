@@ -45,7 +45,7 @@ def _asked_directly(
                 return None
             if margin is not value:
                 odd += margin - margin  # type: ignore[operator] # None raises, as it should
-    except Exception:  # noqa: BLE001 - asked again, contained
+    except Exception:  # noqa: BLE001 - evaluated again, contained
         return None
     return moving if type(odd) is float and odd == 0.0 else None
 

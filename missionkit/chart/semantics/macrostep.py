@@ -59,7 +59,7 @@ class Macrostep:
         """Take the entry of the first tick, what is forced, and all that follows.
 
         Args:
-            forced: goes before all else; no event of this tick is heard then.
+            forced: comes before everything else; the events of this tick are then dropped.
             rested: nothing without an event is ready as yet.
         """
         if not self.memory.started:

@@ -59,7 +59,7 @@ def decide(
 
 
 def _advanced(chart: Chart, question: GuardContext) -> tuple[Any, ...]:
-    """Advance every memory; one that asks another guard finds it in a slot before its own."""
+    """Advance every memory; a guard that uses another finds it in an earlier slot."""
     question.windows = windows = list(question.windows)
     for index, slot in enumerate(chart.slots):
         windows[index] = slot.advance(windows[index], question)

@@ -2,7 +2,7 @@
 
 Since the last checkpoint the vehicle had no commands. Where chart and vehicle disagree
 the vehicle is right, and the answer is the one that ends on the ground: nothing that has landed
-is armed again, and a pilot who has taken over is left alone. The cases stand in `CASES`, the
+is armed again, and a pilot who has taken over is left alone. The cases are in `CASES`, the
 first that applies counts.
 """
 
@@ -128,7 +128,7 @@ def reconciled(
     Args:
         plan: what flies.
         saved: the course as it was saved.
-        heard: its memory, with what was sensed since.
+        heard: its memory, with the sensor data since.
         changed: the mission is not the one that was flown.
 
     Raises:

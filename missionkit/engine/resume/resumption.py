@@ -32,7 +32,7 @@ async def wake(
 ) -> ResumedFlight:
     """Listen until the vehicle has reported its state, then adapt the memory to it.
 
-    The filter takes in what is heard; the chart and its guards do not move. In the air it is given
+    The filter uses the new data; the chart and its guards do not change. In the air it is given
     time to get over the hole in its data, while the autopilot holds.
 
     Raises:
@@ -61,7 +61,7 @@ def _enough(before: FlightMemory, heard: FlightMemory, *, waited: float, calm: f
 def _sound(plan: PreparedMission, before: FlightMemory, heard: FlightMemory) -> bool:
     """Say whether the filter accepts its measurements, fixes among them; not needed until aligned.
 
-    A flight that had no fixes lately is not asked for any.
+    A flight without recent fixes does not need any.
     """
     health = plan.navigator.read(heard.senses.navigation).health
     last = plan.navigator.read(before.senses.navigation).health.gnss_at

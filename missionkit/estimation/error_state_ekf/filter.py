@@ -116,7 +116,7 @@ class ErrorStateEkf:
         return tree
 
     def read(self, known: FilterMemory) -> NavState:
-        """Return what is believed now; zeros and identity until aligned."""
+        """Return the current estimate; zeros and identity until aligned."""
         if known.past is None:
             return state_output.unaligned(self._names, self._places, self._sds, self._settings)
         return state_output.aligned(known, known.past, self._names, self._settings)

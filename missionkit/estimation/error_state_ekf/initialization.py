@@ -37,7 +37,7 @@ class InitialState(NamedTuple):
 
 
 def begin() -> RestSamples:
-    """Return an alignment that has heard nothing yet."""
+    """Return an alignment without data."""
     return RestSamples(np.empty((0, 7)), np.empty((0, 7)), np.empty((0, 2)), np.empty((0, 4)))
 
 

@@ -14,7 +14,7 @@ from missionkit.geometry import Mat, Transform, Vec3, rotate, vec
 from missionkit.messages import Imu, Observation, Sighting
 
 LEAST_SD, MOST_SD = 1e-3, 900.0
-"""A sensor that claims to be better or worse is not believed (m, m/s); squared, below LARGEST."""
+"""Bounds of a plausible sensor accuracy (m, m/s); squared, below LARGEST."""
 LARGEST = 1e6
 """No place or sensor reading is larger than this, in SI units."""
 NOWHERE = (math.nan, math.nan, math.nan)
@@ -100,7 +100,7 @@ def _turning(observation: Observation) -> Vec3 | None:
 
 
 def _variance(sd: Vec3 | float) -> Mat:
-    """Return the square of what a sensor claims, as far as it is believed."""
+    """Return the square of a sensor's stated accuracy, clipped to plausible bounds."""
     return np.square(np.minimum(np.maximum(sd, LEAST_SD), MOST_SD))
 
 

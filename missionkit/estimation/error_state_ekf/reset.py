@@ -1,9 +1,9 @@
-"""When measurements that were refused deserve to be believed after all.
+"""Decides when rejected measurements are accepted after all.
 
 A jump of the satellite position is refused: velocity and inertial data carry the filter across a
 short fault, and a lasting one is a lost position (`innovation_monitor.divergence`), since a
 receiver that jumps in flight says where it is as well as one that does not. Refused fixes are
-believed where the filter is what is wrong: the velocities of the receiver were refused as long as
+accepted if the filter itself is wrong: the velocities of the receiver were refused as long as
 its positions, and the fixes agree with each other and with nothing visual against them. So they are
 on the ground before arming, where nothing depends on the old place yet. Then the filter admits an
 error as large as the disagreement and takes the same fix again. After an outage nothing of this is
@@ -58,7 +58,7 @@ def forget_vehicle(
     *,
     parked: bool,
 ) -> Vec3 | None:
-    """Return the log row that makes room for a fix, None if it is not to be believed.
+    """Return the log row that makes room for a fix, None if it is not accepted.
 
     Args:
         monitor: the counts.

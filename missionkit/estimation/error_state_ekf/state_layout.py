@@ -1,4 +1,4 @@
-"""Where things stand in the filter's arrays.
+"""Layout of the filter's arrays.
 
 The state x (16 + 3 m,) is p, v, q, b_a, b_g and one position l per target, m of them. The error
 state (15 + 3 m,), to which the covariance belongs, has a rotation vector in place of q:

@@ -1,4 +1,4 @@
-"""Turning the filter's memory into what the rest of the house sees."""
+"""Converts the filter's memory to the estimate that the rest of missionkit sees."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def steer(q: Vec3, bias: Vec3, field: Vec3, declination: float, dt: float, gains
     """Turn q about the vertical towards the magnetometer's north, in place.
 
     `field` (3,) is in body axes and may have any length; `declination` (rad); `dt` (s) since the
-    field was last heard; `gains` as for `lean`.
+    field was last received; `gains` as for `lean`.
     """
     m = rotate(q, field)
     if not abs(m[0]) + abs(m[1]) > 1e-6:

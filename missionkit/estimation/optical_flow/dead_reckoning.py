@@ -24,7 +24,7 @@ class Reckoning(NamedTuple):
     velocity: Vec3  # (2,), m/s, of the last good sample
     heading: float  # rad
     at: float | None = None  # s, end of the last good sample
-    distance: float | None = None  # m, last heard
+    distance: float | None = None  # m, last received
 
 
 def begin(position: Vec3, heading: float) -> Reckoning:

@@ -130,7 +130,7 @@ class FlowFilter:
         return between(replay_buffer.timed(track[i - 1]), replay_buffer.timed(track[i]), at)
 
     def read(self, known: FlowMemory) -> NavState:
-        """Return what is believed now; zeros and identity until aligned."""
+        """Return the current estimate; zeros and identity until aligned."""
         return flow_state.state(known, self._surveyed, self._settings)
 
     def _align(self, known: FlowMemory, observation: Observation) -> FlowMemory:

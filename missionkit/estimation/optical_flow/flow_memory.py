@@ -27,7 +27,7 @@ class FlowMemory(NamedTuple):
     mu: Mat  # (3, 2), m and m/s: north, east, up
     S: Mat  # (3, 2, 2) covariances
     in_air: bool  # by the autopilot's last report
-    mag_at: float | None  # s, last field heard
+    mag_at: float | None  # s, last field received
     flow_at: float  # s, last flow used, or the last moment on the ground
     range_at: float | None  # s, of the last range taken in the air
     slip: float  # m, sd: what the flow's velocity is off by while no range says how high it is

@@ -1,4 +1,4 @@
-"""Turning the optical-flow navigator's memory into what the rest of the house sees."""
+"""Converts the optical-flow navigator's memory to the estimate that the rest of missionkit sees."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LATELY = 1.0
 def state(
     known: FlowMemory, surveyed: Mapping[str, tuple[Vec3, float]], settings: FlowKalman
 ) -> NavState:
-    """Return what is believed; targets are where they were surveyed."""
+    """Return the estimate; targets are where they were surveyed."""
     (north, v_north), (east, v_east), (up, climb) = known.mu.tolist()
     sd = position_sd(known, settings.rate_bias_sd)
     return NavState(

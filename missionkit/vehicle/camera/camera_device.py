@@ -81,11 +81,11 @@ def unfit(image: Any, wanted: CaptureSettings) -> str:
 class Device(ThreadedCamera):
     """Captures as fast as images come; the newest counts, and a camera that goes away is reopened.
 
-    The mission hears the events `camera_gone` and `camera_back`; `problem` says what is wrong.
+    The mission gets the events `camera_gone` and `camera_back`; `problem` says what is wrong.
 
     Args:
         open_: opens the camera.
-        wanted: what the driver is asked for; images of another size are refused.
+        wanted: settings requested from the driver; images of another size are refused.
         latency: s between the middle of the exposure and the moment the image is there.
         period: s between images of a source that does not wait by itself, a file; else 0.
     """
@@ -138,7 +138,7 @@ class Device(ThreadedCamera):
         return self.problem
 
     def _now(self, problem: str, around: CameraCarrier) -> None:
-        """Keep what is wrong now; the mission hears when that begins and when it ends."""
+        """Keep the current problem; the mission gets an event when it begins and ends."""
         before, self.problem = self.problem, problem
         if bool(problem) != bool(before):
             around.note(GONE if problem else BACK)

@@ -35,7 +35,7 @@ def images(source: int | str, wanted: CaptureSettings | None = None) -> Iterator
 
     Args:
         source: number of a device, path or URL.
-        wanted: what a driver is asked for.
+        wanted: settings requested from the driver.
 
     Raises:
         UsageError: not a single one comes.

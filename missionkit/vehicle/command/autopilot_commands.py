@@ -46,7 +46,7 @@ class _Box:
 
     wish: Wish | None = None
     running: Wish | None = None
-    last: tuple[Wish, float] | None = None  # and when it may be asked for again (s, wall)
+    last: tuple[Wish, float] | None = None  # and when it may be requested again (s, wall)
     reports: list[CommandReport] = field(default_factory=list)
     ended: bool = False
 
@@ -59,7 +59,7 @@ class Commander:
         cache: the newest messages.
         dialect: of the autopilot.
         state: what telemetry says.
-        order: called before a mode is asked for, with the height of a take-off (m); says whether
+        order: called before a mode is requested, with the height of a take-off (m); says whether
             we may.
         pace: seconds of the vehicle in one of the wall.
     """

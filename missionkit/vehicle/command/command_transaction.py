@@ -1,4 +1,4 @@
-"""One command to the autopilot: asked, repeated, acknowledged; what is not heard stays unknown."""
+"""One command to the autopilot: sent, repeated, acknowledged; without an answer it is unknown."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Result(NamedTuple):
 
     @property
     def good(self) -> bool:
-        """Whether what was asked for holds."""
+        """Whether the requested state holds."""
         return self.outcome in {CommandOutcome.DONE, CommandOutcome.ACCEPTED}
 
 

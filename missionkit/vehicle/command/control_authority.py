@@ -3,7 +3,7 @@
     ground -> commanding <-> doubting        missionkit commands
     pilot, failsafe, rebooted, stranger      it has given way, until a person gives control back
 
-A mode counts as ours if missionkit asked for it, or where the autopilot ends what was asked for by
+A mode counts as ours if missionkit requested it, or where the autopilot ends the request by
 itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
 pilot's. A first heartbeat that says otherwise is only doubted: no mode is asked for until the next
 one confirms it or takes it back. A landing or return that was accepted, and that two heartbeats in
@@ -25,7 +25,7 @@ from missionkit.vehicle.link.message_rates import REBOOTED
 from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
 
 PILOT_TAKEOVER = "pilot_takeover"
-FAILSAFE_TAKEOVER = "failsafe_takeover"  # it had not heard us: the autopilot acted by itself
+FAILSAFE_TAKEOVER = "failsafe_takeover"  # it had not received us: the autopilot acted by itself
 VEHICLE_CHANGED = "vehicle_changed"  # another kind of vehicle answers
 CRITICAL = 5  # MAV_STATE: both autopilots say so while a failsafe of theirs is active
 REFUGES = frozenset(("hold", "brake", "land", "return", "smart_return"))  # what failsafes choose
@@ -60,7 +60,7 @@ def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> boo
     """Return whether the autopilot may have ended an order by itself, in `mode`, just there.
 
     Args:
-        order: mode that was asked for.
+        order: the requested mode.
         height: m, of a take-off.
         mode: that it is in now.
         where: the vehicle is.
@@ -83,7 +83,7 @@ class ControlAuthority:
         dialect: of the autopilot.
         let_go: called at once when control is given up, on the thread that brings the heartbeat.
         tell: takes an event for the mission.
-        unheard: says, at a heartbeat, whether the autopilot may not have heard us for a while.
+        unheard: says, at a heartbeat, whether the autopilot may not have received us for a while.
         where: says where the vehicle is.
         note: takes a sentence for the record.
     """
@@ -110,10 +110,10 @@ class ControlAuthority:
         self._lock = threading.RLock()
         self._mode = ""  # reported last
         self._armed = False
-        self._aim = ""  # mode we asked for last; "": none yet
-        self._height: float | None = None  # m, of the take-off we asked for last
+        self._aim = ""  # mode we requested last; "": none yet
+        self._height: float | None = None  # m, of the take-off we requested last
         self._was_unheard = False  # when the mode was first doubted
-        self._accepted = False  # what we asked for last, and long enough ago to show
+        self._accepted = False  # our last request, if long enough ago to show
         self._against = 0  # heartbeats since that show another mode in the air
         Machine(
             self,
@@ -130,7 +130,7 @@ class ControlAuthority:
 
     @property
     def aim(self) -> str:
-        """The mode we asked for last."""
+        """The mode we requested last."""
         return self._aim
 
     def fire(self, trigger: str) -> bool:
@@ -173,7 +173,7 @@ class ControlAuthority:
         return 0 < self._against < OVERRIDDEN
 
     def hear(self, message: Message) -> None:
-        """Take a heartbeat in that is believed."""
+        """Take in a trusted heartbeat."""
         if message.name != "HEARTBEAT":
             return
         now = said(message.fields)

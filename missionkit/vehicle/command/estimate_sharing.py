@@ -1,7 +1,7 @@
 """Sends the mission's estimates to the autopilot: its visual pose, and the landing target.
 
     VISION_POSITION_ESTIMATE    the estimate, at every tick at which vision corrects it
-    LANDING_TARGET              where the target is believed, once each time it has been seen
+    LANDING_TARGET              the target's estimated position, once for each sighting
 
 Nothing goes out unless it was wanted. Both are of the autopilot's local frame, but for ArduPilot's
 LANDING_TARGET, which it takes relative to the body. Sources: MAVLink common.xml; PX4
@@ -118,7 +118,7 @@ def target_fields(target: Target, seen: Estimate, usec: int, start: Vec3, frame:
     """Return LANDING_TARGET, with its angles as a camera that looks down the body sees them.
 
     Args:
-        target: where it is believed to be.
+        target: its estimated position.
         seen: where the vehicle is.
         usec: stamp.
         start: (3,), m, the mission's origin in the autopilot's local frame.

@@ -1,6 +1,6 @@
 """Streams setpoints from one thread; silent when no new commands come.
 
-A setpoint goes out because a tick asked for it, and for no other reason. The thread shares nothing
+A setpoint is sent only because a tick commanded it. The thread shares nothing
 with the event loop, so that a loop that hangs cannot keep the vehicle flying:
 
     age of the newest command    what goes out
@@ -68,7 +68,7 @@ class Streamer:
 
     Args:
         emit: puts one on the wire.
-        gate: says whether the vehicle still listens to us; asked before every single one.
+        gate: says whether the vehicle still follows us; called before every setpoint.
         wall: the wall clock (s).
         pace: seconds of the vehicle in one of the wall.
         rate: how often (Hz) a fresh command is repeated when no new one comes.

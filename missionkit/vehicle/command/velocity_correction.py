@@ -35,7 +35,7 @@ class Correction(NamedTuple):
 
     offset: Vec3 = NOTHING  # (3,), m/s, NED
     at: float | None = None  # s, mission, of the last step
-    own: tuple[TimedVelocity, ...] = ()  # lately, oldest first, without a gap
+    own: tuple[TimedVelocity, ...] = ()  # recent, oldest first, without a gap
 
 
 def step(

@@ -9,7 +9,7 @@
 
 A mission that falls silent on purpose (an order of its own such as LAND, a pilot, a vehicle that is
 not heard) says so first, and is WATCHING. Zero velocity is ignored in a pilot's mode, so it is sent
-at once; another mode is asked for only after a heartbeat that came later still showed ours.
+at once; another mode is requested only after a later heartbeat still showed ours.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Guard(NamedTuple):
 
     @property
     def asks(self) -> bool:
-        """Whether the mode for holding is to be asked for, where there is one."""
+        """Whether to request the mode for holding, where there is one."""
         return self.phase is Phase.HOLDING and self.confirmed
 
     @property

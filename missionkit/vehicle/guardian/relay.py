@@ -75,8 +75,8 @@ class Relay:
         self._patience = patience
         self._spare = spare
         self._alone = alone
-        self._to: mavlink_frames.Route | None = None  # whom we would have to stop
-        self._dialects: dict[int, Dialect] = {}  # of each system that is heard
+        self._to: mavlink_frames.Route | None = None  # the vehicle that we would have to stop
+        self._dialects: dict[int, Dialect] = {}  # of each system that sends
         self._sequence = self._again = 0
         self._stilled = self._asked = self._tended = policy.NEVER
         self._met = False

@@ -1,1 +1,1 @@
-"""The link: addresses, connection, heartbeats, clocks, and which messages are believed."""
+"""The link: addresses, connection, heartbeats, clocks, and which messages are trusted."""

@@ -83,7 +83,7 @@ class BootClock:
                 self._least.popleft()
 
     def answered(self, boot: float, asked: float) -> None:
-        """Learn from an answer stamped `boot` (s) to a question of mission time `asked` (s).
+        """Learn from an answer stamped `boot` (s) to a request sent at mission time `asked` (s).
 
         One that contradicts the newest message is of another clock.
         """
@@ -100,7 +100,7 @@ class BootClock:
             self._floors.clear()
 
     def mission(self, boot: float) -> float | None:
-        """Return the mission time (s) of a stamp, None while nothing has been heard."""
+        """Return the mission time (s) of a stamp, None before the first message."""
         with self._lock:
             if not self._least:
                 return None

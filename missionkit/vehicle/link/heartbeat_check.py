@@ -1,8 +1,8 @@
-"""Which heartbeats are believed: one packet that says something surprising is not enough.
+"""Decides which heartbeats are trusted: a single unexpected packet is not enough.
 
-A change of mode or of arming that missionkit expects is believed at once. One that it does not is
-believed once a second heartbeat in a row says the same; until then the autopilot counts as it was.
-The second one is asked for, so that a pilot does not have to wait for it. What another kind of
+A change of mode or of arming that missionkit expects is trusted at once. Any other is
+trusted once a second heartbeat in a row says the same; until then the old state counts.
+The second one is requested, so that a pilot does not have to wait for it. What another kind of
 vehicle says is ignored, unless it says so three times and nothing else is heard.
 """
 
@@ -46,10 +46,10 @@ def said(fields: Fields) -> Said:
 
 
 class HeartbeatCheck:
-    """Keeps what is believed, and what is not yet."""
+    """Keeps the trusted heartbeat, and the one still in doubt."""
 
     def __init__(self) -> None:
-        self._fields: Fields | None = None  # believed last
+        self._fields: Fields | None = None  # last trusted
         self._doubted: Said | None = None
         self._since = 0.0  # s, when that was first received
         self._strangers = 0

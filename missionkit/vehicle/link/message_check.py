@@ -2,7 +2,7 @@
 
     link -> MessageCheck -> cache -> everything else
 
-A message that is not believed goes no further, and the record says so.
+A message that is not trusted goes no further, and the record says so.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Judge(Protocol):
         """Say whether the content of a heartbeat is expected."""
 
     def hear(self, message: Message) -> None:
-        """Take a heartbeat in that is believed."""
+        """Take in a trusted heartbeat."""
 
     def doubt(self) -> None:
         """Note an unexpected heartbeat."""
@@ -51,7 +51,7 @@ class Judge(Protocol):
 
 
 class MessageCheck:
-    """Passes on to the cache what is believed.
+    """Passes trusted messages on to the cache.
 
     Args:
         cache: takes it.
@@ -78,8 +78,8 @@ class MessageCheck:
         self._rebooted: Callable[[], None] = lambda: None
         self._ask_again: Callable[[], None] = lambda: None
         self._contested = False
-        self._due = False  # a heartbeat is to be asked for
-        self._asked = -math.inf  # s of the vehicle, when one was asked for last
+        self._due = False  # a heartbeat is to be requested
+        self._asked = -math.inf  # s of the vehicle, when one was last requested
         self._accepted: tuple[int, float] | None = None  # MAV_CMD, and when (s of the vehicle)
 
     @property
@@ -95,7 +95,7 @@ class MessageCheck:
         Args:
             judge: knows what is expected.
             rebooted: called when the autopilot has restarted.
-            ask_again: asks for another heartbeat at once.
+            ask_again: requests another heartbeat at once.
         """
         self._judge, self._rebooted, self._ask_again = judge, rebooted, ask_again
 

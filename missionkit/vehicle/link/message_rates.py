@@ -1,4 +1,4 @@
-"""Telemetry streams: what is listened to, how often it is asked for, and when it must be again.
+"""Telemetry streams: the messages used, their rates, and when to request them again.
 
 An autopilot forgets the rates when it reboots, and says nothing about it if that was quick.
 """
@@ -17,7 +17,7 @@ REQUEST = 512  # MAV_CMD_REQUEST_MESSAGE
 HEARTBEAT, HOME = 0, 242  # message ids
 REBOOTED = "autopilot_rebooted"
 LINK_LOST_AFTER = 3.0  # s without a heartbeat: the link is lost
-RETRY = 1.0  # s until a stream that does not come is asked for again
+RETRY = 1.0  # s until a missing stream is requested again
 SPAN = 2.0  # s over which rates are measured
 
 NAMES: Mapping[int, str] = {
@@ -75,7 +75,7 @@ QUEUED = frozenset(  # every one counts, or several sensors send the same messag
         "STATUSTEXT",
     )
 )
-ENOUGH = 0.3  # of the rate that was asked for: not every inertial unit has 250 Hz
+ENOUGH = 0.3  # of the requested rate: not every inertial unit has 250 Hz
 SINCE_1970 = 1e15  # us: a larger stamp does not count from the boot
 CLOCKED = frozenset(("HIGHRES_IMU", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED"))
 
@@ -97,7 +97,7 @@ class Streams:
         wire: the link.
         cache: where the messages are.
         intervals: message id -> Hz wanted.
-        optional: ids that not every vehicle has; they are asked for once.
+        optional: ids that not every vehicle has; they are requested once.
         pace: seconds of the vehicle in one of the wall.
     """
 
@@ -156,7 +156,7 @@ class Streams:
 
     def _ask(self, command: int, ident: int, interval: float) -> None:
         rest = {f"param{n}": 0.0 for n in range(3, 8)}
-        with suppress(RuntimeError):  # no link: asked again when it is back
+        with suppress(RuntimeError):  # no link: requested again when it is back
             self._wire.send(
                 "COMMAND_LONG",
                 command=command,
@@ -175,7 +175,7 @@ class Streams:
         return late or ident in self._slow
 
     def _measure(self, now: float) -> None:
-        """Find the streams that come much more seldom than was asked for."""
+        """Find the streams that are much slower than requested."""
         span = (now - self._counted_at) * self._pace
         if span < SPAN:
             return

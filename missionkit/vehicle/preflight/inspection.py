@@ -158,7 +158,7 @@ def _declination(vehicle: MavsdkVehicle) -> float | None:
 
 
 def _drained(vehicle: MavsdkVehicle, name: str) -> list[Fields]:
-    """Return what has come since it was asked last, at least the newest there is."""
+    """Return the messages since the last call, at least the newest."""
     new = [message.fields for message in vehicle.cache.drain(name)]
     last = vehicle.cache.latest(name)
     return new or ([] if last is None else [last.fields])

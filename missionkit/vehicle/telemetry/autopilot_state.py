@@ -111,7 +111,7 @@ class AutopilotState:
     def ready(self) -> bool:
         """Whether it may be armed: its checks pass, and it knows where it is.
 
-        ArduCopter says armable before its estimator has a position, so both are asked for.
+        ArduCopter reports armable before its estimator has a position, so both are required.
         """
         return bool(self.armable) and self.placed
 

@@ -40,7 +40,7 @@ class FlightPhase(AutopilotState):
         return self._height is not None
 
     def take_off(self, height: float | None) -> None:
-        """Note that a take-off was asked for."""
+        """Note that a take-off was requested."""
         self._height = 2.5 if height is None else height
         self._steered = False
 
@@ -62,6 +62,6 @@ class FlightPhase(AutopilotState):
         self._steered = False
 
     def end(self) -> None:
-        """Note that something else than a take-off was asked for."""
+        """Note that something other than a take-off was requested."""
         self._height = None
         self._steered = False

@@ -130,7 +130,7 @@ class GroundSensors:
         return joined(flows)
 
     def _counts(self, kind: str, ident: int, at: float) -> bool:
-        """Note a good reading; say whether no sensor with a lower id had one lately."""
+        """Note a good reading; say whether no sensor with a lower id had one recently."""
         self._worked[kind, ident] = at
         return not any(
             which == kind and other < ident and at - last <= SENSOR_SWITCH_AFTER

@@ -18,7 +18,7 @@ from missionkit.vehicle.telemetry.earth_origin import Origin
 MAG, PRESSURE_ALT = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
 _FIX_3D = 3
 _UNKNOWN = 65535
-_LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not believed
+_LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not trusted
 _COARSE = (2.5, 4.0, 0.3)  # m, m, m/s of receivers that do not say
 
 

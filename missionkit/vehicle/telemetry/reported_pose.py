@@ -1,6 +1,6 @@
 """Where the vehicle says it is: what a rendered camera looks from.
 
-A simulator that tells the truth about its vehicle is believed first (HIL_STATE_QUATERNION, which
+A simulator's ground truth of its vehicle has priority (HIL_STATE_QUATERNION, which
 PX4's SIH sends); the autopilot's own estimate is next.
 """
 
