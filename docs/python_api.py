@@ -34,13 +34,13 @@ PARTS = {
 INTRO = """\
 # Python API
 
-Everything that `import missionkit` gives. Names are imported when they are first used, so that the
-import itself costs nothing. World positions are NED (north, east, down) in metres from the take-off
+Everything that `import missionkit` provides. Names are imported on first use, so the import itself
+is cheap. World positions are NED (north, east, down) in metres from the take-off
 point, body axes FRD (forward, right, down), the camera's as in OpenCV; quaternions (w, x, y, z),
-body to world; SI units, radians, seconds of the mission. What is not known is `None`, never NaN.
+body to world; SI units, radians, seconds of the mission. Unknown values are `None`, never NaN.
 
-In the examples `mission` is `missionkit.load("mission.yaml")`, `summary` what its rehearsal
-returned, and `record`, `observation` and `seen` are of one tick of that flight.
+In the examples `mission` is `missionkit.load("mission.yaml")`, `summary` the summary of its
+rehearsal, and `record`, `observation` and `seen` are of one tick of that flight.
 """
 
 

@@ -46,12 +46,12 @@ class Level(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One mistake: where it stands, what is wrong, and what would be right."""
+    """One problem: its place, what is wrong, and a remedy."""
 
     place: Place
     message: str
     level: Level = Level.ERROR
-    code: str = ""  # what kind of mistake, such as `shadowed-transition`
+    code: str = ""  # kind of problem, such as `shadowed-transition`
     remedy: str = ""
 
     @override
@@ -88,7 +88,7 @@ class VehicleError(MissionkitError):
 
 
 class NotFitError(MissionkitError):
-    """The pre-flight report speaks against flying: nothing was armed."""
+    """The pre-flight report says BAD: the vehicle was not armed."""
 
     exit_code = ExitCode.ENDED_SAFELY
 

@@ -49,7 +49,7 @@ class Guard(Plugin):
 
 
 class WindowGuard(Plugin):
-    """A predicate that remembers, such as a sliding window. Its memory advances at every tick."""
+    """A predicate with memory, such as a sliding window. Its memory advances at every tick."""
 
     @abc.abstractmethod
     def begin(self) -> Any:
@@ -88,7 +88,7 @@ class Behavior(Plugin):
         return ()
 
     def unfit(self, known: Occupancy | None, targets: Mapping[str, Spot]) -> str:  # noqa: ARG002
-        """Say before flight why this cannot be done on the mission's map; "": nothing against it.
+        """Say before flight why the map rules this behaviour out; "" if it does not.
 
         Args:
             known: the map, if the mission has one.
@@ -105,7 +105,7 @@ class Prior(NamedTuple):
 
 
 class Detector(Plugin):
-    """Finds one target in camera frames. It remembers nothing: filter and guards do."""
+    """Finds one target in camera frames. It has no memory: filter and guards do."""
 
     target: str
 

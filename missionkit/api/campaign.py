@@ -49,26 +49,26 @@ def campaign(
     records: bool = False,
     progress: bool = False,
 ) -> Analysis:
-    """Fly a mission many times in the simulator, as `missionkit campaign`, and sum it up.
+    """Fly a mission many times in the simulator, like `missionkit campaign`, and summarise it.
 
-    Flights are spread over processes, so that a script calls this below
+    Flights run in several processes, so a script has to call this below
     `if __name__ == "__main__":`. They read the mission again from its file: plug-ins have to come
     from installed packages or from files, not from classes given to `load`.
 
     Args:
-        mission: that `load` returned.
+        mission: a mission returned by `load`.
         folder: where journal, table, summary and report are left; it must not hold a campaign.
         runs: flights of each variant.
-        seed: of the first flight; flight number n has seed + n.
+        seed: seed of the first flight; flight number n has seed + n.
         vary: values of parameters by name; every combination is a variant, and all variants fly
             the same seeds.
-        faults: what goes wrong in every flight, as `--fault` takes it.
-        workers: processes; one for each core if absent.
-        timeout: s of wall time after which a flight is given up.
+        faults: faults to inject in every flight, as for `--fault`.
+        workers: number of processes; one per core if absent.
+        timeout: s of wall time after which a flight is aborted.
         require: success rate, 0 to 1; stop as soon as it is shown or refuted (Wald's sequential
             test with a risk of 5 % of either error).
         records: keep the flight record of every run.
-        progress: show on stderr how far it is.
+        progress: show the progress on stderr.
 
     Returns:
         Success rates with their 95 % intervals (Wilson), outcomes, measured numbers and their

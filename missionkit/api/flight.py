@@ -35,14 +35,14 @@ def fly(
     speed: float = 1.0,
     anyway: bool = False,
 ) -> Summary:
-    """Fly a mission with a vehicle on MAVLink, as `missionkit run --vehicle`.
+    """Fly a mission with a vehicle on MAVLink, like `missionkit run --vehicle`.
 
-    Ctrl-C lands the vehicle; a second one ends the program, and the vehicle is stopped by its
+    Ctrl-C lands the vehicle; a second one ends the program, and the vehicle is stopped by the
     guardian. Observers run on threads of their own: one that fails or waits costs its records,
     never the flight. A flight from Python leaves no checkpoints, so that it cannot be resumed.
 
     Args:
-        mission: that `load` returned.
+        mission: a mission returned by `load`.
         address: of the vehicle, such as `udpin://0.0.0.0:14540` or `serial:///dev/ttyACM0:921600`.
         observers: called after every tick (20 Hz) with its `Record` and `Observation`.
         operator: sends events to the chart, or requests a landing.
@@ -50,20 +50,20 @@ def fly(
             a record yet. Nothing is written without it.
         camera: device number, file or URL of the camera, or "rendered" for a drawn one; the
             mission's own if absent.
-        share: what the autopilot is sent of the estimate: "pose", "target=NAME".
-        system: MAVLink system id, where several vehicles share a link.
-        speed: seconds of the vehicle in one of the wall; 1 for everything real.
-        anyway: take off although a failsafe or the pre-flight report speaks against it.
+        share: estimates to send to the autopilot: "pose", "target=NAME".
+        system: MAVLink system id, if several vehicles share a link.
+        speed: vehicle time over wall time; 1 for real vehicles.
+        anyway: take off although a failsafe holds or the pre-flight report says BAD.
 
     Returns:
         How the flight ended by the vehicle's own account, as `rehearse` returns it. There is no
         grade: only a simulator knows the truth.
 
     Raises:
-        FileError: the world, or the film that is the camera, cannot be used.
+        FileError: the world, or the video used as camera, cannot be read.
         UsageError: an argument does not fit, or the folder holds a record.
-        NotFitError: the pre-flight report speaks against flying; nothing was armed.
-        VehicleError: the vehicle could not be reached, or is to be left alone.
+        NotFitError: the pre-flight report says BAD; the vehicle was not armed.
+        VehicleError: the vehicle could not be reached, or must not be commanded.
 
     Example:
         >>> summary = missionkit.fly(mission, "udpin://0.0.0.0:14540", folder="runs/first")

@@ -22,14 +22,14 @@ NOTHING: Mapping[str, object] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class LoadedMission:
-    """A mission that was read and checked, together with all that flies with it.
+    """A mission that was read and checked, with everything it flies with.
 
     Attributes:
-        model: the mission file, key by key.
-        catalogue: the plug-ins and kinds of state that it may name.
+        model: the mission file as a model.
+        catalogue: the plug-ins and kinds of state that it may use.
         path: of the file.
-        settings: parameters that replace those of the file, in YAML.
-        plugins: files and classes of plug-ins beside the installed ones.
+        settings: parameters that override those of the file, in YAML.
+        plugins: files and classes of plug-ins in addition to the installed ones.
 
     Example:
         >>> mission.name, mission.states
@@ -49,7 +49,7 @@ class LoadedMission:
 
     @property
     def parameters(self) -> Mapping[str, Any]:
-        """The parameters by name, with the values that fly."""
+        """The parameters by name, with their effective values."""
         return self.model.params
 
     @property
@@ -69,13 +69,13 @@ def load(
     settings: Mapping[str, object] = NOTHING,
     plugins: Sequence[str | Path | type[Plugin]] = (),
 ) -> LoadedMission:
-    """Read a mission file and refuse it if anything in it cannot be right.
+    """Read a mission file and refuse it if it has errors.
 
     Args:
-        path: of the YAML file, named in messages as given here.
+        path: path of the YAML file, quoted in messages as given here.
         settings: values of the mission's `params` by name. A text is read as YAML, as `--set`
-            reads it; numbers, lists and truth values mean themselves.
-        plugins: plug-in classes, or Python files that define some, beside the installed ones.
+            reads it; numbers, lists and booleans are taken as they are.
+        plugins: plug-in classes, or Python files that define them, besides the installed ones.
 
     Returns:
         The mission, ready for `rehearse`, `fly` and `campaign`.

@@ -32,16 +32,16 @@ def rehearse(
     speed: float | None = None,
     folder: str | Path | None = None,
 ) -> Summary:
-    """Fly a mission in the built-in simulator, as `missionkit run`, and grade it by ground truth.
+    """Fly a mission in the built-in simulator, like `missionkit run`, and grade it by ground truth.
 
     Args:
-        mission: that `load` returned.
-        seed: of everything random; the same seed gives the same flight, bit for bit.
-        faults: what goes wrong, as `--fault` takes it: `NAME[=VALUE][@WHEN][+DURATION]`.
+        mission: a mission returned by `load`.
+        seed: seed of everything random; the same seed gives the same flight, bit for bit.
+        faults: faults to inject, as for `--fault`: `NAME[=VALUE][@WHEN][+DURATION]`.
         observers: called after every tick (20 Hz) with its `Record` and `Observation`; what one
             raises is listed among the problems, and the flight continues.
         operator: sends events to the chart, or requests a landing.
-        speed: times real time; as fast as the machine allows if absent.
+        speed: multiple of real time; as fast as the machine allows if absent.
         folder: where the flight record, `summary.json` and `track.png` are left; it must not hold
             a record yet. Nothing is written without it.
 

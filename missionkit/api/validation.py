@@ -24,16 +24,16 @@ def validate(
     settings: Mapping[str, object] = NOTHING,
     plugins: Sequence[str | Path | type[Plugin]] = (),
 ) -> tuple[Problem, ...]:
-    """Check a mission file and return everything that is wrong with it, as `missionkit validate`.
+    """Check a mission file and return every problem, as `missionkit validate` does.
 
     Args:
-        mission: path of the file, or a mission that was loaded.
+        mission: path of the file, or a loaded mission.
         settings: values of the mission's `params`, as for `load`.
         plugins: classes or files of plug-ins, as for `load`.
 
     Returns:
-        One `Problem` for each mistake, with its place (file, line, column), a sentence, its level
-        (`error` or `warning`), a code and a remedy. Empty: nothing is wrong.
+        One `Problem` for each error, with its place (file, line, column), a sentence, its level
+        (`error` or `warning`), a code and a remedy. Empty if there are none.
 
     Raises:
         UsageError: two plug-ins have the same name, or a class cannot be a plug-in.

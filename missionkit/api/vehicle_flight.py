@@ -137,7 +137,7 @@ def fly_vehicle(
 
     Raises:
         NotFitError: the pre-flight report speaks against flying.
-        VehicleError: the vehicle could not be reached, or is to be left alone.
+        VehicleError: the vehicle could not be reached, or must not be commanded.
     """
     reports, operator = reports or Reports(), operator or Operator()
     tell = contained("what the vehicle is told", vehicle.tell, reports)

@@ -17,7 +17,7 @@ def run(order: RunOptions) -> ExitCode:
     Raises:
         FileError: mission, world or plug-in file cannot be used.
         UsageError: an option does not fit, or there is nothing to resume.
-        VehicleError: the vehicle could not be reached, or is to be left alone.
+        VehicleError: the vehicle could not be reached, or must not be commanded.
     """
     before = None if order.resume is None else found_origin(order.resume)
     if before is not None:

@@ -38,7 +38,7 @@ def run_on_vehicle(
     """Fly the mission with the vehicle at an address; `origin` is that of a resumed run.
 
     Raises:
-        FileError: the world, or the film that is the camera, cannot be used.
+        FileError: the world, or the video used as camera, cannot be read.
         UsageError: an option does not fit, the mission was changed, or the address is none.
         NotFitError: the pre-flight report speaks against flying.
         VehicleError: the vehicle could not be reached.

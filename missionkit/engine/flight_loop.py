@@ -77,7 +77,7 @@ class Operator:
         self._events: list[str] = []
 
     def land(self) -> None:
-        """Ask for a landing, now."""
+        """Request a landing, now."""
         self.wants_down = True
 
     def send(self, event: str) -> None:
@@ -208,7 +208,7 @@ async def fly(
             while the vehicle is being reached, once it is.
 
     Raises:
-        VehicleError: the vehicle could not be reached, or is to be left alone.
+        VehicleError: the vehicle could not be reached, or must not be commanded.
     """
     operator = operator or Operator()
     pace = pace or Unhurried()

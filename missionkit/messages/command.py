@@ -55,7 +55,7 @@ class Command(NamedTuple):
 
 
 class Mode(StrEnum):
-    """P1's control modes: each has its gains."""
+    """P1's control modes, each with its gains."""
 
     NONE = "none"  # the autopilot flies by itself: on the ground, taking off, landing
     GPS = "gps"
@@ -71,7 +71,7 @@ class Guidance(NamedTuple):
     velocity: Vec3 | None = None  # (3,), m/s, NED, reference velocity to feed forward
     yaw: float | None = None  # rad; None: P1's hybrid yaw law chooses
     avoid: bool = True  # let the potential field push away from obstacles
-    work: Vec3 | None = None  # (3,), m, NED, of what is worked on: it may be approached
+    work: Vec3 | None = None  # (3,), m, NED, of the object of the task, which may be approached
     final_yaw: float | None = None  # rad, ψ_target of the yaw law: wanted at the goal
 
 
@@ -92,9 +92,9 @@ class Step(NamedTuple):
     done: bool = False
     goal: Goal | None = None
     note: str = ""  # shown in the live view and the record
-    memory: Any = None  # given back to the behaviour at the next tick
+    memory: Any = None  # passed to the behaviour at the next tick
     events: tuple[str, ...] = ()  # for the chart, handled at the next tick
     stop: bool = False  # come to rest by a velocity of zero, whatever the mode; no guidance
     retreat: Vec3 | None = None  # (3,), m/s, NED, flown instead of zero while it stops
-    bound: HalfSpace | None = None  # never to be left, also while it holds still
-    takes_over: bool = False  # fly the guidance though the state leaves flying to the autopilot
+    bound: HalfSpace | None = None  # never to be left, even while it holds still
+    takes_over: bool = False  # fly the guidance although the state leaves flying to the autopilot

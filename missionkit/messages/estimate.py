@@ -27,7 +27,7 @@ class Target(NamedTuple):
 
 
 class Health(NamedTuple):
-    """How far the estimate can be trusted."""
+    """Health of the estimate."""
 
     aligned: bool  # initial attitude, position and biases found
     diverged: bool  # measurements keep being rejected or the covariance exploded
@@ -37,8 +37,8 @@ class Health(NamedTuple):
     rejected: int  # measurements in a row that failed the gate
     placed: bool = True  # the position has a source: a recent fix or sighting, or flow
     height_sd: float | None = None  # m, 1 sigma, None: not known
-    resets: int = 0  # how often the position has jumped to what had been refused before
-    misfit: str = ""  # how the sightings do not fit the filter's noise, if they do not
+    resets: int = 0  # how often the position was reset to rejected measurements
+    misfit: str = ""  # how the sightings contradict the filter's noise, if they do
     cause: str = ""  # why it has diverged, "GNSS jumped 20 m", if the navigator says
 
 
@@ -46,7 +46,7 @@ class Goal(NamedTuple):
     """Where the active behaviour is going."""
 
     position: Vec3  # (3,), m, NED
-    yaw: float | None  # rad, None when it does not matter
+    yaw: float | None  # rad, None if any
     at: float  # s, when it was last computed
     target: str | None = None
 
@@ -82,7 +82,7 @@ class Estimate(NamedTuple):
     def standing(
         self, state: str, entered_at: float, *, done: bool = False, goal: Goal | None = None
     ) -> Self:
-        """Return the same with another place in the chart."""
+        """Return the same estimate for another state of the chart."""
         return _new(type(self), (*self[:-4], state, entered_at, done, goal))
 
     @property

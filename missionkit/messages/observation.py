@@ -105,7 +105,7 @@ class VehicleStatus(NamedTuple):
     in_air: bool
     ready: bool  # passes its own arming checks
     mode: str  # autopilot's mode, lower case: hold, offboard, land, ...
-    failsafe: bool = False  # it says that a failsafe of its own is active
+    failsafe: bool = False  # it reports that a failsafe of its own is active
 
 
 class Cycle(NamedTuple):
@@ -139,7 +139,7 @@ class Observation:
     battery: Battery | None = None
     status: VehicleStatus | None = None
     events: tuple[str, ...] = ()  # from the operator or the vehicle
-    cycle: Cycle = NO_CYCLE  # of the tick before
+    cycle: Cycle = NO_CYCLE  # of the previous tick
     flow: OpticalFlow | None = None
     range: Range | None = None
-    problems: tuple[str, ...] = ()  # what arrived and could not be used, and why; for the record
+    problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record

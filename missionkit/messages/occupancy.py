@@ -29,7 +29,7 @@ class Occupancy:
     turned: float = 0.0  # rad, θ, counter-clockwise seen from above
 
     def cell(self, spot: Spot) -> tuple[float, float]:
-        """Return row and column of a place as numbers: cell [0, 0] covers 0 to 1 on both."""
+        """Return the row and column of a place as numbers: cell [0, 0] covers 0 to 1 on both."""
         n, e = spot[0] - self.origin[0], spot[1] - self.origin[1]
         s, c = math.sin(self.turned), math.cos(self.turned)
         return (c * n - s * e) / self.resolution, (s * n + c * e) / self.resolution
@@ -52,7 +52,7 @@ class Occupancy:
         return bool(self.costs[int(row), int(column)] == math.inf)
 
     def unfit_start(self, spot: Spot) -> str:
-        """Say why nothing can start from a place; "": it can."""
+        """Say why no path can start from a place; "" if one can."""
         if not self.covers(spot):
             return "outside the map"
         return "inside a wall of the map" if self.blocked(spot) else ""

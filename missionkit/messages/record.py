@@ -28,7 +28,7 @@ class Fired(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Everything one tick decided."""
+    """Everything that one tick decided."""
 
     now: float
     state: str  # that commands

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 
 
 class Quantity(NamedTuple):
-    """Something a guard reads: its name for people, its range, and how it begins."""
+    """Something a guard reads: its name for people, its range, and its initial value."""
 
     name: str
     least: float = 0.0
@@ -20,11 +20,11 @@ class Quantity(NamedTuple):
     whole: bool = False  # whole numbers only; a truth value is 0 or 1
     at_entry: Literal["goes on", "zero", "unknown"] = "goes on"  # when a state is entered
     sees: str = ""  # the target whose marker must be looked for
-    words: tuple[str, ...] = ()  # what whole numbers stand for
+    words: tuple[str, ...] = ()  # names of the whole numbers
 
 
 class Interval(NamedTuple):
-    """Values between two ends, which belong to it unless they are open."""
+    """Values between two ends, which are included unless they are open."""
 
     low: float = -math.inf
     high: float = math.inf
@@ -58,9 +58,9 @@ Boxes = tuple[Box, ...]  # any of them
 
 
 class Region(NamedTuple):
-    """Where a guard may hold, and where it surely does if that is less.
+    """Where a guard may hold, and where it certainly holds if that is less.
 
-    A guard with memory, such as a latch, may hold where it does not hold surely. A guard whose
+    A guard with memory, such as a latch, may hold where it does not certainly hold. A guard whose
     regions are over one quantity has that quantity as the value of its verdict.
     """
 

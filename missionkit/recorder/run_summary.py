@@ -75,7 +75,7 @@ class Timing(_Part):
 
 
 class Summary(_Part):
-    """Everything about a run that fits on a page."""
+    """Summary of a run on one page."""
 
     missionkit: str
     mission: str
