@@ -12,6 +12,7 @@ import yaml
 from documents import DOCS, ROOT, as_mission, blocks, defaults, document, plugin_files, table
 from typer.testing import CliRunner
 
+from missionkit.chart.checks import findings
 from missionkit.chart.load import load_model, parse
 from missionkit.chart.model import mission as model
 from missionkit.chart.model.field_descriptions import keys_of
@@ -61,7 +62,9 @@ def test_every_example_is_valid(text, tmp_path):
 def test_the_smallest_mission_of_the_read_me_flies():
     (example,) = [it.values[0] for it in blocks("yaml") if it.id.startswith("README.md")]
     catalogue = builtin()
-    flight = stage(parse(example, "README.md", catalogue), catalogue, World(world="empty"), 0)
+    mission = parse(example, "README.md", catalogue)
+    assert findings(mission, catalogue) == []
+    flight = stage(mission, catalogue, World(world="empty"), 0)
     places = []
     result = rehearse(flight, (lambda *_: places.append(flight.vehicle.truth.position),))
     assert result.succeeded
