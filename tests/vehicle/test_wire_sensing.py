@@ -78,6 +78,7 @@ def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
     with sitl(speed=BRISK) as autopilot:
         text = stay(after=6, failsafe="estimate_bad")
         told = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
+        assert "up" in told.began, (told.reasons, told.problems)
         since = told.began["up"][1]
         rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
         truth = autopilot.truth
