@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from missionkit.control.velocity_limits import Limits, Triple
+from missionkit.control.velocity_limits import Limits, Triple, stopping_speed
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, HalfSpace
 
@@ -16,13 +16,11 @@ OUTWARD = 2.0  # m/s, largest velocity commanded away from the plane
 def admissible_speed(gap: float, limits: Limits) -> float:
     """Return the speed (m/s) at which the plane may be closed from `gap` (m) before it.
 
-    v t + v²/(2a) = d, with the vehicle's lag t and braking a of the limits, so
-    v = a (sqrt(t² + 2d/a) - t); beyond the plane it is negative: back out.
+    That which stops before it; beyond the plane it is negative: back out.
     """
     if gap <= 0.0:
         return max(-OUTWARD, RETURN * gap)
-    a, lag = limits.braking, limits.lag
-    return a * (math.sqrt(lag * lag + 2.0 * gap / a) - lag)
+    return stopping_speed(gap, limits.braking, limits.lag)
 
 
 def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> Triple:

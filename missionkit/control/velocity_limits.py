@@ -20,6 +20,14 @@ Triple: TypeAlias = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 
+def stopping_speed(gap: float, braking: float, lag: float) -> float:
+    """Return the speed (m/s) that stops within `gap` > 0 (m): v t + v²/(2a) = d.
+
+    v = a (sqrt(t² + 2d/a) - t), with the deceleration a `braking` (m/s²) after the lag t (s).
+    """
+    return braking * (math.sqrt(lag * lag + 2.0 * gap / braking) - lag)
+
+
 class Limits(BaseModel):
     """Limits of the velocity command, whatever a behaviour asks for.
 

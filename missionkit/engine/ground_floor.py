@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from missionkit.control.velocity_limits import ZERO, Limits
+from missionkit.control.velocity_limits import ZERO, Limits, stopping_speed
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Setpoint
 from missionkit.plugin import Behavior
@@ -53,8 +53,9 @@ def above_floor(setpoint: Setpoint, seen: Estimate, floor: float, limits: Limits
         limits: `vertical_braking`, after the vehicle's `lag`.
     """
     gap = floor - float(seen.position[2])
-    a, lag = limits.vertical_braking, limits.lag
-    top = a * (math.sqrt(lag * lag + 2.0 * gap / a) - lag) if gap > 0.0 else max(-CLIMB, gap)
+    top = max(-CLIMB, gap)
+    if gap > 0.0:
+        top = stopping_speed(gap, limits.vertical_braking, limits.lag)
     north, east, down = setpoint.velocity.tolist()
     if not down > top:
         return setpoint
