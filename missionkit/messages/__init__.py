@@ -9,6 +9,7 @@ from missionkit.messages.command import (
     Action,
     AnySetpoint,
     AttitudeSetpoint,
+    AutopilotSetpoint,
     Command,
     Guidance,
     HalfSpace,
@@ -16,14 +17,17 @@ from missionkit.messages.command import (
     PositionSetpoint,
     Setpoint,
     Step,
+    Wrench,
 )
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
 from missionkit.messages.events import ABORT, CONTROL_RESUMED, GROUND_TOUCHED, is_event
 from missionkit.messages.observation import (
     NO_CYCLE,
+    AnchorRange,
     Baro,
     Battery,
     Cycle,
+    Features,
     Frame,
     Gnss,
     Image,
@@ -47,8 +51,10 @@ __all__ = [
     "GROUND_TOUCHED",
     "NO_CYCLE",
     "Action",
+    "AnchorRange",
     "AnySetpoint",
     "AttitudeSetpoint",
+    "AutopilotSetpoint",
     "Baro",
     "Battery",
     "CameraModel",
@@ -56,6 +62,7 @@ __all__ = [
     "Cycle",
     "Detection",
     "Estimate",
+    "Features",
     "Fired",
     "Frame",
     "Gnss",
@@ -83,5 +90,6 @@ __all__ = [
     "Target",
     "VehicleStatus",
     "Verdict",
+    "Wrench",
     "is_event",
 ]

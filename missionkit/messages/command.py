@@ -41,7 +41,18 @@ class AttitudeSetpoint(NamedTuple):
     thrust: float  # 0 to 1, upwards along the body
 
 
-AnySetpoint = Setpoint | PositionSetpoint | AttitudeSetpoint
+class Wrench(NamedTuple):
+    """A force and a torque to exert until the next command, for a vehicle that flies by thrusters.
+
+    In the body's axes, at its centre of mass. The vehicle exerts what its thrusters can.
+    """
+
+    force: Vec3  # (3,), N, body
+    torque: Vec3  # (3,), N·m, body
+
+
+AutopilotSetpoint = Setpoint | PositionSetpoint | AttitudeSetpoint
+AnySetpoint = AutopilotSetpoint | Wrench
 
 
 class Command(NamedTuple):
@@ -73,6 +84,7 @@ class Guidance(NamedTuple):
     avoid: bool = True  # let the potential field push away from obstacles
     work: Vec3 | None = None  # (3,), m, NED, of the object of the task, which may be approached
     final_yaw: float | None = None  # rad, ψ_target of the yaw law: wanted at the goal
+    attitude: Quat | None = None  # (4,), body to world, for vehicles that turn about any axis
 
 
 class HalfSpace(NamedTuple):

@@ -69,6 +69,26 @@ class Range(NamedTuple):
     distance: float  # m, along the body's z
 
 
+class AnchorRange(NamedTuple):
+    """One radio range from the vehicle's radio to an anchor, by time of flight."""
+
+    at: float  # s
+    anchor: str  # name of the anchor in the mission's navigation
+    distance: float  # m
+
+
+class Features(NamedTuple):
+    """Feature points of a target that a camera measured, each with its name.
+
+    The camera's own processing has turned pixels to points in its frame (P3, section III).
+    """
+
+    at: float  # s
+    target: str
+    names: tuple[str, ...]  # of the features in view
+    points: Points  # (N, 3), m, camera frame: x right, y down, z forward
+
+
 class Frame(NamedTuple):
     """One camera frame; `at` is the middle of the exposure, which is before it arrived.
 
@@ -142,4 +162,6 @@ class Observation:
     cycle: Cycle = NO_CYCLE  # of the previous tick
     flow: OpticalFlow | None = None
     range: Range | None = None
+    ranges: tuple[AnchorRange, ...] = ()
+    features: tuple[Features, ...] = ()
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record

@@ -24,6 +24,7 @@ from missionkit.messages import (
     Record,
     Sighting,
     Target,
+    Wrench,
 )
 from missionkit.recorder import json_fragments
 
@@ -86,6 +87,9 @@ def _setpoint(sent: AnySetpoint) -> str:
             return f'"position":{json_fragments.vector(position)},"yaw":{float(yaw)}'
         case AttitudeSetpoint(attitude, thrust):
             return f'"attitude":{json_fragments.quaternion(attitude)},"thrust":{float(thrust)}'
+        case Wrench(force, torque):
+            exerted = json_fragments.vector(force), json_fragments.vector(torque)
+            return f'"force":{exerted[0]},"torque":{exerted[1]}'
         case _:
             velocity = json_fragments.vector(sent.velocity)
             return f'"velocity":{velocity},"yaw_rate":{float(sent.yaw_rate)}'

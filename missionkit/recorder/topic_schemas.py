@@ -173,12 +173,14 @@ COMMAND = _record(
         "yaw": NUMBER,
         "attitude": QUATERNION,
         "thrust": NUMBER,
+        "force": VECTOR,
+        "torque": VECTOR,
         "action": TEXT,
         "height": NUMBER,
         "payload": TEXT,
     },
     optional=(
-        *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust"),
+        *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust", "force", "torque"),
         *("action", "height", "payload"),
     ),
 )

@@ -12,7 +12,7 @@ import math
 
 from missionkit.errors import VehicleError
 from missionkit.geometry import Vec3, vec, wrap, yaw_of
-from missionkit.messages import AnySetpoint, AttitudeSetpoint, PositionSetpoint, Setpoint
+from missionkit.messages import AnySetpoint, AttitudeSetpoint, PositionSetpoint, Setpoint, Wrench
 
 GAIN = 0.95  # 1/s, PX4's MPC_XY_P
 SPEED = 5.0  # m/s, level, PX4's MPC_XY_CRUISE
@@ -28,7 +28,7 @@ def velocity_for(wanted: AnySetpoint, state: Vec3) -> Setpoint:
         state: (17,), as in `kernel_layout`.
 
     Raises:
-        VehicleError: an attitude, or a position that is none.
+        VehicleError: an attitude, a wrench, or a position that is none.
     """
     if isinstance(wanted, Setpoint):
         return wanted
@@ -36,6 +36,8 @@ def velocity_for(wanted: AnySetpoint, state: Vec3) -> Setpoint:
         raise VehicleError(
             "the built-in simulator flies no attitude setpoints: use missionkit sitl"
         )
+    if isinstance(wanted, Wrench):
+        raise VehicleError("a multicopter flies no wrench: that is for vehicles with thrusters")
     if not all(map(math.isfinite, (*wanted.position.tolist(), wanted.yaw))):
         raise VehicleError("a position setpoint with a number that is not finite")
     return _towards(wanted, state)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
+from missionkit.errors import VehicleError
 from missionkit.geometry import Vec3, vec
-from missionkit.messages import Action, AnySetpoint, Command, PositionSetpoint
+from missionkit.messages import Action, AutopilotSetpoint, Command, PositionSetpoint, Wrench
 from missionkit.vehicle.autopilot_dialect import OPTIONAL, Dialect
 from missionkit.vehicle.command.autopilot_commands import OFFBOARD, Commander
 from missionkit.vehicle.command.control_authority import ControlAuthority
@@ -110,6 +111,8 @@ class ConnectedVehicle:
             return
         if command.action is not None:
             self._act(command.action, command.height, at)
+        elif isinstance(command.setpoint, Wrench):
+            raise VehicleError("an autopilot takes no wrench: free flyers are simulated only")
         elif command.setpoint is not None:
             self._steer(command.setpoint, at)
         else:
@@ -124,7 +127,7 @@ class ConnectedVehicle:
         if not self._shows(action):
             self.commander.want((action, height if action is Action.TAKE_OFF else None))
 
-    def _steer(self, setpoint: AnySetpoint, at: float) -> None:
+    def _steer(self, setpoint: AutopilotSetpoint, at: float) -> None:
         state, dialect = self.state, self.dialect
         self.phase.steer()
         self.streamer.tell(setpoint, at)
@@ -187,14 +190,14 @@ class ConnectedVehicle:
         self._idle()
         return True
 
-    def _emit(self, setpoint: AnySetpoint) -> None:
+    def _emit(self, setpoint: AutopilotSetpoint) -> None:
         start = self.observer.start
         if isinstance(setpoint, PositionSetpoint):
             setpoint = self._reachable(setpoint, start)
         name, fields = message(setpoint, wall(), ORIGIN if start is None else start)
         self.link.send(name, **fields)
 
-    def _reachable(self, setpoint: PositionSetpoint, start: Vec3 | None) -> AnySetpoint:
+    def _reachable(self, setpoint: PositionSetpoint, start: Vec3 | None) -> AutopilotSetpoint:
         """Return what to send for a position; STILL while it is not known where that lies."""
         placed = self._cache.latest("LOCAL_POSITION_NED", PLACED)
         here = None if placed is None else triple(placed.fields, "x", "y", "z")

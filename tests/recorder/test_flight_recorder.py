@@ -18,6 +18,7 @@ from missionkit.messages import (
     Setpoint,
     Sighting,
     Verdict,
+    Wrench,
 )
 from missionkit.perception.opencv_helpers import decode_grey
 from missionkit.recorder import message_encoding
@@ -219,6 +220,7 @@ def test_a_record_is_never_written_over(tmp_path, flight):
         (Setpoint(vec(1.0, 2.0, 3.0), 0.5), {"velocity", "yaw_rate"}),
         (PositionSetpoint(vec(1.0, 2.0, 3.0), 0.5), {"position", "yaw"}),
         (AttitudeSetpoint(IDENTITY, 0.5), {"attitude", "thrust"}),
+        (Wrench(vec(0.1, 0.0, 0.0), vec(0.0, 0.0, 0.001)), {"force", "torque"}),
     ],
 )
 def test_every_kind_of_setpoint_is_told_as_what_it_is(setpoint, fields):

@@ -15,7 +15,7 @@ import math
 from typing import Any
 
 from missionkit.geometry import Vec3, norm
-from missionkit.messages import AnySetpoint, AttitudeSetpoint, PositionSetpoint, Setpoint
+from missionkit.messages import AttitudeSetpoint, AutopilotSetpoint, PositionSetpoint, Setpoint
 from missionkit.vehicle.autopilot_dialect import (
     ATTITUDE_MASK,
     LOCAL_NED,
@@ -29,7 +29,7 @@ _NOTHING = dict.fromkeys(
 )
 
 
-def sound(setpoint: AnySetpoint) -> bool:
+def sound(setpoint: AutopilotSetpoint) -> bool:
     """Return whether a setpoint can be flown: finite, a true attitude, a thrust of 0 to 1."""
     match setpoint:
         case PositionSetpoint(position, yaw):
@@ -50,7 +50,7 @@ def leashed(setpoint: PositionSetpoint, here: Vec3, leash: float | None) -> Posi
     return setpoint._replace(position=here + leash / away * way)
 
 
-def message(setpoint: AnySetpoint, at: float, start: Vec3) -> tuple[str, dict[str, Any]]:
+def message(setpoint: AutopilotSetpoint, at: float, start: Vec3) -> tuple[str, dict[str, Any]]:
     """Return the name and the fields of the message for a setpoint that is sound.
 
     Args:

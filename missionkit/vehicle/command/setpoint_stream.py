@@ -21,7 +21,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from missionkit.geometry import vec
-from missionkit.messages import AnySetpoint, Setpoint
+from missionkit.messages import AutopilotSetpoint, Setpoint
 from missionkit.vehicle.command.setpoint_encoding import sound
 
 STALE = 0.5  # s
@@ -36,18 +36,18 @@ Gate = Callable[[], bool]
 class Emitter(Protocol):
     """Puts one setpoint on the wire."""
 
-    def __call__(self, setpoint: AnySetpoint) -> None:
+    def __call__(self, setpoint: AutopilotSetpoint) -> None:
         """Send it now."""
 
 
 class Told(NamedTuple):
     """The newest command, and when the tick that gave it was due (s, wall)."""
 
-    setpoint: AnySetpoint
+    setpoint: AutopilotSetpoint
     at: float
 
 
-def due(told: Told | None, now: float, pace: float = 1.0) -> AnySetpoint | None:
+def due(told: Told | None, now: float, pace: float = 1.0) -> AutopilotSetpoint | None:
     """Return what to send at wall time `now` (s), None for silence.
 
     Args:
@@ -108,7 +108,7 @@ class Streamer:
         """Begin."""
         self._thread.start()
 
-    def tell(self, setpoint: AnySetpoint, at: float) -> None:
+    def tell(self, setpoint: AutopilotSetpoint, at: float) -> None:
         """Take over a command whose tick was due at wall time `at` (s)."""
         with self._news:
             self._told = Told(setpoint if sound(setpoint) else STILL, at)
@@ -158,7 +158,7 @@ class Streamer:
         self._flows = True
         return True
 
-    def _allowed(self, setpoint: AnySetpoint | None) -> AnySetpoint | None:
+    def _allowed(self, setpoint: AutopilotSetpoint | None) -> AutopilotSetpoint | None:
         """Return the setpoint, or None while the vehicle does not listen to us."""
         if setpoint is None or self._gate():
             return setpoint
