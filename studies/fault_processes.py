@@ -1,7 +1,6 @@
 """Faults of processes and files: `missionkit run` as a program, over `missionkit sitl`.
 
-What a vehicle did is read from the simulated autopilot's truth and journal, never from what the
-program says of it.
+The judge is the simulated autopilot's ground truth and journal, never the program's own report.
 """
 
 from __future__ import annotations
@@ -112,7 +111,7 @@ class Under(NamedTuple):
         return float(self.autopilot.ask(time=True)["time"])
 
     def until(self, holds: Callable[[], bool], limit: float = LIMIT) -> bool:
-        """Wait until something holds, for at most `limit` (s, simulated); return whether it did."""
+        """Wait at most `limit` (s, simulated) until `holds()`; return whether it did."""
         end = self.now + limit
         while not holds():
             if self.now > end:
@@ -132,14 +131,14 @@ class Under(NamedTuple):
             raise RuntimeError(f"it never flew: {ended()}, {self.truth}")
 
     def away(self, chance: np.random.Generator) -> float:
-        """Wait until it is fast, and some more; return the simulated time (s)."""
+        """Wait until it is fast, and up to 3 s more; return the simulated time (s)."""
         self.flies()
         later = self.now + chance.uniform(0.0, 3.0)
         self.until(lambda: self.now >= later)
         return self.now
 
     def down(self) -> bool:
-        """Wait until it is on the ground, disarmed; return whether it came to that."""
+        """Wait until it is on the ground, disarmed; return whether that happened."""
         return self.until(lambda: self.truth["on_ground"] and not self.truth["armed"])
 
     def stood(self, since: float) -> tuple[float, float]:
@@ -195,10 +194,10 @@ def killed(seed: int) -> Seen:
 
 def _standing(seed: int, under: Under, since: float) -> Seen:
     after, way = under.stood(since)
-    told = f"{under.dialect}: stood after {after:.1f} s, {way:.1f} m on"
+    details = f"{under.dialect}: stood after {after:.1f} s, {way:.1f} m on"
     if under.truth["crashed"]:
-        return Seen(seed, "crashed", told)
-    return Seen(seed, STOOD if after <= IN_TIME else "stood later", told)
+        return Seen(seed, "crashed", details)
+    return Seen(seed, STOOD if after <= IN_TIME else "stood later", details)
 
 
 def terminated(seed: int) -> Seen:
@@ -215,13 +214,13 @@ def _landing(seed: int, under: Under) -> Seen:
     down, truth = under.down(), under.truth
     rows = np.array(under.autopilot.ask(track=True, since=0.0, every=10)["rows"], dtype=float)
     flew = bool((rows[:, 3] < -1.0).any())
-    told = f"{under.dialect}: exit {code}, {truth['position'][0]:.1f} m north; {wrong[-150:]!r}"
+    details = f"{under.dialect}: exit {code}, {truth['position'][0]:.1f} m north; {wrong[-150:]!r}"
     if truth["crashed"]:
-        return Seen(seed, "crashed", told)
+        return Seen(seed, "crashed", details)
     if not flew and code and "Traceback" not in wrong:
-        return Seen(seed, REFUSED, told)
+        return Seen(seed, REFUSED, details)
     good = flew and down and code is not None
-    return Seen(seed, LANDED if good else "did not fly and come down", told)
+    return Seen(seed, LANDED if good else "did not fly and come down", details)
 
 
 def _ended(process: subprocess.Popen[str]) -> tuple[int | None, str]:
@@ -244,12 +243,12 @@ def without_remote_control(seed: int) -> Seen:
         down, truth = under.down(), under.truth
         mine = under.autopilot.ask(journal="setpoint", since=since + 3.0)["notes"]
         home = float(np.hypot(*truth["position"][:2]))
-        told = (
+        details = (
             f"{under.dialect}: {truth['failsafe']}, {home:.1f} m from home, {len(mine)} setpoints"
         )
         if down and not truth["crashed"] and home < 5.0 and not mine:
-            return Seen(seed, TAKEN, told)
-        return Seen(seed, "not as the autopilot wanted", told)
+            return Seen(seed, TAKEN, details)
+        return Seen(seed, "not as the autopilot wanted", details)
 
 
 def blocked(seed: int) -> Seen:
@@ -270,12 +269,12 @@ def full_disk(seed: int) -> Seen:
     blocks = round(float(np.exp(np.random.default_rng([seed, 5]).uniform(np.log(4), np.log(200)))))
     with flying(seed, far=20.0, blocks=blocks) as under:
         seen = _landing(seed, under)
-        return seen._replace(told=f"{seen.told}, files of at most {blocks / 2:g} kB")
+        return seen._replace(details=f"{seen.details}, files of at most {blocks / 2:g} kB")
 
 
 def started_twice(seed: int) -> Seen:
-    """Start the program again on the link of one that flies."""
-    with flying(seed, far=20.0) as under:
+    """Start the program again on the link of one that flies, and still does when it is refused."""
+    with flying(seed, far=240.0) as under:
         under.away(np.random.default_rng([seed, 6]))
         again = program(
             under.folder / "straight.yaml",
@@ -284,18 +283,18 @@ def started_twice(seed: int) -> Seen:
         with again:
             refused = refusal(again)
         first = _landing(seed, under)
-        told = f"{refused}; {first.told}"
+        details = f"{refused}; {first.details}"
         good = refused.startswith("exit") and first.outcome == LANDED
-        return Seen(seed, BOTH if good else "not both", told)
+        return Seen(seed, BOTH if good else "not both", details)
 
 
 def refusal(process: subprocess.Popen[str]) -> str:
-    """Return "exit N: sentence" of a program that is to refuse, or how it failed to."""
+    """Return "exit N: sentence" of a program that should refuse, or how it failed to."""
     try:
         said, wrong = process.communicate(timeout=PATIENCE)
     except subprocess.TimeoutExpired:
         process.kill()
-        return "it went on"
+        return "it did not end"
     if process.returncode in {0, 4} or "Traceback" in wrong or not (said + wrong).strip():
         return f"code {process.returncode}: {wrong[-200:]!r}"
     return f"exit {process.returncode}: {(wrong or said).strip().splitlines()[0][:80]}"
@@ -325,10 +324,10 @@ def bad_import(seed: int) -> Seen:
 
 def _refused(seed: int, folder: Path, *words: str | Path) -> Seen:
     with program(*words, "--out", folder / "runs") as process:
-        told = refusal(process)
+        said = refusal(process)
     flew = any((folder / "runs").glob("*/*.mcap"))
-    good = told.startswith("exit 2") and not flew
-    return Seen(seed, REFUSED if good else "not refused well", told)
+    good = said.startswith("exit 2") and not flew
+    return Seen(seed, REFUSED if good else "not refused well", said)
 
 
 Declared = tuple[str, str, tuple[str, ...], Callable[[int], Seen]]
@@ -362,4 +361,4 @@ ROWS: tuple[Declared, ...] = (
         started_twice,
     ),
 )
-"""Name, what goes wrong, the outcomes declared, what brings it about."""
+"""Name, the fault, its declared outcomes, the function that injects it."""

@@ -132,8 +132,8 @@ def _by_kind(plugins: Iterable[type[Plugin]]) -> Plugins:
 def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:
     try:
         plugin: Any = entry.load()
-    except (Exception, SystemExit) as error:  # a package may do anything when it is imported
-        why = f"{type(error).__name__}: {error}"
+    except (Exception, SystemExit, KeyboardInterrupt) as error:  # a package may raise anything
+        why = f"{type(error).__name__}: {error}".removesuffix(": ")
         raise UsageError(f"{entry.value} cannot be imported: {why}") from error
     if wrong := wrong_with(group, plugin):
         raise UsageError(f"{entry.value} cannot be used: {wrong}")

@@ -56,7 +56,7 @@ def _imported(path: Path) -> ModuleType:
     )  # nothing beside the user's file
     try:
         spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:  # the user's code may raise anything
+    except (Exception, SystemExit, KeyboardInterrupt) as error:  # user's code may raise anything
         del sys.modules[name]
         raise FileError([_import_problem(path, error)]) from error
     finally:
@@ -65,7 +65,7 @@ def _imported(path: Path) -> ModuleType:
 
 
 def _import_problem(path: Path, error: BaseException) -> Problem:
-    message = f"cannot be imported: {type(error).__name__}: {error}"
+    message = f"cannot be imported: {type(error).__name__}: {error}".removesuffix(": ")
     imported = str(path.absolute())  # as the import system calls it
     if isinstance(error, SyntaxError) and error.filename == imported:
         place = Place(str(path), error.lineno or 1, error.offset or 1)

@@ -57,6 +57,7 @@ def test_a_guard_in_a_file_is_used_from_a_mission(tmp_path: Path, catalogue: Cat
     [
         ("x = 1\nraise KeyError('x')\n", "mine.py:2:1: cannot be imported: KeyError: 'x'"),
         ("import sys\nsys.exit(3)\n", "mine.py:2:1: cannot be imported: SystemExit: 3"),
+        ("raise KeyboardInterrupt\n", "mine.py:1:1: cannot be imported: KeyboardInterrupt"),
         ("import nowhere\n", "mine.py:1:1: cannot be imported: ModuleNotFoundError"),
         ("x = (\n", "mine.py:1:5: cannot be imported: '(' was never closed"),
         ("x = 1\n", "mine.py:1:1: no plug-in here: define a class with a `kind`"),
