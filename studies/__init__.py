@@ -1,1 +1,1 @@
-"""What missions are worth, flown over many seeds and graded by ground truth."""
+"""Studies: missions flown over many seeds and graded by ground truth."""

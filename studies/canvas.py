@@ -1,4 +1,4 @@
-"""What the pictures of the studies have in common."""
+"""Page, colours and limits that the pictures of the studies share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near a flight came to what was in its way."""
+"""Clearance of a flight from the obstacles in its way."""
 
 from __future__ import annotations
 

@@ -16,12 +16,12 @@ from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind
 from studies.flight import MISSION
 
-LIMIT = 180.0  # s of mission time, after which it is told to land
+LIMIT = 180.0  # s of mission time, after which it is ordered to land
 CRASHED = 17  # column of a track
 
 
 class Trouble(NamedTuple):
-    """What one flight has to bear."""
+    """Speed, wind and faults of one flight."""
 
     seed: int
     cruise: float  # m/s
@@ -29,8 +29,8 @@ class Trouble(NamedTuple):
     gust: float = 0.0  # m/s, standard deviation
     faults: tuple[str, ...] = ()
 
-    def told(self) -> str:
-        """Return it as words."""
+    def described(self) -> str:
+        """Return it in words."""
         wind = "" if self.wind is None else f", wind [{self.wind[0]:g}, {self.wind[1]:g}, 0]"
         gust = "" if self.wind is None else f" gust {self.gust:g}"
         faults = "".join(f", {fault}" for fault in self.faults)
@@ -38,7 +38,7 @@ class Trouble(NamedTuple):
 
 
 class Run(NamedTuple):
-    """What came of it, by the truth."""
+    """Result of one flight, by ground truth."""
 
     order: Trouble
     succeeded: bool
@@ -51,12 +51,12 @@ class Run(NamedTuple):
     where: str  # of a crash: state, time and place
 
     def written(self) -> str:
-        """Return it as a line of JSON."""
+        """Return a line of JSON."""
         return json.dumps(self)
 
     @classmethod
     def read(cls, line: str) -> Run:
-        """Return what was written."""
+        """Return the result that a line of JSON holds."""
         (seed, cruise, wind, gust, faults), *rest = json.loads(line)
         wind = None if wind is None else tuple(wind)
         return cls(Trouble(seed, cruise, wind, gust, tuple(faults)), *rest)

@@ -1,4 +1,4 @@
-"""What is flown: speeds, wind from all sides, gusts where it works, and random troubles."""
+"""Flights of the envelope study: speeds, wind from all sides, gusts at work, random faults."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STRONGEST = 8.0  # m/s, mean wind and a fault's gust together
 SLOWEST, FASTEST = 3.0, 8.0  # m/s, cruise
 MOMENTS = (("gps", 15.0), ("visual", 6.0), ("task", 4.0), ("return", 10.0))
 LONGEST = 12.0  # s
-TOLD = frozenset(("camera_flipped", "range_lost"))  # nothing of it is used in these flights
+UNUSED = frozenset(("camera_flipped", "range_lost"))  # these flights use no such sensor or picture
 
 
 def groups(seeds: int, random: int, first: int) -> dict[str, list[Trouble]]:
@@ -50,7 +50,7 @@ def chosen(seed: int) -> Trouble:
 
 
 def _fault(rng: np.random.Generator, gust: float) -> str:
-    kind = str(rng.choice(sorted(KINDS.keys() - TOLD)))
+    kind = str(rng.choice(sorted(KINDS.keys() - UNUSED)))
     state, within = MOMENTS[rng.integers(len(MOMENTS))]
     value = KINDS[kind].value
     said = "" if value is None else f"={_value(kind, value, rng, gust):.2f}"

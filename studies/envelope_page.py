@@ -12,17 +12,19 @@ from studies.statistics import wilson
 TEXT = """\
 # Study: the flight envelope
 
-`missions/precision_task.yaml` in its orchard, faster, in more wind, pushed at its work, and with
-troubles chosen by chance: cruise 3 to 8 m/s, wind up to 8 m/s from all sides with gusts, and one or
-two faults at random moments for random times. Markers are seen as corners; a flight is told to land
-after {limit:g} s. Everything is judged by the simulator's ground truth.
+`missions/precision_task.yaml` in its orchard: faster, in more wind, with gusts during its work, and
+with random faults. The random search draws a cruise speed of 3 to 8 m/s, wind up to 8 m/s from any
+direction with gusts, and one or two faults at random moments for random times. The camera gives the
+corners of markers instead of images; a flight is ordered to land after {limit:g} s.
+Outcomes come from the simulator's ground truth.
 
     {command}
 
 {outcomes}
 
-Crashed: it touched an obstacle, or the ground at more than 2 m/s. The interval is Wilson's, for the
-probability of a crash. Clearance is that of the vehicle's surface, the trunk it works on included.
+Crashed: the vehicle touched an obstacle, or the ground at more than 2 m/s. The interval is
+Wilson's, for the probability of a crash. Clearance is measured from the vehicle's surface; the
+trunk that it works on counts.
 
 ## Crashes
 
@@ -60,10 +62,10 @@ def _row(name: str, runs: Sequence[Run]) -> tuple[str, ...]:
 
 
 def _crashes(groups: Mapping[str, Sequence[Run]]) -> str:
-    told = [
-        f"- {name}: {run.order.told()}: {run.where}{'' if run.powered else ', battery empty'}"
+    lines = [
+        f"- {name}: {run.order.described()}: {run.where}{'' if run.powered else ', battery empty'}"
         for name, runs in groups.items()
         for run in runs
         if run.crashed
     ]
-    return "\n".join(told) or "None."
+    return "\n".join(lines) or "None."

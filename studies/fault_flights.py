@@ -29,7 +29,7 @@ FENCE = (-20.0, 120.0, -40.0, 60.0, 30.0)  # m, that of the precision task: sout
 
 
 class Outcome(StrEnum):
-    """What a flight came to, by ground truth."""
+    """Outcome of a flight, by ground truth."""
 
     DONE = "work done, landed where it should"
     HOME = "landed where it should, work not done"
@@ -41,12 +41,12 @@ class Outcome(StrEnum):
 
 
 class Seen(NamedTuple):
-    """What one seed of one fault came to."""
+    """Outcome of one seed of one fault."""
 
     seed: int
     outcome: str
-    told: str  # how it went: states, distances
-    lied: bool = False  # the program called a success what is none
+    details: str  # states, distances, exit codes
+    false_success: bool = False  # the program reported success, the truth says otherwise
 
 
 class Broken(Guard):
@@ -63,7 +63,7 @@ class Broken(Guard):
 
 
 class Flight(NamedTuple):
-    """What is flown: a mission, what is changed in it, and what goes wrong."""
+    """A mission, the changes made to it, and its faults."""
 
     faults: Callable[[np.random.Generator], tuple[str, ...]] = lambda _: ()
     mission: str = "precision_task"
@@ -139,15 +139,15 @@ def judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, states: list[st
         outcome = Outcome.ELSEWHERE
     else:
         outcome = Outcome.DONE if run.succeeded else Outcome.HOME
-    told = (
+    details = (
         f"{' '.join(states)}; down {away:.1f} m from where it should, clearance "
         f"{run.grade.clearance:.2f} m, outside the fence by {outside(rows, flight.fence):.1f} m"
     )
-    return Seen(seed, outcome, told, run.succeeded and outcome is not Outcome.DONE)
+    return Seen(seed, outcome, details, run.succeeded and outcome is not Outcome.DONE)
 
 
 def outside(rows: Mat, fence: tuple[float, ...]) -> float:
-    """Return by how much (m) a track left south, north, west, east or height at most."""
+    """Return how far (m) a track got outside the fence, 0 if it stayed inside."""
     south, north, west, east, height = fence
     n, e, d = rows[:, 1], rows[:, 2], rows[:, 3]
     gaps = np.stack([south - n, n - north, west - e, e - east, -d - height])
@@ -155,7 +155,7 @@ def outside(rows: Mat, fence: tuple[float, ...]) -> float:
 
 
 def with_guard(state: str, to: str, guard: Mapping[str, object]) -> Callable[..., None]:
-    """Return what adds a first transition to a state of a mission."""
+    """Return a change that puts a transition first in a state of the mission."""
 
     def change(keys: dict[str, Any]) -> None:
         keys["states"][state]["transitions"].insert(0, {"to": to, "when": dict(guard)})

@@ -1,4 +1,4 @@
-"""The matrix: every fault, what it is to come to, and how it is brought about."""
+"""The matrix: every fault, its declared outcomes, and the function that injects it."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Row(NamedTuple):
 
     name: str
     what: str  # what goes wrong, and when
-    declared: tuple[str, ...]  # the outcomes that are as they should be, the wanted one first
-    once: Callable[[int], Seen]  # brings it about with a seed
+    declared: tuple[str, ...]  # acceptable outcomes, the preferred one first
+    once: Callable[[int], Seen]  # injects it with a seed
 
 
 def _flight(name: str, what: str, declared: tuple[Outcome, ...], flight: Flight) -> Row:
@@ -79,7 +79,7 @@ FLIGHTS = (
     ),
     _flight(
         "GNSS drift",
-        "`gnss_drift=0.5` for good, on the way out; nothing on board can tell it",
+        "`gnss_drift=0.5` for good, on the way out; nothing on board can notice it",
         (ELSEWHERE, LEFT, DONE, HOME),
         Flight(during("gps", "gnss_drift=0.5", 2, 14)),
     ),
@@ -196,9 +196,9 @@ ROWS = (*FLIGHTS, *PROCESSES)
 
 
 def once(name: str, seed: int) -> Seen:
-    """Bring a fault about; an error of the study itself is an outcome that was not declared."""
+    """Inject a fault; an error of the study itself is an outcome that was not declared."""
     row = next(row for row in ROWS if row.name == name)
     try:
         return row.once(seed)
     except Exception as error:  # noqa: BLE001  the other seeds are flown all the same
-        return Seen(seed, "could not be brought about", f"{type(error).__name__}: {error}")
+        return Seen(seed, "could not be injected", f"{type(error).__name__}: {error}")

@@ -1,7 +1,7 @@
-"""What every fault comes to, declared and seen, by ground truth: `python -m studies.faults`.
+"""The matrix of faults, expected and actual outcomes by ground truth: `python -m studies.faults`.
 
-Each fault of the matrix is brought about with many seeds. What counts is what the simulator or the
-simulated autopilot knows to be true; what the program says is compared with it.
+Each fault is injected with many seeds. The judge is the ground truth of the simulator or of the
+simulated autopilot; what the program reports is compared with it.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from studies.fault_rows import FLIGHTS, PROCESSES, ROWS, Row, once
 from studies.markdown import table
 
 PAGE = Path(__file__).with_suffix(".md")
-WAITING = 6  # processes for what mostly waits, against two for what computes
+WAITING = 6  # processes for rows that mostly wait, against two for rows that compute
 
 
 def good(row: Row, seen: Seen) -> bool:
-    """Return whether a seed came to what was declared, and was called by its name."""
-    return seen.outcome in row.declared and not seen.lied
+    """Return whether a seed ended as declared and was reported truthfully."""
+    return seen.outcome in row.declared and not seen.false_success
 
 
 def seen_of(orders: Sequence[tuple[str, int]], workers: int) -> Iterator[Seen]:
-    """Bring faults about, each by its name and seed; with one worker in this process."""
+    """Inject faults, each by name and seed; with one worker in this process."""
     names, seeds = [name for name, _ in orders], [seed for _, seed in orders]
     if workers == 1:
         yield from map(once, names, seeds)
@@ -43,7 +43,7 @@ def seen_of(orders: Sequence[tuple[str, int]], workers: int) -> Iterator[Seen]:
 
 
 def known_from(kept: Path | None) -> dict[tuple[str, int], Seen]:
-    """Return what a file of results holds."""
+    """Return the results in a file, by fault and seed."""
     lines = [] if kept is None or not kept.exists() else kept.read_text().splitlines()
     each = [(name, Seen(*seen)) for name, seen in map(json.loads, lines)]
     return {(name, seen.seed): seen for name, seen in each}
@@ -52,7 +52,7 @@ def known_from(kept: Path | None) -> dict[tuple[str, int], Seen]:
 def gathered(
     rows: Sequence[Row], seeds: Sequence[int], workers: int, kept: Path | None
 ) -> list[tuple[Row, Seen]]:
-    """Bring every fault about with every seed; what `kept` holds is not done again."""
+    """Inject every fault with every seed; results in the file `kept` are not repeated."""
     known = known_from(kept)
     for group, many in ((FLIGHTS, workers), (PROCESSES, 1 if workers == 1 else WAITING)):
         some = [row.name for row in rows if row in group]
@@ -70,9 +70,9 @@ def gathered(
 def line(row: Row, all_seen: Sequence[Seen]) -> list[str]:
     """Return the row of the table."""
     counts = Counter(seen.outcome for seen in all_seen)
-    lied = sum(seen.lied for seen in all_seen)
+    false = sum(seen.false_success for seen in all_seen)
     came = [f"{outcome}: {count}" for outcome, count in counts.most_common()]
-    came += [f"called a success wrongly: {lied}"] if lied else []
+    came += [f"false success: {false}"] if false else []
     as_declared = sum(good(row, seen) for seen in all_seen)
     return [
         row.name,
@@ -84,10 +84,10 @@ def line(row: Row, all_seen: Sequence[Seen]) -> list[str]:
 
 
 def deviations(results: Sequence[tuple[Row, Seen]]) -> str:
-    """Return a sentence for each seed that came to something else, or that there was none."""
+    """Return a line for each seed that ended otherwise than declared."""
     others = [
         f"- {row.name}, seed {seen.seed}: {seen.outcome}"
-        f"{', called a success' if seen.lied else ''} ({seen.told})"
+        f"{', reported as a success' if seen.false_success else ''} ({seen.details})"
         for row, seen in results
         if not good(row, seen)
     ]
@@ -108,7 +108,7 @@ def page(results: Sequence[tuple[Row, Seen]], command: str) -> str:
         right=right,
         total=len(results),
         hit=sum("hit" in seen.outcome or seen.outcome == "crashed" for _, seen in results),
-        lied=sum(seen.lied for _, seen in results),
+        false=sum(seen.false_success for _, seen in results),
         home=f"{AT_HOME:g}",
         rows=table(header, lines),
         deviations=deviations(results),
@@ -116,10 +116,10 @@ def page(results: Sequence[tuple[Row, Seen]], command: str) -> str:
 
 
 def chosen_rows(names: Sequence[str]) -> tuple[Row, ...]:
-    """Return the rows of these names, all without any.
+    """Return the rows with these names, all rows without names.
 
     Raises:
-        SystemExit: there is no such row.
+        SystemExit: a name is unknown.
     """
     known = {row.name: row for row in ROWS}
     for name in names:
@@ -129,13 +129,13 @@ def chosen_rows(names: Sequence[str]) -> tuple[Row, ...]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Bring all faults about; the exit code is 1 if something was hit or a success invented."""
+    """Inject all faults; the exit code is 1 if something was hit or a success was false."""
     parser = argparse.ArgumentParser(prog="python -m studies.faults", description=main.__doc__)
     parser.add_argument("--seeds", type=int, default=20, help="of each fault")
     parser.add_argument("--first", type=int, default=100, metavar="SEED")
     parser.add_argument("--only", action="append", default=[], metavar="FAULT")
     parser.add_argument("--workers", type=int, default=2, help="processes that compute")
-    parser.add_argument("--kept", type=Path, help="file of results, to go on after a break")
+    parser.add_argument("--kept", type=Path, help="file of results, to continue after a break")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
     seeds = range(chosen.first, chosen.first + chosen.seeds)
@@ -143,8 +143,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     results = gathered(rows, seeds, chosen.workers, chosen.kept)
     command = f"python -m studies.faults --seeds {chosen.seeds} --first {chosen.first}"
     (chosen.out / "faults.md").write_text(page(results, command), encoding="utf-8")
-    bad = [seen for _, seen in results if seen.lied or seen.outcome in {"crashed", "hit something"}]
-    return 1 if bad else 0
+    hurt = {"crashed", "hit something"}
+    return int(any(seen.false_success or seen.outcome in hurt for _, seen in results))
 
 
 if __name__ == "__main__":

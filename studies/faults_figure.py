@@ -1,4 +1,4 @@
-"""The picture of the faults: what each one, at each moment, did to the flight."""
+"""The picture of the faults: the outcome of each, at each moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One flight of a study, and many of them side by side."""
+"""One flight of a study, and many of them in parallel."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Order(NamedTuple):
 
 
 class Outcome(StrEnum):
-    """What a flight came to."""
+    """Outcome of a flight."""
 
     FINISHED = "succeeded, work finished"
     UNFINISHED = "succeeded, work unfinished"
@@ -56,7 +56,7 @@ class Run(NamedTuple):
 
     @property
     def outcome(self) -> Outcome:
-        """What it came to; `succeeded` by itself does not ask whether the work was finished."""
+        """Outcome; `succeeded` alone does not say whether the work was finished."""
         if self.succeeded:
             worked = any((it.source, it.to) == ("task", "return") for it in self.changes)
             return Outcome.FINISHED if worked else Outcome.UNFINISHED

@@ -48,7 +48,7 @@ class Order(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What came of one document."""
+    """Result of one document."""
 
     order: Order
     wall: float  # s
@@ -73,7 +73,7 @@ def judge(order: Order, folder: Path) -> Outcome:
     try:
         with _given_up_after(HANG):
             loaded, found = checked(path, _catalogue())
-            told(found)
+            check_message(found)
     except BaseException as error:  # noqa: BLE001  any is a finding
         crash = "".join(traceback.format_exception(error, limit=-6))
     wall, cpu = perf_counter() - wall, process_time() - cpu
@@ -90,7 +90,7 @@ def checked(path: Path, catalogue: Catalogue) -> tuple[bool, Sequence[Problem]]:
     return True, [*unmet(mission, catalogue), *findings(mission, catalogue)]
 
 
-def told(problems: Sequence[Problem]) -> None:
+def check_message(problems: Sequence[Problem]) -> None:
     """Write the report in every format."""
     text(problems, sources(problems), colours=True)
     as_json(problems)

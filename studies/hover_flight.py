@@ -41,7 +41,7 @@ METHODS = (
 
 
 class Hover(NamedTuple):
-    """What one flight gave; errors are estimate less truth, 0 at the hover's beginning."""
+    """Result of one flight; errors are estimate less truth, 0 at the hover's beginning."""
 
     seed: int
     errors: Mat  # (methods, samples, 2), m, north and east

@@ -1,4 +1,4 @@
-"""One flight that is killed and gone on with, each part in a process of its own."""
+"""One flight that is killed and resumed, each part in a process of its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Kill(NamedTuple):
 
     seed: int
     tick: int
-    gap: float  # s until it goes on
+    gap: float  # s until it is resumed
 
     @property
     def at(self) -> float:
@@ -34,12 +34,12 @@ class Kill(NamedTuple):
 
 
 class Survived(NamedTuple):
-    """What became of it."""
+    """Result of one killed and resumed flight."""
 
     kill: Kill
     state: str  # the newest checkpoint's
     saved_at: float  # s, mission time of that checkpoint
-    resumed: str  # what was found on going on
+    resumed: str  # how it was found on resuming
     outcome: str
     reason: str
     landed: bool
@@ -57,7 +57,7 @@ def copied(folder: Path, camera: Camera) -> Path:
 
 
 def survived(mission: Path, kill: Kill) -> Survived:
-    """Fly, kill, go on."""
+    """Fly, kill, resume."""
     runs = mission.parent / "runs"
     folder = runs / f"precision-task-seed{kill.seed}"
     shutil.rmtree(folder, ignore_errors=True)
@@ -76,17 +76,17 @@ def survived(mission: Path, kill: Kill) -> Survived:
     return _judged(kill, memory.chart.state, memory.now, json.loads(said))
 
 
-def _judged(kill: Kill, state: str, saved_at: float, told: dict[str, Any]) -> Survived:
-    visit = told["grade"]["visit"]
-    ways = {(it["source"], it["to"]) for it in told["transitions"]}
+def _judged(kill: Kill, state: str, saved_at: float, summary: dict[str, Any]) -> Survived:
+    visit = summary["grade"]["visit"]
+    ways = {(it["source"], it["to"]) for it in summary["transitions"]}
     return Survived(
         kill,
         state,
         saved_at,
-        _first(text.partition("resumed after ")[2] for text in told["problems"]),
-        told["outcome"],
-        told["reason"],
-        told["grade"]["landed"],
+        _first(text.partition("resumed after ")[2] for text in summary["problems"]),
+        summary["outcome"],
+        summary["reason"],
+        summary["grade"]["landed"],
         ("task", "return") in ways,
         None if visit is None else visit["position_error"],
     )

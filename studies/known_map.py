@@ -1,4 +1,4 @@
-"""P2's flight past two walls: paths, lengths, clearance: `python -m studies.known_map`."""
+"""P2's flight past two walls, its paths and clearances: `python -m studies.known_map`."""
 
 from __future__ import annotations
 
@@ -103,19 +103,20 @@ def _most(values: Sequence[float], digits: int = 1) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Plan with every variant, fly over many seeds, and write up what the truth says."""
+    """Plan with every variant, fly over many seeds, and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.known_map", description=main.__doc__)
-    parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--seeds", type=int, default=100, help="of each variant")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
-    flights = fly_all(chosen.seeds, chosen.workers)
+    seeds = range(chosen.first, chosen.first + chosen.seeds)
+    flights = fly_all(seeds, chosen.workers)
     many = chosen.seeds * len(VARIANTS)
     runs = list(track(flights, "flying", many, disable=not sys.stderr.isatty()))
     known, wide, routes = planned()
-    write(
-        known, wide, routes, runs, chosen.out, f"python -m studies.known_map --seeds {chosen.seeds}"
-    )
+    command = f"python -m studies.known_map --seeds {chosen.seeds} --first {chosen.first}"
+    write(known, wide, routes, runs, chosen.out, command)
     print(verdict(routes, runs))  # noqa: T201
 
 

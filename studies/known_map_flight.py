@@ -1,8 +1,8 @@
-"""One flight past the two walls, and what the truth says of it."""
+"""One flight past the two walls, judged by ground truth."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -28,7 +28,7 @@ VARIANTS = {
 
 
 class Run(NamedTuple):
-    """What one flight gave, from the first plan to the goal."""
+    """Result of one flight, from the first plan to the goal."""
 
     variant: str
     seed: int
@@ -82,9 +82,9 @@ def flown(order: tuple[str, int]) -> Run:
     )
 
 
-def fly_all(seeds: int, workers: int) -> Iterator[Run]:
+def fly_all(seeds: Sequence[int], workers: int) -> Iterator[Run]:
     """Fly every variant with every seed; yield in that order."""
-    orders = [(variant, seed) for variant in VARIANTS for seed in range(seeds)]
+    orders = [(variant, seed) for variant in VARIANTS for seed in seeds]
     if workers == 1:
         yield from map(flown, orders)
         return

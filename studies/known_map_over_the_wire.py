@@ -1,4 +1,4 @@
-"""The known map over MAVLink without satellites, judged by the truth.
+"""The known map over MAVLink without satellites, judged by ground truth.
 
 `python -m studies.known_map_over_the_wire`
 """
@@ -56,12 +56,12 @@ class Flown(NamedTuple):
 
     @property
     def succeeded(self) -> bool:
-        """Whether it did what the mission promises."""
+        """Whether it kept what the mission promises."""
         return self.arrived and self.unhurt and self.clearance >= 0.5
 
 
 class Watch:
-    """Which states were entered, when the path began and ended, how far the estimate drifted."""
+    """Records the states entered, the span of the path, and the drift of the estimate."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self.states: set[str] = set()
@@ -111,7 +111,7 @@ def flown(dialect: str, seed: int, speed: float) -> Flown:
 
 
 def row(flights: Sequence[Flown]) -> tuple[str, ...]:
-    """Return what a dialect's flights came to."""
+    """Return the results of one dialect as a row of the table."""
     good = sum(flight.succeeded for flight in flights)
     low, high = wilson(good, len(flights))
     clearances = [flight.clearance for flight in flights]
@@ -127,7 +127,7 @@ def row(flights: Sequence[Flown]) -> tuple[str, ...]:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly the mission in both dialects, and write up what came of it."""
+    """Fly the mission in both dialects, and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.known_map_over_the_wire")
     parser.add_argument("--flights", type=int, default=20, help="in each dialect")
     parser.add_argument("--first", type=int, default=1, help="seed")

@@ -1,4 +1,4 @@
-"""The precision task on a vehicle that leans: PX4's simulated one, in wind, and what helps it."""
+"""The precision task on PX4's simulated vehicle, which leans in wind, with small markers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ APART = 0.31  # m, from centre to centre: the large one's half, two white margin
 SEEN_FROM = 600.0  # px², a small marker counts from about 2.3 m
 
 
-def noise_told(mission: Mission) -> Mission:
+def knowing_noise(mission: Mission) -> Mission:
     """Return the mission with a filter that knows the noise of PX4's simulated inertial unit."""
     plugin = mission.navigation.plugin.model_copy(update=NOISE)
     return mission.model_copy(update={"navigation": replace(mission.navigation, plugin=plugin)})

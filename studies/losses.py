@@ -1,4 +1,4 @@
-"""How a mission takes the loss of its marker."""
+"""Times from the loss of the marker to the search, and from its return to the lock."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Stage, stage
 from missionkit.sim.flight_grading import Grade, grade
 from studies.flight import Camera, Order, staged
-from studies.leaning import noise_told, sih, with_small_markers
+from studies.leaning import knowing_noise, sih, with_small_markers
 from studies.markdown import table
 from studies.statistics import wilson
 
@@ -44,7 +44,7 @@ Camera {camera}, {speed:g} times real time.
 
 
 class Setting(NamedTuple):
-    """What is flown, and what goes wrong."""
+    """The vehicle, the wind and the faults of a group of flights."""
 
     says: str
     wind: tuple[float, float, float] | None = None  # m/s, NED: PX4's simulated vehicle, steady wind
@@ -89,7 +89,7 @@ class Flown(NamedTuple):
 
 
 class Spans:
-    """When each state was entered and left, in the simulator's time, and what ended the work.
+    """Records when each state was entered and left, in the simulator's time.
 
     Args:
         autopilot: the simulator's own.
@@ -139,7 +139,7 @@ def sitl(
 
 
 def free_port() -> int:
-    """Return a port that nobody listens to."""
+    """Return a free UDP port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
@@ -150,7 +150,7 @@ def placed(named: Setting, seed: int, camera: Camera) -> Stage:
     ready = staged(Order(seed, camera))
     mission, world = ready.mission, ready.world
     if named.wind is not None:  # PX4's simulated vehicle
-        mission, world = noise_told(mission), sih(world, named.wind, 0.0)
+        mission, world = knowing_noise(mission), sih(world, named.wind, 0.0)
     if named.small_markers:
         mission, world = with_small_markers(mission, world)
     return stage(mission, builtin(), world, seed)
@@ -178,7 +178,7 @@ def flown(name: str, dialect: str, seed: int, camera: Camera, speed: float) -> F
 
 
 def row(flights: Sequence[Flown]) -> tuple[str, ...]:
-    """Return what a dialect's flights in one setting came to."""
+    """Return the results of one dialect in one setting as a row of the table."""
     good = sum(flight.grade.succeeded for flight in flights)
     visits = [flight.grade.visit for flight in flights if flight.grade.visit is not None]
     errors = [100.0 * visit.position_error for visit in visits] or [float("nan")]
@@ -207,26 +207,27 @@ HEADER = (
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly the precision task over the wire in both dialects, and write up what came of it."""
+    """Fly the precision task over the wire in both dialects, and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.over_the_wire")
     parser.add_argument("--flights", type=int, default=10, help="in each setting and dialect")
+    parser.add_argument("--first", type=int, default=1, metavar="SEED")
     parser.add_argument("--settings", nargs="+", choices=tuple(SETTINGS), default=["plain"])
     parser.add_argument("--camera", choices=("rendered", "corners"), default="corners")
     parser.add_argument("--speed", type=float, default=3.0, help="times real time")
-    parser.add_argument("--add", action="store_true", help="to the page, instead of a new one")
+    parser.add_argument("--add", action="store_true", help="append to the page")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
     rows = []
     for name in chosen.settings:
         for dialect in DIALECTS:
             flights = []
-            for seed in range(1, chosen.flights + 1):
+            for seed in range(chosen.first, chosen.first + chosen.flights):
                 flight = flown(name, dialect, seed, chosen.camera, chosen.speed)
                 print(*flight[:4], flight.finished, flight.grade.visit, flush=True)  # noqa: T201
                 flights.append(flight)
             rows.append(row(flights))
     command = (
-        f"python -m studies.over_the_wire --flights {chosen.flights} "
+        f"python -m studies.over_the_wire --flights {chosen.flights} --first {chosen.first} "
         f"--settings {' '.join(chosen.settings)} --camera {chosen.camera} --speed {chosen.speed:g}"
     ) + (" --add" if chosen.add else "")
     text = SECTION.format(

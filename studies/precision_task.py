@@ -26,24 +26,24 @@ MOMENTS = {
 }
 
 
-def nominal(seeds: int, camera: Camera) -> list[Order]:
+def nominal(seeds: Sequence[int], camera: Camera) -> list[Order]:
     """Return flights with nothing wrong but wind and noise."""
-    return [Order(seed, camera) for seed in range(seeds)]
+    return [Order(seed, camera) for seed in seeds]
 
 
-def hidden(seeds: int, camera: Camera) -> list[Order]:
+def hidden(seeds: Sequence[int], camera: Camera) -> list[Order]:
     """Return flights that lose the marker while servoing, at moments spread over the approach."""
-    delays = [DELAYS[seed % len(DELAYS)] for seed in range(seeds)]
+    delays = [DELAYS[seed % len(DELAYS)] for seed in seeds]
     return [
         Order(seed, camera, (f"marker_hidden@visual:{delay}+{HIDDEN}",))
-        for seed, delay in enumerate(delays)
+        for seed, delay in zip(seeds, delays, strict=True)
     ]
 
 
-def swept(seeds: int, kinds: Iterable[str] = KINDS) -> dict[tuple[str, str], list[Order]]:
+def swept(seeds: Sequence[int], kinds: Iterable[str] = KINDS) -> dict[tuple[str, str], list[Order]]:
     """Return flights by fault and moment; every fault stays to the end."""
     return {
-        (fault, words): [Order(seed, "corners", (f"{fault}@{when}",)) for seed in range(seeds)]
+        (fault, words): [Order(seed, "corners", (f"{fault}@{when}",)) for seed in seeds]
         for fault in map(_with_value, kinds)
         for when, words in MOMENTS.items()
         if seeds
@@ -81,26 +81,31 @@ def write(results: Results, out: Path, command: str) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly the precision task over many seeds and write up what came of it."""
+    """Fly the precision task over many seeds and write up the results."""
     parser = argparse.ArgumentParser(
         prog="python -m studies.precision_task", description=main.__doc__
     )
     parser.add_argument("--seeds", type=int, default=100, help="nominal flights")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of every group")
     parser.add_argument("--hidden", type=int, default=50, help="flights with the marker hidden")
     parser.add_argument("--sweep", type=int, default=5, help="flights per fault and moment")
     parser.add_argument("--camera", choices=("rendered", "corners"), default="rendered")
     parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
+
+    def seeds(many: int) -> Sequence[int]:
+        return range(chosen.first, chosen.first + many)
+
     results = flown(
-        nominal(chosen.seeds, chosen.camera),
-        hidden(chosen.hidden, chosen.camera),
-        swept(chosen.sweep),
+        nominal(seeds(chosen.seeds), chosen.camera),
+        hidden(seeds(chosen.hidden), chosen.camera),
+        swept(seeds(chosen.sweep)),
         chosen.workers,
     )
     command = (
-        f"python -m studies.precision_task --seeds {chosen.seeds} --hidden {chosen.hidden} "
-        f"--sweep {chosen.sweep} --camera {chosen.camera}"
+        f"python -m studies.precision_task --seeds {chosen.seeds} --first {chosen.first} "
+        f"--hidden {chosen.hidden} --sweep {chosen.sweep} --camera {chosen.camera}"
     )
     write(results, chosen.out, command)
     print(verdict(results))  # noqa: T201

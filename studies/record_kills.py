@@ -1,4 +1,4 @@
-"""How far the record of a killed flight reaches: `python -m studies.record_kills`."""
+"""The end of a killed flight's record: `python -m studies.record_kills`."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ EARLIEST, LATEST = 1.0, 9.0  # s of the flight
 
 
 class Killed(NamedTuple):
-    """What one kill cost."""
+    """Loss through one kill."""
 
     seconds: float  # from the last tick in the record to the kill
     ticks: int  # that had begun and are not in the record

@@ -14,6 +14,7 @@ from studies.losses import losses_of
 from studies.statistics import wilson
 
 TEMPLATE = Path(__file__).with_name("page.md")
+NO_MISSES = "None: no flight was hurt, and none failed without a lasting fault."
 RENDERED = (
     "The camera of the first two groups is rendered: 640x480 px images with noise, blur and "
     "latency, in which the detector has to find the marker."
@@ -68,7 +69,7 @@ def page(results: Results, command: str) -> str:
 
 
 def verdict(results: Results) -> str:
-    """Return the result, a line for each part of the study."""
+    """Return the results, one line for each part of the study."""
     said = [f"{name}: {headline(runs)}." for name, runs in results.groups.items()]
     if lost := [loss.lost for loss in losses_of(results.hidden)]:
         low, high = min(lost), max(lost)
@@ -79,7 +80,7 @@ def verdict(results: Results) -> str:
 
 
 def headline(runs: Sequence[Run]) -> str:
-    """Return how many flights succeeded, what that proves, and what became of the others."""
+    """Return how many flights succeeded, what that proves, and how many were hurt."""
     good = sum(run.succeeded for run in runs)
     low, _ = wilson(good, len(runs))
     sure = f"at least {100.0 * low:.0f} % with 97.5 % confidence"
@@ -94,8 +95,8 @@ def harm(runs: Sequence[Run]) -> str:
 
 def misses(runs: Sequence[Run]) -> str:
     """Return every flight that was hurt, or that failed without a lasting fault."""
-    told = [_told(run) for run in runs if run.outcome is Outcome.HURT or _surprising(run)]
-    return "\n".join(told) if told else "Nothing that has to be told: no flight was hurt."
+    lines = [_described(run) for run in runs if run.outcome is Outcome.HURT or _surprising(run)]
+    return "\n".join(lines) if lines else NO_MISSES
 
 
 def why(run: Run) -> str:
@@ -115,7 +116,7 @@ def _surprising(run: Run) -> bool:
     return not run.succeeded and not lasting
 
 
-def _told(run: Run) -> str:
+def _described(run: Run) -> str:
     faults = " ".join(f"--fault {fault}" for fault in run.order.faults)
     changes = "; ".join(f"{c.at:.1f} s {c.source} → {c.to} ({c.reason})" for c in run.changes)
     return f"- `--seed {run.order.seed} {faults}`: {why(run)}. {changes}."

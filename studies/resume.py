@@ -1,4 +1,4 @@
-"""Kill -9 at random ticks of the precision task, and on: `python -m studies.resume`."""
+"""SIGKILL at random ticks of the precision task, then resume: `python -m studies.resume`."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ TEMPLATE = Path(__file__).with_name("resume.md")
 
 
 class Whole(NamedTuple):
-    """A flight that nobody killed."""
+    """A flight without a kill."""
 
     ticks: int
     succeeded: bool
 
 
 class Cost(NamedTuple):
-    """What checkpoints cost one flight."""
+    """Cost of the checkpoints of one flight."""
 
     took: tuple[float, ...]  # s each
     size: int  # bytes of the last one
@@ -120,7 +120,7 @@ def verdict(runs: Sequence[Survived], flights: Sequence[Whole]) -> str:
 
 
 def by_state(runs: Sequence[Survived]) -> str:
-    """Return a table: what was found on going on, by the state of the checkpoint."""
+    """Return a table of how flights were found on resuming, by the state of the checkpoint."""
     found: dict[tuple[str, str], list[Survived]] = {}
     for run in sorted(runs, key=lambda run: run.saved_at):
         said = run.resumed.partition(": ")[2]
@@ -140,20 +140,20 @@ def by_state(runs: Sequence[Survived]) -> str:
 
 def misses(runs: Sequence[Survived]) -> str:
     """Return every flight that did not succeed."""
-    told = [
+    lines = [
         f"- seed {run.kill.seed}, killed at {run.kill.at:.2f} s in {run.state}: {run.reason}"
         for run in runs
         if run.outcome != "success"
     ]
-    return "\n".join(told) or "Nothing that has to be told."
+    return "\n".join(lines) or "None."
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Kill the precision task at random ticks, go on with it, and write up what came of it."""
+    """Kill the precision task at random ticks, resume it, and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.resume", description=main.__doc__)
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=0, help="of the moments")
-    parser.add_argument("--gap", type=float, default=1.0, help="s until the flight goes on")
+    parser.add_argument("--gap", type=float, default=1.0, help="s until the flight is resumed")
     parser.add_argument("--camera", choices=("rendered", "corners"), default="corners")
     parser.add_argument("--workers", type=int, default=1, help="flights side by side")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))

@@ -1,4 +1,4 @@
-"""What a study keeps of a flight while it is flown."""
+"""An observer that keeps what a study needs of a flight."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Change(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """How far estimate and truth were apart in the air at one moment."""
+    """Error of the estimate at one moment in the air."""
 
     state: str
     horizontal: float  # m

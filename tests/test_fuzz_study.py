@@ -44,7 +44,7 @@ def test_a_traceback_is_counted(monkeypatch, capsys):
     assert "RecursionError: too deep" in told
 
 
-def test_a_slow_document_is_told(monkeypatch, capsys):
+def test_a_slow_document_is_reported(monkeypatch, capsys):
     monkeypatch.setattr(fuzz, "LIMIT", -1.0)
     assert fuzz.main(["--documents", "1", "--workers", "1"]) == 1
     assert "--only spliced:0:" in capsys.readouterr().out

@@ -7,7 +7,7 @@ from rehearsed import flown, precise_stage
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim.fault_injection import parse_fault
 from studies.flight import builtin
-from studies.leaning import noise_told, sih, with_small_markers
+from studies.leaning import knowing_noise, sih, with_small_markers
 from studies.watch import Watch
 
 STEADY = (1.5, 1.0, 0.0)  # m/s
@@ -15,7 +15,7 @@ STEADY = (1.5, 1.0, 0.0)  # m/s
 
 def test_small_markers_are_seen_at_arms_length_however_it_leans() -> None:
     ready = precise_stage()
-    mission, world = noise_told(ready.mission), sih(ready.world, STEADY, 0.0)
+    mission, world = knowing_noise(ready.mission), sih(ready.world, STEADY, 0.0)
     mission, world = with_small_markers(mission, world)
     faults = [parse_fault("velocity_bias"), parse_fault("control_slow")]
     ready = stage(mission, builtin(), world, 21, faults)

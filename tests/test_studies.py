@@ -18,9 +18,9 @@ from studies.watch import Change
 
 @pytest.fixture(scope="module")
 def results():
-    nominal = precision_task.nominal(2, "corners")
-    hidden = precision_task.hidden(1, "corners")
-    cells = precision_task.swept(1, ["camera_off"])
+    nominal = precision_task.nominal(range(2), "corners")
+    hidden = precision_task.hidden([0], "corners")
+    cells = precision_task.swept([0], ["camera_off"])
     cells = {key: cells[key] for key in list(cells)[:1]}
     return precision_task.flown(nominal, hidden, cells, workers=1)
 
@@ -85,7 +85,7 @@ def test_losses_count_only_what_was_covered(results):
     assert not list(losses_of(results.nominal))
 
 
-def test_a_lasting_fault_prevents_success_and_the_reason_is_told(results):
+def test_a_lasting_fault_prevents_success_and_the_reason_is_given(results):
     (run,) = results.swept
     assert run.order.faults == ("camera_off@gps:8",)
     assert (run.outcome, why(run)) == (Outcome.SAFE, "never reached the task")
@@ -121,7 +121,7 @@ def test_workers_and_this_process_fly_the_same_flight(results):
 
 
 def test_delays_are_spread_over_the_approach():
-    orders = precision_task.hidden(8, "corners")
+    orders = precision_task.hidden(range(8), "corners")
     assert [order.faults[0] for order in orders[5:7]] == [
         "marker_hidden@visual:6+6",
         "marker_hidden@visual:1+6",
@@ -137,7 +137,7 @@ def test_clearance_on_the_way_leaves_out_the_trunk():
 
 
 def test_faults_carry_the_value_they_are_flown_with():
-    faults = {name for name, _ in precision_task.swept(1)}
+    faults = {name for name, _ in precision_task.swept([0])}
     assert {"camera_off", "gnss_jump=10", "battery_sag=0.7"} <= faults
 
 

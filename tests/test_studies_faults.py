@@ -21,9 +21,9 @@ def row(name):
 def test_every_fault_is_there_once_and_declared():
     assert len(NAMES) == len(set(NAMES)) >= 27
     assert all(row.declared and row.what for row in ROWS)
-    told = " ".join(row.what for row in FLIGHTS)
+    said = " ".join(row.what for row in FLIGHTS)
     new = ("gnss_toggling", "baro_stuck", "range_lost", "camera_flipped", "imu_biased")
-    assert all(f"`{name}" in told and name in KINDS for name in new)
+    assert all(f"`{name}" in said and name in KINDS for name in new)
 
 
 def test_a_seed_draws_the_same_fault_again():
@@ -43,19 +43,19 @@ def test_the_fence_is_judged_by_the_track():
     assert outside(rows, FENCE) == pytest.approx(1.5)
 
 
-def test_the_page_tells_every_deviation_and_no_other():
+def test_the_page_lists_every_deviation_and_no_other():
     sag = row("battery sag")
     results = [
         (sag, Seen(1, Outcome.DONE, "as planned")),
         (sag, Seen(2, Outcome.HIT, "the trunk")),
-        (sag, Seen(3, Outcome.DONE, "so it said", lied=True)),
+        (sag, Seen(3, Outcome.DONE, "so it said", false_success=True)),
     ]
     assert [good(*each) for each in results] == [True, False, False]
     text = page(results, "the command")
     assert "As declared: 1 of 3" in text
-    assert "Something was hit: 1. Called a success wrongly: 1." in text
+    assert "Something was hit: 1. False reports of success: 1." in text
     assert "- battery sag, seed 2: hit something (the trunk)" in text
-    assert "seed 3: work done, landed where it should, called a success (so it said)" in text
+    assert "seed 3: work done, landed where it should, reported as a success (so it said)" in text
     assert "seed 1" not in text
     assert "$" not in text.replace("$command", "")
 
