@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 
 from missionkit.chart.semantics.compiled_chart import State
-from missionkit.control.controller import ControlMemory
-from missionkit.control.hold_point import guidance_to
-from missionkit.control.velocity_limits import ZERO
+from missionkit.engine.control_law import ControlLaw, Controlled
 from missionkit.engine.flight_state import BehaviorState
-from missionkit.engine.ground_floor import above_floor
-from missionkit.engine.obstacle_brake import blind, braked, scanned
 from missionkit.engine.position_hold import standing
 from missionkit.engine.prepared_mission import PreparedMission
-from missionkit.engine.step_validation import fault_of, push_fault
-from missionkit.geometry import Vec3
-from missionkit.messages import Action, Command, Estimate, Guidance, Mode, Setpoint, Step
+from missionkit.engine.step_validation import fault_of
+from missionkit.messages import Action, Command, Estimate, Mode, Step
 from missionkit.plugin import Behavior
 from missionkit.plugin_containment import Containment, is_foreign
 
@@ -64,19 +56,18 @@ def act(
     mode = _flown(mode, step, seen)
     if mode is not Mode.NONE and seen.health.diverged:
         step = _without_goal(step)
-    acting = scanned(plan, acting, seen)
-    if mode is not Mode.NONE and blind(plan, acting, step.guidance, seen):
+    law = plan.law
+    acting = law.noted(acting, seen)
+    if mode is not Mode.NONE and law.blind(acting, step.guidance, seen):
         step = step._replace(guidance=None, done=False, note=BLIND)
     if not step.stop:
-        acting = standing(plan, acting, mode, step.guidance, seen)
-    command, control, avoidance = _commanded(plan, mode, acting, step, seen, contain)
+        acting = standing(law, acting, mode, step.guidance, seen)
+    command, control, avoidance = _commanded(law, mode, acting, step, seen, contain)
     if wrong := contain.take():  # the planner
         failing += wrong
         step = STILL._replace(memory=step.memory, goal=step.goal)
-        acting = standing(plan, acting, mode, None, seen)
-        command, control, _ = _commanded(
-            plan._replace(field=None), mode, acting, step, seen, contain
-        )
+        acting = standing(law, acting, mode, None, seen)
+        command, control, _ = _commanded(law.without_planner(), mode, acting, step, seen, contain)
     following = BehaviorState(
         control,
         avoidance,
@@ -139,57 +130,14 @@ def _stepped(
 
 
 def _commanded(
-    plan: PreparedMission,
+    law: ControlLaw,
     mode: Mode,
     acting: BehaviorState,
     step: Step,
     seen: Estimate,
     contain: Containment,
-) -> tuple[Command, ControlMemory, Any]:
+) -> Controlled:
     if mode is Mode.NONE:
         command = Command(None, step.action, step.height, step.payload)
-        return command, plan.control.begin(), acting.avoidance
-    guidance = step.guidance if acting.held is None else guidance_to(acting.held)
-    wanted, control = plan.control.aim(acting.control, mode, guidance, seen, plan.period)
-    push, avoidance = _push(plan, acting, guidance, wanted, seen, contain)
-    setpoint, control = plan.control.fly(
-        control, wanted, guidance, seen, plan.period, push=push, bound=step.bound
-    )
-    if step.stop:  # what comes to rest does so by what the vehicle can do: no comfort limit
-        setpoint, control = (
-            Setpoint(np.zeros(3) if step.retreat is None else step.retreat, setpoint.yaw_rate),
-            control._replace(velocity=ZERO),
-        )
-    setpoint, control = braked(plan, acting, setpoint, control, guidance, seen)
-    setpoint = above_floor(setpoint, seen, plan.floor, plan.control.limits)
-    command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
-    return command, control, avoidance
-
-
-def _vouched(seen: Estimate) -> Vec3 | None:
-    """Return the vehicle's velocity (3,), m/s, NED, while a target in view vouches for it."""
-    looks = (target.seen_at for target in seen.targets.values())
-    fresh = any(at is not None and seen.now - at <= IN_VIEW for at in looks)
-    return seen.velocity if fresh and not seen.health.diverged else None
-
-
-def _push(
-    plan: PreparedMission,
-    acting: BehaviorState,
-    guidance: Guidance | None,
-    wanted: tuple[float, float, float] | None,
-    seen: Estimate,
-    contain: Containment,
-) -> tuple[Vec3 | None, Any]:
-    field = plan.field
-    if field is None or guidance is None or wanted is None or not guidance.avoid:
-        return None, acting.avoidance
-    asked = (acting.avoidance, seen, guidance.position, np.array(wanted))
-    if not is_foreign(field):
-        return field.step(*asked)
-    name = str(getattr(field, "kind", "planner"))
-    boxed = contain.call(name, field.step, *asked)
-    wrong = "" if boxed is None else push_fault(boxed[0])
-    if wrong:
-        contain.note(f"{name} answered {wrong}")
-    return (None, acting.avoidance) if boxed is None or wrong else boxed[0]
+        return Controlled(command, law.begin(), acting.avoidance)
+    return law.command(acting, mode, step, seen, contain)

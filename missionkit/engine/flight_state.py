@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from missionkit.chart.semantics.chart_memory import ChartMemory
-from missionkit.control.controller import ControlMemory
 from missionkit.control.hold_point import HoldPoint
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Scan, VehicleStatus
@@ -37,7 +36,7 @@ class PausedBehavior(NamedTuple):
 class BehaviorState(NamedTuple):
     """How far the commanding behaviour and the controller have come."""
 
-    control: ControlMemory
+    control: Any  # memory of the controller
     avoidance: Any = None  # memory of the planner
     behavior: Any = None
     begun: bool = False  # the behaviour's own memory exists

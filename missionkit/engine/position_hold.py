@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from missionkit.control import hold_point
+from missionkit.engine.control_law import ControlLaw
 from missionkit.engine.flight_state import BehaviorState
-from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.messages import Estimate, Guidance, Mode
 
 
 def standing(
-    plan: PreparedMission,
+    law: ControlLaw,
     acting: BehaviorState,
     mode: Mode,
     guidance: Guidance | None,
@@ -20,7 +20,7 @@ def standing(
     Where it is not known where the vehicle is, nothing is held: its velocity goes to zero.
 
     Args:
-        plan: what flies.
+        law: knows where the vehicle comes to rest.
         acting: of the state that commands.
         mode: NONE while the autopilot flies by itself.
         guidance: what the behaviour wants.
@@ -30,4 +30,4 @@ def standing(
         return acting._replace(held=None)
     if acting.held is not None:
         return acting
-    return acting._replace(held=hold_point.place(seen, plan.control.limits))
+    return acting._replace(held=law.hold_point(seen))

@@ -14,10 +14,11 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.chart_memory import begin as begin_chart
 from missionkit.chart.semantics.compiled_chart import Chart
-from missionkit.control.controller import Control
 from missionkit.engine.contained_navigator import contained
+from missionkit.engine.control_law import ControlLaw
 from missionkit.engine.flight_state import BehaviorState, FlightMemory, SensorState
 from missionkit.engine.ground_floor import floor_of
+from missionkit.engine.velocity_law import VelocityLaw
 from missionkit.errors import UsageError
 from missionkit.estimation.builder import build
 from missionkit.estimation.navigator import Navigator
@@ -28,7 +29,7 @@ from missionkit.messages import CameraModel, Occupancy
 from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.planning import warm_up as planning
 from missionkit.planning.avoidance_planner import AvoidancePlanner
-from missionkit.planning.potential_field import PotentialField, brake_of
+from missionkit.planning.potential_field import brake_of
 from missionkit.plugin import Plugin
 
 
@@ -39,13 +40,10 @@ class PreparedMission(NamedTuple):
     navigator: Navigator
     eye: VisionPipeline
     camera: CameraModel
-    control: Control
-    field: AvoidancePlanner | None
+    law: ControlLaw
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
-    brake: PotentialField | None = None  # before obstacles, whichever planner leads past them
-    floor: float = math.inf  # m, NED, how far down guidance may lead
     arm_anyway: bool = False  # although a failsafe holds on the ground already
 
 
@@ -75,16 +73,21 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
         eye=VisionPipeline(camera, [detector.plugin for detector in mission.perception]),
         camera=camera,
-        control=mission.control,
-        field=None if mission.avoid is None else _planner(mission.avoid),
+        law=_law(mission, chart),
         facing=turned,
         period=1.0 / mission.settings.rate,
         map=mission.known,
-        floor=floor_of(
-            [state.behavior for state in chart.states.values()],
-            {name: target.position[2] for name, target in mission.targets.items()},
-        ),
-        brake=None if mission.avoid is None else brake_of(mission.avoid.plugin),
+    )
+
+
+def _law(mission: Mission, chart: Chart) -> ControlLaw:
+    avoid, surveyed = mission.avoid, {name: it.position[2] for name, it in mission.targets.items()}
+    return VelocityLaw(
+        mission.control,
+        1.0 / mission.settings.rate,
+        None if avoid is None else _planner(avoid),
+        None if avoid is None else brake_of(avoid.plugin),
+        floor_of([state.behavior for state in chart.states.values()], surveyed),
     )
 
 
@@ -113,10 +116,9 @@ def _planner(use: Use[Plugin]) -> AvoidancePlanner:
 
 def begin(plan: PreparedMission, now: float = 0.0) -> FlightMemory:
     """Return the memory before the first tick."""
-    field = None if plan.field is None else plan.field.begin()
     return FlightMemory(
         now,
         SensorState(plan.navigator.begin(), plan.eye.begin()),
         begin_chart(plan.chart, now),
-        BehaviorState(plan.control.begin(), field),
+        BehaviorState(plan.law.begin(), plan.law.begin_avoidance()),
     )

@@ -75,7 +75,7 @@ def test_no_goal_is_followed_while_the_estimate_has_diverged():
     assert speeds(pilot, 60, **away)[-1] == pytest.approx(2.0, abs=0.01)
     lost = {**away, "health": calm().health._replace(diverged=True)}
     slowing = speeds(pilot, 60, **lost)
-    limit = pilot.plan.control.limits.acceleration
+    limit = pilot.plan.law.control.limits.acceleration
     assert slowing[-1] == pytest.approx(0.0, abs=0.01)
     assert max(-np.diff(slowing)) <= limit * pilot.plan.period + 1e-9
     command, step = pilot.act(**lost, velocity=vec(3.0, 0.0, 0.0))
@@ -94,7 +94,7 @@ def test_a_failure_in_flight_brings_the_vehicle_to_rest_within_the_limits():
         slowing += speeds(pilot, 1, **away)
     assert slowing[-1] == pytest.approx(0.0, abs=0.01)
     assert all(after < before for before, after in pairwise(slowing))
-    limit = pilot.plan.control.limits.acceleration
+    limit = pilot.plan.law.control.limits.acceleration
     assert max(-np.diff(slowing)) <= limit * pilot.plan.period + 1e-9
 
 

@@ -247,7 +247,7 @@ def test_control_starts_from_the_velocity_that_was_measured(plan, climbing):
     control = woken(plan, standing(climbing, "up"), AIR).course.memory.acting.control
     measured = plan.navigator.read(nav).velocity
     assert norm_of(measured) > 1e-3
-    assert control == plan.control.begin()._replace(velocity=tuple(measured.tolist()))
+    assert control == plan.law.begin()._replace(velocity=tuple(measured.tolist()))
 
 
 def norm_of(v: Any) -> float:

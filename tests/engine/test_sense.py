@@ -121,9 +121,9 @@ def test_a_measured_attitude_replaces_the_surveyed_one():
 def test_a_plan_has_the_missions_rate_camera_and_avoidance():
     plan = plan_of("settings: {rate: 50}\navoid: none\n" + MISSION)
     assert plan.period == pytest.approx(0.02)
-    assert plan.field is None
+    assert plan.law.field is None
     assert begin(plan).acting.avoidance is None
-    assert plan_of().field is not None
+    assert plan_of().law.field is not None
     assert set(plan.facing) == {"turned"}
     np.testing.assert_allclose(to_matrix(plan.facing["turned"])[:, 2], (0, 1, 0), atol=1e-12)
 

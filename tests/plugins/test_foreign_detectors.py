@@ -114,7 +114,7 @@ def test_a_mission_names_it_and_a_tick_contains_it(tmp_path):
     use = "perception: [{use: foreign, target: trunk, how: raise}]"
     path.write_text(text[:start] + use + text[end:])
     plan = prepare(load(path, catalogue()), catalogue())
-    assert plan.brake is plan.field
+    assert plan.law.brake is plan.law.field
     contain = Containment()
     seen = Observation(0.05, frame=frame().frame)
     done = tick(plan, begin(plan), seen, contain)

@@ -16,7 +16,6 @@ from missionkit.behaviors.take_off import TakeOff
 from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.chart.semantics.configuration import SAFETY, configuration
 from missionkit.chart.semantics.step import ABORT
-from missionkit.control.velocity_limits import Triple
 from missionkit.engine.flight_state import FlightMemory, FlightState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.restore_chart import fitted
@@ -194,14 +193,11 @@ def _handed_back(
 ) -> FlightMemory:
     """Return the memory to tick with: control starts from how the vehicle moves now."""
     state = plan.navigator.read(now.senses.navigation)
-    north, east, down = state.velocity.tolist()
-    velocity: Triple = (north, east, down)
-    acting = now.acting._replace(control=plan.control.begin()._replace(velocity=velocity))
+    acting = now.acting._replace(control=plan.law.moving(state.velocity))
     if anew:
         acting = acting._replace(behavior=None, begun=False, done=False, goal=None)
         acting = acting._replace(paused={}, past={})
-        field = None if plan.field is None else plan.field.begin()
-        acting = acting._replace(avoidance=field)
+        acting = acting._replace(avoidance=plan.law.begin_avoidance())
     senses = now.senses
     if fresh is not None and fresh.in_air and before.senses.home is None:
         home = plan.navigator.read(before.senses.navigation).position  # where it stood
