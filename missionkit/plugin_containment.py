@@ -2,15 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import TypeVar
 
 T = TypeVar("T")
 
 
 def is_foreign(plugin: object) -> bool:
-    """Say whether a plug-in comes from outside the package."""
-    return not type(plugin).__module__.startswith("missionkit.")
+    """Say whether a plug-in, an object or its class, comes from outside the package."""
+    made_by = plugin if isinstance(plugin, type) else type(plugin)
+    return not made_by.__module__.startswith("missionkit.")
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal ends the program; a plain `KeyboardInterrupt` may come from a plug-in itself."""
+
+
+@contextmanager
+def marking_interrupts() -> Iterator[None]:
+    """While this is open, Ctrl-C raises `Interrupted`, which no containment holds back.
+
+    Outside the main thread, where no signal arrives, nothing changes.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+
+    def marked(number: int, frame: FrameType | None) -> None:
+        try:
+            before(number, frame)
+        except KeyboardInterrupt:
+            raise Interrupted from None
+
+    signal.signal(signal.SIGINT, marked)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class PluginError(Exception):
+    """A plug-in raised something before the flight; its cause is what it raised."""
+
+
+@contextmanager
+def reporting_faults(*expected: type[BaseException]) -> Iterator[None]:
+    """Turn whatever a plug-in raises here into a `PluginError`; a real Ctrl-C stays one.
+
+    Args:
+        expected: passes unchanged.
+
+    Raises:
+        PluginError: what it raised, in words.
+    """
+    try:
+        with marking_interrupts():
+            yield
+    except BaseException as error:
+        if isinstance(error, (Interrupted, *expected)):
+            raise
+        raise PluginError(described(error)) from error
+
+
+def described(error: BaseException) -> str:
+    """Return an exception's type and message.
+
+    >>> described(KeyError("x")), described(KeyboardInterrupt())
+    ("KeyError: 'x'", 'KeyboardInterrupt')
+    """
+    said = str(error)
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
 class TooSlowError(Exception):
@@ -33,9 +99,11 @@ class Containment:
             self.enter(name)
             answer = function(*arguments)
             in_time = self.leave(name)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - a plug-in may do anything
+        except Interrupted:
+            raise
+        except BaseException as error:  # noqa: BLE001 - a plug-in may do anything
             self.abandon()
-            self.note(f"{name} raised {type(error).__name__}: {error}")
+            self.note(f"{name} raised {described(error)}")
             return None
         return (answer,) if in_time else None
 

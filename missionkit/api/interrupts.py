@@ -10,6 +10,7 @@ from types import FrameType
 
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.flight_loop import Operator
+from missionkit.plugin_containment import Interrupted
 
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a service's end, a lost shell
 TOGETHER = 0.5  # s
@@ -31,12 +32,12 @@ def landing_on_interrupt(operator: Operator) -> Iterator[None]:
         return
     first: list[float] = []
 
-    def stop(number: int, frame: FrameType | None) -> None:
+    def stop(_: int, __: FrameType | None) -> None:
         if not first:
             first.append(stopwatch())
             operator.land()
         elif stopwatch() - first[0] > TOGETHER:
-            signal.default_int_handler(number, frame)
+            raise Interrupted
 
     heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
     before = [(it, signal.signal(it, stop)) for it in heeded]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -14,9 +14,11 @@ from missionkit.chart.text.file_references import unfit
 from missionkit.chart.text.located_data import Table, shown
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
-from missionkit.messages import Occupancy
+from missionkit.messages import Occupancy, Spot
 from missionkit.planning.map_section import MOST_CELLS
 from missionkit.planning.map_server import MapFile
+from missionkit.plugin import Behavior
+from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
 
 if TYPE_CHECKING:
     from missionkit.perception.map_image import Shades
@@ -52,10 +54,20 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
     for name, state, _ in mission.walk():
         if state.behavior is None:
             continue
-        wrong = state.behavior.plugin.unfit(mission.known, spots)
+        wrong = _unfit(state.behavior.plugin, mission.known, spots)
         if wrong:
             kind = state.behavior.kind
             yield Problem(state.place("behavior"), f"state {name!r}: {kind}: {wrong}")
+
+
+def _unfit(plugin: Behavior, known: Occupancy | None, spots: Mapping[str, Spot]) -> str:
+    if not is_foreign(plugin):
+        return plugin.unfit(known, spots)
+    try:
+        with reporting_faults():
+            return plugin.unfit(known, spots)
+    except PluginError as error:
+        return f"unfit raised {error}"
 
 
 def _inside(root: Path, folder: Path, name: str, place: Place) -> Path:

@@ -21,6 +21,7 @@ from missionkit.guards import ALL as GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
+from missionkit.plugin_containment import PluginError, reporting_faults
 from missionkit.states import KINDS
 from missionkit.states.contract import StateKind
 
@@ -131,10 +132,10 @@ def _by_kind(plugins: Iterable[type[Plugin]]) -> Plugins:
 
 def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:
     try:
-        plugin: Any = entry.load()
-    except (Exception, SystemExit, KeyboardInterrupt) as error:  # a package may raise anything
-        why = f"{type(error).__name__}: {error}".removesuffix(": ")
-        raise UsageError(f"{entry.value} cannot be imported: {why}") from error
+        with reporting_faults():
+            plugin: Any = entry.load()
+    except PluginError as error:
+        raise UsageError(f"{entry.value} cannot be imported: {error}") from error
     if wrong := wrong_with(group, plugin):
         raise UsageError(f"{entry.value} cannot be used: {wrong}")
     return cast(type[Plugin], plugin)

@@ -12,6 +12,7 @@ from types import ModuleType
 from missionkit.chart.text.regular_file import irregular
 from missionkit.errors import FileError, Place, Problem
 from missionkit.plugin import Behavior, Detector, Guard, Plugin, WindowGuard
+from missionkit.plugin_containment import PluginError, reporting_faults
 
 BASES = (Guard, WindowGuard, Behavior, Detector)
 
@@ -55,22 +56,24 @@ def _imported(path: Path) -> ModuleType:
         True,
     )  # nothing beside the user's file
     try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit, KeyboardInterrupt) as error:  # user's code may raise anything
+        with reporting_faults():
+            spec.loader.exec_module(module)
+    except PluginError as error:
         del sys.modules[name]
-        raise FileError([_import_problem(path, error)]) from error
+        raise FileError([_import_problem(path, error)]) from error.__cause__
     finally:
         sys.dont_write_bytecode = writes
     return module
 
 
-def _import_problem(path: Path, error: BaseException) -> Problem:
-    message = f"cannot be imported: {type(error).__name__}: {error}".removesuffix(": ")
+def _import_problem(path: Path, fault: PluginError) -> Problem:
+    message, error = f"cannot be imported: {fault}", fault.__cause__
     imported = str(path.absolute())  # as the import system calls it
     if isinstance(error, SyntaxError) and error.filename == imported:
         place = Place(str(path), error.lineno or 1, error.offset or 1)
         return Problem(place, f"cannot be imported: {error.msg}")
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == imported]
+    trace = traceback.extract_tb(None if error is None else error.__traceback__)
+    frames = [f for f in trace if f.filename == imported]
     last = frames[-1] if frames else None
     line, column = (last.lineno or 1, (last.colno or 0) + 1) if last else (1, 1)
     return Problem(Place(str(path), line, column), message)

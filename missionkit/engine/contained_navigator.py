@@ -14,7 +14,12 @@ from missionkit.errors import UsageError
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform
 from missionkit.messages import Health, Observation, Sighting
-from missionkit.plugin_containment import Containment, is_foreign
+from missionkit.plugin_containment import (
+    Containment,
+    PluginError,
+    is_foreign,
+    reporting_faults,
+)
 
 METHODS = ("begin", "propagate", "fuse", "pose_at", "read")
 SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
@@ -102,12 +107,10 @@ def contained(name: str, plugin: object, navigator: Navigator) -> Navigator:
         raise UsageError(f"navigator {name!r} cannot be used: {what}")
     safe = ContainedNavigator(name, navigator, Containment())
     try:
-        safe.begin()
-    except UsageError:
-        raise
-    except Exception as error:
-        why = f"begin raised {type(error).__name__}: {error}"
-        raise UsageError(f"navigator {name!r} cannot be used: {why}") from error
+        with reporting_faults(UsageError):
+            safe.begin()
+    except PluginError as error:
+        raise UsageError(f"navigator {name!r} cannot be used: begin raised {error}") from error
     return safe
 
 

@@ -19,6 +19,7 @@ from missionkit.engine.tick import Ticked, tick
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
 from missionkit.messages import Cycle, Observation, Record, is_event
+from missionkit.plugin_containment import Interrupted, described, marking_interrupts
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
@@ -148,18 +149,18 @@ class _Aside:
     """Calls what stands beside the command: observers and the keeper, which end no flight."""
 
     def __init__(self) -> None:
-        self._errors: dict[str, Exception] = {}  # the first of each
+        self._errors: dict[str, BaseException] = {}  # the first of each
         self._fresh: list[str] = []
 
     def call(self, what: str, function: Callable[..., object], *arguments: object) -> None:
         try:
             function(*arguments)
-        except Exception as error:  # noqa: BLE001 - whatever fails here, the vehicle is flown
+        except Interrupted:
+            raise
+        except BaseException as error:  # noqa: BLE001 - whatever fails here, the vehicle is flown
             if what not in self._errors:
                 self._errors[what] = error
-                self._fresh.append(
-                    f"{what} raised {type(error).__name__}: {error}; the flight goes on"
-                )
+                self._fresh.append(f"{what} raised {described(error)}; the flight goes on")
 
     def take(self) -> tuple[str, ...]:
         """Return what failed since the last call, a sentence each."""
@@ -217,6 +218,7 @@ async def fly(
     end: FlightEnd | None = None
     async with AsyncExitStack() as stack:
         stack.push_async_callback(vehicle.close)
+        stack.enter_context(marking_interrupts())
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(contain.interrupting())
         life, watch, aside = _started(course), _Watch(time_limit, course), _Aside()

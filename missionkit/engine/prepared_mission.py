@@ -31,6 +31,7 @@ from missionkit.planning import warm_up as planning
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import brake_of
 from missionkit.plugin import Plugin
+from missionkit.plugin_containment import PluginError, reporting_faults
 
 
 class PreparedMission(NamedTuple):
@@ -95,10 +96,10 @@ def _navigator(
     kind: str, plugin: Plugin, surveyed: Mapping[str, tuple[Vec3, float]], mount: Transform
 ) -> Navigator:
     try:
-        built = build(plugin, surveyed, mount)  # `chart.plugin_check` has looked at its class
-    except Exception as error:
-        why = f"build raised {type(error).__name__}: {error}"
-        raise UsageError(f"navigator {kind!r} cannot be used: {why}") from error
+        with reporting_faults():  # `chart.plugin_check` has looked at its class
+            built = build(plugin, surveyed, mount)
+    except PluginError as error:
+        raise UsageError(f"navigator {kind!r} cannot be used: build raised {error}") from error
     return contained(kind, plugin, built)
 
 
@@ -107,10 +108,10 @@ def _planner(use: Use[Plugin]) -> AvoidancePlanner:
     if not isinstance(planner, AvoidancePlanner):
         raise UsageError(f"planner {use.kind!r} cannot be used: it lacks begin or step")
     try:
-        planner.begin()
-    except Exception as error:
-        why = f"begin raised {type(error).__name__}: {error}"
-        raise UsageError(f"planner {use.kind!r} cannot be used: {why}") from error
+        with reporting_faults():
+            planner.begin()
+    except PluginError as error:
+        raise UsageError(f"planner {use.kind!r} cannot be used: begin raised {error}") from error
     return planner
 
 

@@ -58,6 +58,7 @@ def test_a_guard_in_a_file_is_used_from_a_mission(tmp_path: Path, catalogue: Cat
         ("x = 1\nraise KeyError('x')\n", "mine.py:2:1: cannot be imported: KeyError: 'x'"),
         ("import sys\nsys.exit(3)\n", "mine.py:2:1: cannot be imported: SystemExit: 3"),
         ("raise KeyboardInterrupt\n", "mine.py:1:1: cannot be imported: KeyboardInterrupt"),
+        ("raise GeneratorExit(1)\n", "mine.py:1:1: cannot be imported: GeneratorExit: 1"),
         ("import nowhere\n", "mine.py:1:1: cannot be imported: ModuleNotFoundError"),
         ("x = (\n", "mine.py:1:5: cannot be imported: '(' was never closed"),
         ("x = 1\n", "mine.py:1:1: no plug-in here: define a class with a `kind`"),
@@ -71,6 +72,14 @@ def test_a_file_that_is_no_plugin(tmp_path: Path, catalogue: Catalogue, text: st
     with pytest.raises(FileError) as error:
         catalogue.with_file(written(tmp_path, text))
     assert str(error.value).partition("mine.py")[2].startswith(message.removeprefix("mine.py"))
+
+
+def test_ctrl_c_while_a_file_is_imported_is_no_fault_of_the_file(
+    tmp_path: Path, catalogue: Catalogue
+):
+    waits = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nfor _ in range(1000): pass\n"
+    with pytest.raises(KeyboardInterrupt):
+        catalogue.with_file(written(tmp_path, waits))
 
 
 def test_a_file_that_is_missing(tmp_path: Path, catalogue: Catalogue):
@@ -130,6 +139,19 @@ def test_an_installed_plugin_that_is_broken_matters_only_where_it_is_used(
     with pytest.raises(FileError, match=r"guard 'mine' cannot be used: ") as refusal:
         parse(IDLE % when, "m.yaml", found)
     assert message in str(refusal.value)
+
+
+@pytest.mark.parametrize("error", [OSError, KeyboardInterrupt, SystemExit])
+def test_a_package_may_raise_anything_when_it_is_imported(
+    monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue, error: type[BaseException]
+):
+    def load(_: EntryPoint) -> None:
+        raise error("no")
+
+    installed(monkeypatch, "theirs:Mine")
+    monkeypatch.setattr(EntryPoint, "load", load)
+    why = catalogue.with_entry_points().broken["guards", "mine"]
+    assert why == f"theirs:Mine cannot be imported: {error.__name__}: no"
 
 
 def test_a_package_does_not_take_the_place_of_a_plugin_of_ours(

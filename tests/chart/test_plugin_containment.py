@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
+import signal
 import sys
 
 import pytest
 
-from missionkit.plugin_containment import Containment
+from missionkit.plugin_containment import (
+    Containment,
+    PluginError,
+    marking_interrupts,
+    reporting_faults,
+)
 
 
 def test_the_answer_comes_in_a_box_so_that_none_is_an_answer_too():
@@ -28,12 +36,39 @@ def test_an_exception_becomes_a_sentence(foreign):
     assert contain.take() == ()
 
 
-def test_the_person_at_the_keys_is_not_contained():
-    def stopped():
-        raise KeyboardInterrupt
+def raising(error):
+    def call():
+        raise error
 
-    with pytest.raises(KeyboardInterrupt):
-        Containment().call("x", stopped)
+    return call
+
+
+def ctrl_c():
+    os.kill(os.getpid(), signal.SIGINT)
+    for _ in range(1000):  # the interpreter looks for signals at each turn
+        pass
+
+
+ENDING = [KeyboardInterrupt, SystemExit, GeneratorExit, asyncio.CancelledError]
+
+
+@pytest.mark.parametrize("error", ENDING)
+def test_a_plugin_that_raises_what_ends_a_program_is_contained(error):
+    contain = Containment()
+    assert contain.call("x", raising(error)) is None
+    assert contain.take() == (f"x raised {error.__name__}",)
+    with pytest.raises(PluginError, match=f"^{error.__name__}$"), reporting_faults():
+        raising(error)()
+
+
+def test_ctrl_c_is_not_contained():
+    before = signal.getsignal(signal.SIGINT)
+    contain = Containment()
+    with pytest.raises(KeyboardInterrupt), marking_interrupts():
+        contain.call("x", ctrl_c)
+    with pytest.raises(KeyboardInterrupt), reporting_faults():
+        ctrl_c()
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 class Watched(Containment):

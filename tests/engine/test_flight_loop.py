@@ -258,6 +258,18 @@ def test_an_observer_that_raises_ends_no_flight_and_is_raised_when_it_is_over():
     assert told == ["observer 1 raised ValueError: no idea at 0.05 s; the flight goes on"]
 
 
+def test_an_observer_that_raises_what_ends_a_program_ends_no_flight():
+    ready, states = short_stage(HOP), []
+
+    def fails(record: Record, _: Observation) -> None:
+        states.append(record.state)
+        raise SystemExit
+
+    with pytest.raises(SystemExit):
+        asyncio.run(fly(ready.plan, ready.vehicle, (fails,)))
+    assert states[-1] == "land"
+
+
 def test_what_raises_is_left_to_those_who_take_reports():
     ready = short_stage(HOP)
 

@@ -77,6 +77,8 @@ class Shaken(Plugin):
     def build(self, surveyed, mount):
         if self.how == "build":
             raise OSError("no such table")
+        if self.how == "stop":
+            raise KeyboardInterrupt
         if self.how == "none":
             return None
         return Shaky(build(VisualInertialEkf(), surveyed, mount), self.how)
@@ -91,6 +93,8 @@ class Veering(Plugin):
     def begin(self):
         if self.how == "begin":
             raise ValueError("not today")
+        if self.how == "stop":
+            raise SystemExit
 
     def step(self, memory, seen, goal, wanted):
         if seen.now < FAILS or self.how == "well":
@@ -150,6 +154,7 @@ def test_a_navigator_that_misbehaves_is_told_and_the_vehicle_lands(how, told):
     ("how", "says"),
     [
         ("build", "navigator 'shaken' cannot be used: build raised OSError: no such table"),
+        ("stop", "navigator 'shaken' cannot be used: build raised KeyboardInterrupt"),
         ("begin", "navigator 'shaken' cannot be used: begin raised ValueError: not today"),
         ("none", "what it builds lacks begin, propagate, fuse, pose_at, read"),
     ],
@@ -181,6 +186,7 @@ def test_a_planner_without_a_memory_is_asked():
     assert (flight.problems(), flight.result.succeeded) == ([], True)
 
 
-def test_a_planner_that_does_not_begin_is_refused_before_flight():
+@pytest.mark.parametrize("how", ["begin", "stop"])
+def test_a_planner_that_does_not_begin_is_refused_before_flight(how):
     with pytest.raises(UsageError, match="planner 'veering' cannot be used: begin raised"):
-        ready(planner="begin")
+        ready(planner=how)

@@ -30,6 +30,8 @@ from missionkit.plugin import Behavior, Guard, WindowGuard
 def trouble(how: str) -> object:
     if how == "raise":
         raise ValueError("no idea")
+    if how == "stop":
+        raise KeyboardInterrupt
     if how == "sleep":
         time.sleep(10.0)
     return None
@@ -132,6 +134,7 @@ HOME = ["up", "return", "land"]
     ("how", "told"),
     [
         ("raise", "gust (how raise) raised ValueError: no idea"),
+        ("stop", "gust (how stop) raised KeyboardInterrupt"),
         ("nan", "gust (how nan) answered with a number that is not finite"),
         ("nothing", "gust (how nothing) answered NoneType, expected a Verdict"),
         ("sleep", f"gust (how sleep) raised TooSlowError: {WAITING}"),
@@ -147,6 +150,7 @@ def test_a_guard_that_misbehaves_is_told_and_survived(plugins, how, told):
     ("how", "told"),
     [
         ("raise", "drift raised ValueError: no idea"),
+        ("stop", "drift raised KeyboardInterrupt"),
         ("nan", "drift answered with guidance of a wrong type or not finite"),
         ("nothing", "drift answered NoneType, expected a Step"),
     ],

@@ -26,6 +26,7 @@ from missionkit.chart.model.variables import Variable, is_number
 from missionkit.guards.state_progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Guard, Plugin, WindowGuard
+from missionkit.plugin_containment import PluginError, reporting_faults
 
 NEVER_DONE = ("hold", "servo", "spiral")  # behaviours that continue until something else ends them
 
@@ -150,8 +151,9 @@ def region_of(plugin: Plugin) -> Region | None:
     if not isinstance(plugin, Guard | WindowGuard):
         return None
     try:
-        return plugin.region()
-    except Exception:  # noqa: BLE001 - a plug-in may do anything
+        with reporting_faults():
+            return plugin.region()
+    except PluginError:
         return None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, core_schema
 
 from missionkit.chart.model.field_descriptions import keys_of
@@ -14,7 +14,8 @@ from missionkit.chart.model.model_base import HOME, Scope
 from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.text.located_data import Table, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
-from missionkit.plugin import Behavior, Plugin
+from missionkit.plugin import Behavior, Plugin, WindowGuard
+from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
 
 WORDS = {
     "guards": "guard",
@@ -77,10 +78,29 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     if not isinstance(kind, str) or kind not in known:
         unknown = f"unknown {word} {shown(kind)}"
         raise sentences(sentence(unknown, "use", word=str(kind), known=known))
-    plugin = plain(known[kind], {key: value for key, value in data.items() if key != "use"})
-    if errors := unknown_targets(plugin, scope):
+    parameters = {key: value for key, value in data.items() if key != "use"}
+    try:
+        plugin, errors = _made(known[kind], parameters, scope)
+    except PluginError as error:
+        wrong = f"{word} {shown(kind)} cannot be used: it raised {error}"
+        raise sentences(sentence(wrong, "use")) from error
+    if errors:
         raise sentences(*errors)
     return Use(kind, plugin, place_of(data))
+
+
+def _made(
+    plugin: type[Plugin], parameters: dict[str, Any], scope: Scope
+) -> tuple[Plugin, list[InitErrorDetails]]:
+    """Return a plug-in, and an error for each target it needs that does not exist."""
+    if not is_foreign(plugin):
+        own = plain(plugin, parameters)
+        return own, unknown_targets(own, scope)
+    with reporting_faults(ValidationError):
+        made = plain(plugin, parameters)
+        if isinstance(made, WindowGuard):
+            made.begin()  # the flight begins with it
+        return made, unknown_targets(made, scope)
 
 
 def needs_parameters(plugin: type[Plugin]) -> bool:

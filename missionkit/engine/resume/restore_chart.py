@@ -15,6 +15,7 @@ from missionkit.chart.semantics.compiled_chart import (
 )
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.engine.resume.checkpoint_policy import StartsAgain
+from missionkit.plugin_containment import PluginError, reporting_faults
 
 
 def fitted(
@@ -85,8 +86,9 @@ def _windows(chart: Chart, fresh: ChartMemory, saved: ChartMemory, gap: float) -
 def _resumed(slot: GuardMemory, new: Any, old: Any, gap: float) -> Any:
     """Return what a guard remembers after the gap; one that cannot say begins again."""
     try:
-        return slot.resumed(old, gap)
-    except Exception:  # noqa: BLE001 - a plug-in's fault does not end the resumption
+        with reporting_faults():
+            return slot.resumed(old, gap)
+    except PluginError:  # does not end the resumption
         return new
 
 
