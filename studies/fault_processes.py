@@ -48,7 +48,7 @@ states:
   away:
     kind: custom
     behavior: {use: go_to, target: far, speed: 4.0}
-    transitions: [{to: land, when: GUARD}, {to: land, after: 60}]
+    transitions: [{to: land, when: GUARD}, {to: land, after: LONGEST}]
   land: {kind: land}
 """
 HANGS = '''\
@@ -159,12 +159,19 @@ def program(*words: str | Path, blocks: int | None = None) -> subprocess.Popen[s
     return subprocess.Popen(line, stdout=-1, stderr=-1, text=True)  # noqa: S603
 
 
+def straight(far: float, guard: str, longest: float) -> str:
+    """Return a mission that flies `far` (m) north until a guard holds, `longest` (s) at most."""
+    text = STRAIGHT.replace("FAR", str(far)).replace("GUARD", guard)
+    return text.replace("LONGEST", str(longest))
+
+
 @contextmanager
 def flying(
     seed: int,
     *words: str | Path,
     far: float = 80.0,
     guard: str = "done",
+    longest: float = 60.0,
     blocks: int | None = None,
 ) -> Iterator[Under]:
     """Fly north over the wire, the dialects in turn, while this context is open."""
@@ -174,7 +181,7 @@ def flying(
         sitl(None, dialect, port, SPEED, seed) as autopilot,
     ):
         mission = Path(name) / "straight.yaml"
-        mission.write_text(STRAIGHT.replace("FAR", str(far)).replace("GUARD", guard))
+        mission.write_text(straight(far, guard, longest))
         url = f"udpin://127.0.0.1:{port}"
         more = ["--vehicle", url, "--speed", str(SPEED), "--out", Path(name) / "runs"]
         with program(mission, *more, *words, blocks=blocks) as process:
@@ -273,8 +280,8 @@ def full_disk(seed: int) -> Seen:
 
 
 def started_twice(seed: int) -> Seen:
-    """Start the program again on the link of one that flies, and still does when it is refused."""
-    with flying(seed, far=240.0) as under:
+    """Start the program again on the link of one that flies until the second has ended."""
+    with flying(seed, far=4.0 * PATIENCE, longest=PATIENCE) as under:
         under.away(np.random.default_rng([seed, 6]))
         again = program(
             under.folder / "straight.yaml",
@@ -282,6 +289,7 @@ def started_twice(seed: int) -> Seen:
         )
         with again:
             refused = refusal(again)
+        under.process.send_signal(signal.SIGTERM)  # it lands
         first = _landing(seed, under)
         details = f"{refused}; {first.details}"
         good = refused.startswith("exit") and first.outcome == LANDED
@@ -318,7 +326,7 @@ def bad_import(seed: int) -> Seen:
     with tempfile.TemporaryDirectory() as name:
         plugin, mission = Path(name) / "plugin.py", Path(name) / "straight.yaml"
         plugin.write_text(IMPORTS[seed % len(IMPORTS)])
-        mission.write_text(STRAIGHT.replace("FAR", "20.0").replace("GUARD", "done"))
+        mission.write_text(straight(20.0, "done", 60.0))
         return _refused(seed, Path(name), mission, "--plugin", plugin)
 
 

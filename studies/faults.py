@@ -24,7 +24,7 @@ from studies.fault_rows import FLIGHTS, PROCESSES, ROWS, Row, once
 from studies.markdown import table
 
 PAGE = Path(__file__).with_suffix(".md")
-WAITING = 6  # processes for rows that mostly wait, against two for rows that compute
+WAITING = 4  # processes for rows that mostly wait, against two for rows that compute
 
 
 def good(row: Row, seen: Seen) -> bool:
