@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from missionkit.plugin import Detector as Detector
     from missionkit.plugin import Guard as Guard
     from missionkit.plugin import Plugin as Plugin
-    from missionkit.plugin import Prior as Prior
     from missionkit.plugin import WindowGuard as WindowGuard
+    from missionkit.plugin_protocols import Prior as Prior
     from missionkit.recorder.run_summary import Summary as Summary
 
 __version__ = "0.1.0"
@@ -86,7 +86,8 @@ _HOMES = {  # module -> what it gives
         *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
-    "plugin": ("Behavior", "Detector", "Guard", "Plugin", "Prior", "WindowGuard"),
+    "plugin": ("Behavior", "Detector", "Guard", "Plugin", "WindowGuard"),
+    "plugin_protocols": ("Prior",),
     "recorder.run_summary": ("Summary",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -3,17 +3,18 @@
 A plug-in class is a frozen pydantic model. The name a mission file uses is the class variable
 `kind`; the docstring is the manual page; fields carry units in their types. Nothing here reads
 a clock, draws random numbers or does I/O, so that a flight replays bit for bit.
+
+They are a convenience: what a plug-in must have stands in `missionkit.plugin_protocols`.
 """
 
 from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from missionkit.geometry import Transform
 from missionkit.messages import (
     CameraModel,
     Estimate,
@@ -22,10 +23,10 @@ from missionkit.messages import (
     Sighting,
     Spot,
     Step,
-    Target,
     Verdict,
 )
 from missionkit.messages.region import Region
+from missionkit.plugin_protocols import Prior
 
 
 class Plugin(BaseModel):
@@ -95,13 +96,6 @@ class Behavior(Plugin):
             targets: where the targets are (m).
         """
         return ""
-
-
-class Prior(NamedTuple):
-    """Prior belief about a target, before a frame is examined."""
-
-    body: Transform | None  # body to world at the exposure; None: not known
-    target: Target | None  # estimated position of the target; None: not known
 
 
 class Detector(Plugin):

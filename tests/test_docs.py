@@ -18,7 +18,8 @@ from missionkit.chart.model import mission as model
 from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.mission import GROUP_KIND
 from missionkit.chart.model.state_contracts import unmet
-from missionkit.chart.plugin_catalogue import GROUPS, builtin
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.cli.app import app
 from missionkit.control.controller import Control
 from missionkit.control.pid import Gains
@@ -156,6 +157,21 @@ def test_every_plugin_has_its_row(group):
         wanted.append([f"`{kind}`", parameters, summary])
     heading = "Behaviours" if group == "behaviors" else group.capitalize()
     assert table(PLUGINS, heading) == wanted
+
+
+def test_every_contract_has_its_row():
+    wanted = []
+    for name, group in GROUPS.items():
+        for contract in group.contracts:
+            members = {
+                key: ", ".join([*inspect.signature(it).parameters][1:])
+                for key, it in vars(contract).items()
+                if inspect.isfunction(it) and not key.startswith("_")
+            }
+            fields = [f"`{key}`" for key, it in vars(contract).items() if isinstance(it, property)]
+            calls = [f"`{key}({arguments})`" for key, arguments in members.items()]
+            wanted.append((f"`{name}`", ", ".join([*fields, *calls])))
+    assert [tuple(row[:2]) for row in table(PLUGINS, "Contracts")] == wanted
 
 
 def test_every_fault_has_its_row():

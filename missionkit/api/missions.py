@@ -9,13 +9,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from pydantic import BaseModel
+
 from missionkit.chart import load as reading
 from missionkit.chart.checks import findings
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.errors import FileError, Level
-from missionkit.plugin import Plugin
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -40,7 +41,7 @@ class LoadedMission:
     catalogue: Catalogue
     path: Path
     settings: Mapping[str, str]
-    plugins: tuple[Path | type[Plugin], ...]
+    plugins: tuple[Path | type[BaseModel], ...]
 
     @property
     def name(self) -> str:
@@ -67,7 +68,7 @@ def load(
     path: str | Path,
     *,
     settings: Mapping[str, object] = NOTHING,
-    plugins: Sequence[str | Path | type[Plugin]] = (),
+    plugins: Sequence[str | Path | type[BaseModel]] = (),
 ) -> LoadedMission:
     """Read a mission file and refuse it if it has errors.
 
@@ -111,7 +112,7 @@ def as_yaml(settings: Mapping[str, object]) -> dict[str, str]:
     }
 
 
-def assemble(plugins: Iterable[str | Path | type[Plugin]] = ()) -> Catalogue:
+def assemble(plugins: Iterable[str | Path | type[BaseModel]] = ()) -> Catalogue:
     """Return what missions may use: built-ins, installed packages, files and classes.
 
     Raises:

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pydantic import BaseModel
+
 from missionkit.api.missions import NOTHING, LoadedMission, as_yaml, assemble
 from missionkit.chart.load import load, load_model
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import FileError, Problem
-from missionkit.plugin import Plugin
 
 if TYPE_CHECKING:
     from missionkit.sim.world import World
@@ -22,7 +23,7 @@ def validate(
     mission: str | Path | LoadedMission,
     *,
     settings: Mapping[str, object] = NOTHING,
-    plugins: Sequence[str | Path | type[Plugin]] = (),
+    plugins: Sequence[str | Path | type[BaseModel]] = (),
 ) -> tuple[Problem, ...]:
     """Check a mission file and return every problem, as `missionkit validate` does.
 

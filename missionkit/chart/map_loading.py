@@ -17,8 +17,8 @@ from missionkit.errors import FileError, Place, Problem
 from missionkit.messages import Occupancy, Spot
 from missionkit.planning.map_section import MOST_CELLS
 from missionkit.planning.map_server import MapFile
-from missionkit.plugin import Behavior
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
+from missionkit.plugin_protocols import BehaviorProtocol
 
 if TYPE_CHECKING:
     from missionkit.perception.map_image import Shades
@@ -60,7 +60,7 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
             yield Problem(state.place("behavior"), f"state {name!r}: {kind}: {wrong}")
 
 
-def _unfit(plugin: Behavior, known: Occupancy | None, spots: Mapping[str, Spot]) -> str:
+def _unfit(plugin: BehaviorProtocol, known: Occupancy | None, spots: Mapping[str, Spot]) -> str:
     if not is_foreign(plugin):
         return plugin.unfit(known, spots)
     try:

@@ -9,42 +9,33 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from missionkit.behaviors import ALL as BEHAVIORS
-from missionkit.chart.plugin_check import wrong_with
+from pydantic import BaseModel
+
+from missionkit.chart.plugin_check import checked, grouped
 from missionkit.chart.plugin_file import plugins_of
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.errors import UsageError
-from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
-from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
-from missionkit.guards import ALL as GUARDS
-from missionkit.perception.aruco import Aruco
-from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
 from missionkit.states import KINDS
 from missionkit.states.contract import StateKind
 
 Plugins = Mapping[str, type[Plugin]]
-GROUPS = ("guards", "behaviors", "navigators", "detectors", "planners")
 
 
 @dataclass(frozen=True)
 class Catalogue:
     """Plug-in classes and state kinds by the name that mission files use."""
 
-    guards: Plugins
-    behaviors: Plugins
-    navigators: Plugins
-    detectors: Plugins
-    planners: Plugins
+    plugins: Mapping[str, Plugins]  # by group
     kinds: Mapping[str, StateKind]
     broken: Mapping[tuple[str, str], str] = field(default_factory=dict)  # group, name -> why
 
     def group(self, name: str) -> Plugins:
         """Return the plug-ins of one of `GROUPS`."""
-        plugins: Plugins = getattr(self, name)
-        return plugins
+        return self.plugins[name]
 
     def extended(self, group: str, plugins: Iterable[type[Plugin]]) -> Catalogue:
         """Return a catalogue with more plug-ins.
@@ -60,7 +51,7 @@ class Catalogue:
                     f"two {group} are called {plugin.kind!r}: {source(taken)} and {source(plugin)}"
                 )
             known[plugin.kind] = plugin
-        return replace(self, **cast(dict[str, Any], {group: known}))
+        return self._with(group, known)
 
     def with_entry_points(self) -> Catalogue:
         """Return a catalogue with the plug-ins of installed packages.
@@ -82,31 +73,31 @@ class Catalogue:
             if taken is None or taken.__module__.startswith("missionkit."):
                 return replace(self, broken=broken)
             others = {k: it for k, it in self.group(group).items() if it is not taken}
-            return replace(self, broken=broken, **cast(dict[str, Any], {group: others}))
+            return replace(self._with(group, others), broken=broken)
 
     def with_file(self, path: Path) -> Catalogue:
-        """Return a catalogue with the guards, behaviours and detectors that a Python file defines.
+        """Return a catalogue with the plug-ins of every group that a Python file defines.
 
         Raises:
-            FileError: the file cannot be imported or defines no complete plug-in.
+            FileError: the file cannot be imported, or defines none or one that is incomplete.
             UsageError: a name is taken.
         """
         catalogue = self
-        for plugin in plugins_of(path):
-            catalogue = catalogue.with_class(plugin)
+        for group, plugin in plugins_of(path):
+            catalogue = catalogue.extended(group, [plugin])
         return catalogue
 
-    def with_class(self, plugin: type[Plugin]) -> Catalogue:
+    def with_class(self, plugin: type[BaseModel]) -> Catalogue:
         """Return a catalogue with one more plug-in class, in the group that it fits.
 
         Raises:
-            UsageError: it fits none, or its name is taken.
+            UsageError: it fits none or several, or its name is taken.
         """
-        wrong = {group: wrong_with(group, plugin) for group in GROUPS}
-        fitting = [group for group in GROUPS if not wrong[group]]
-        if not fitting:
-            raise UsageError(f"{plugin!r} cannot be a plug-in: {wrong[GROUPS[0]]}")
-        return self.extended(fitting[0], [plugin])
+        group, checked_class = grouped(plugin)
+        return self.extended(group, [checked_class])
+
+    def _with(self, group: str, plugins: Plugins) -> Catalogue:
+        return replace(self, plugins={**self.plugins, group: plugins})
 
 
 def source(plugin: type[Plugin]) -> str:
@@ -117,17 +108,12 @@ def source(plugin: type[Plugin]) -> str:
 def builtin() -> Catalogue:
     """Return the catalogue of what missionkit itself brings."""
     return Catalogue(
-        guards=_by_kind(GUARDS),
-        behaviors=_by_kind(BEHAVIORS),
-        navigators=_by_kind((FlowKalman, VisualInertialEkf)),
-        detectors=_by_kind((Aruco,)),
-        planners=_by_kind((PotentialField,)),
+        plugins={
+            name: {plugin.kind: plugin for plugin in group.builtin}
+            for name, group in GROUPS.items()
+        },
         kinds=KINDS,
     )
-
-
-def _by_kind(plugins: Iterable[type[Plugin]]) -> Plugins:
-    return {plugin.kind: plugin for plugin in plugins}
 
 
 def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:
@@ -136,6 +122,7 @@ def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:
             plugin: Any = entry.load()
     except PluginError as error:
         raise UsageError(f"{entry.value} cannot be imported: {error}") from error
-    if wrong := wrong_with(group, plugin):
-        raise UsageError(f"{entry.value} cannot be used: {wrong}")
-    return cast(type[Plugin], plugin)
+    try:
+        return checked(plugin, group)
+    except UsageError as error:
+        raise UsageError(f"{entry.value} cannot be used: {error}") from None

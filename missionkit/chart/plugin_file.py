@@ -9,32 +9,41 @@ import traceback
 from pathlib import Path
 from types import ModuleType
 
+from pydantic import BaseModel
+
+from missionkit.chart.plugin_check import grouped
 from missionkit.chart.text.regular_file import irregular
-from missionkit.errors import FileError, Place, Problem
-from missionkit.plugin import Behavior, Detector, Guard, Plugin, WindowGuard
+from missionkit.errors import FileError, Place, Problem, UsageError
+from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
 
-BASES = (Guard, WindowGuard, Behavior, Detector)
 
+def plugins_of(path: Path) -> list[tuple[str, type[Plugin]]]:
+    """Return the plug-ins that a Python file defines, each with its group, in order.
 
-def plugins_of(path: Path) -> tuple[type[Plugin], ...]:
-    """Return the guards and behaviours that a Python file defines, in the order of the file.
+    They are its models of parameters that have a `kind` of their own.
 
     Raises:
-        FileError: it cannot be imported, lacks a method, or defines no guard or behaviour.
+        FileError: it cannot be imported, defines no plug-in, or one that fits no group.
     """
     module = _imported(path)
-    found = tuple(
+    models = [
         item
         for item in vars(module).values()
         if isinstance(item, type)
-        and issubclass(item, BASES)
+        and issubclass(item, BaseModel)
         and item.__module__ == module.__name__
-        and "kind" in vars(item)
-    )
-    problems = [_incomplete(plugin, path) for plugin in found if inspect.isabstract(plugin)]
-    if not found:
-        names = ", ".join(base.__name__ for base in BASES)
+        and isinstance(vars(item).get("kind"), str)
+    ]
+    found, problems = [], []
+    for model in models:
+        try:
+            found.append(grouped(model))
+        except UsageError as error:
+            line = inspect.getsourcelines(model)[1]
+            problems.append(Problem(Place(str(path), line, 1), str(error)))
+    if not models:
+        names = "Guard, WindowGuard, Behavior or Detector, or from pydantic.BaseModel"
         message = f"no plug-in here: define a class with a `kind`, derived from {names}"
         problems.append(Problem(Place(str(path), 1, 1), message))
     if problems:
@@ -77,9 +86,3 @@ def _import_problem(path: Path, fault: PluginError) -> Problem:
     last = frames[-1] if frames else None
     line, column = (last.lineno or 1, (last.colno or 0) + 1) if last else (1, 1)
     return Problem(Place(str(path), line, column), message)
-
-
-def _incomplete(plugin: type[Plugin], path: Path) -> Problem:
-    missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
-    line = inspect.getsourcelines(plugin)[1]
-    return Problem(Place(str(path), line, 1), f"{plugin.__name__} lacks the method {missing}")

@@ -167,7 +167,9 @@ def new(kind: str, name: str, to: Path) -> None:
     from missionkit.cli.scaffold import new as write  # noqa: PLC0415
 
     catalogue = assemble()
-    taken = {"guard": catalogue.guards, "behavior": catalogue.behaviors}.get(kind, {})
+    taken = {"guard": catalogue.group("guards"), "behavior": catalogue.group("behaviors")}.get(
+        kind, {}
+    )
     for path in write(kind, name, to, taken):
         _say(str(path))
 

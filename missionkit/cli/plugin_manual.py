@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from missionkit.api.missions import assemble
-from missionkit.chart.plugin_catalogue import GROUPS, Catalogue, source
+from missionkit.chart.plugin_catalogue import Catalogue, source
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin
 from missionkit.sim.fault_injection import KINDS as FAULTS

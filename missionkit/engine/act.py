@@ -11,8 +11,8 @@ from missionkit.engine.position_hold import standing
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.step_validation import fault_of
 from missionkit.messages import Action, Command, Estimate, Mode, Step
-from missionkit.plugin import Behavior
 from missionkit.plugin_containment import Containment, is_foreign
+from missionkit.plugin_protocols import BehaviorProtocol
 
 IDLE = Step(note="holding: no state commands")
 STILL = Step(note="holding: a plug-in misbehaves")
@@ -108,7 +108,7 @@ def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Comm
 
 
 def _begun(
-    acting: BehaviorState, behavior: Behavior, seen: Estimate, contain: Containment
+    acting: BehaviorState, behavior: BehaviorProtocol, seen: Estimate, contain: Containment
 ) -> BehaviorState:
     boxed = contain.call(behavior.kind, behavior.begin, seen, foreign=is_foreign(behavior))
     memory = None if boxed is None else boxed[0]
@@ -116,7 +116,11 @@ def _begun(
 
 
 def _stepped(
-    behavior: Behavior, state: State, acting: BehaviorState, seen: Estimate, contain: Containment
+    behavior: BehaviorProtocol,
+    state: State,
+    acting: BehaviorState,
+    seen: Estimate,
+    contain: Containment,
 ) -> Step:
     boxed = contain.call(
         behavior.kind, behavior.step, seen, acting.behavior, foreign=is_foreign(behavior)

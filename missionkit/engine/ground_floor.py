@@ -8,15 +8,15 @@ from collections.abc import Iterable, Mapping
 from missionkit.control.velocity_limits import ZERO, Limits, stopping_speed
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Setpoint
-from missionkit.plugin import Behavior
 from missionkit.plugin_containment import is_foreign
+from missionkit.plugin_protocols import BehaviorProtocol
 
 HEIGHT = 1.0  # m above where it took off, that guidance keeps: a barometer drifts by as much
 CLIMB = 0.5  # m/s at most, and 1/s, back to the floor: a vehicle sinks a little while it hovers
 BELOW = 0.5  # m below the lowest place that the mission names, if that is lower
 
 
-def floor_of(behaviors: Iterable[Behavior | None], surveyed: Mapping[str, float]) -> float:
+def floor_of(behaviors: Iterable[BehaviorProtocol | None], surveyed: Mapping[str, float]) -> float:
     """Return how far down (m, NED) guidance may lead.
 
     A mission that works near the ground, or downhill, says so by its places; a target whose
@@ -33,7 +33,7 @@ def floor_of(behaviors: Iterable[Behavior | None], surveyed: Mapping[str, float]
     return max([-HEIGHT, *(down + BELOW for it in flown for down in _places(it, surveyed))])
 
 
-def _places(behavior: Behavior, surveyed: Mapping[str, float]) -> Iterable[float]:
+def _places(behavior: BehaviorProtocol, surveyed: Mapping[str, float]) -> Iterable[float]:
     height = getattr(behavior, "height", None)
     if height is not None:
         yield -height

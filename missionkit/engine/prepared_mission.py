@@ -103,16 +103,13 @@ def _navigator(
     return contained(kind, plugin, built)
 
 
-def _planner(use: Use[Plugin]) -> AvoidancePlanner:
-    planner = use.plugin
-    if not isinstance(planner, AvoidancePlanner):
-        raise UsageError(f"planner {use.kind!r} cannot be used: it lacks begin or step")
+def _planner(use: Use[AvoidancePlanner]) -> AvoidancePlanner:
     try:
         with reporting_faults():
-            planner.begin()
+            use.plugin.begin()
     except PluginError as error:
         raise UsageError(f"planner {use.kind!r} cannot be used: begin raised {error}") from error
-    return planner
+    return use.plugin
 
 
 def begin(plan: PreparedMission, now: float = 0.0) -> FlightMemory:

@@ -15,8 +15,9 @@ from missionkit.perception.aruco import Aruco
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
 from missionkit.perception.sighting_validation import fault_of
-from missionkit.plugin import Detector, Plugin, Prior
+from missionkit.plugin import Plugin
 from missionkit.plugin_containment import Containment
+from missionkit.plugin_protocols import DetectorProtocol, Prior
 
 SILENT_AFTER: Final = 1.5  # periods
 _MOST_MISSED: Final = 100  # frames counted as missed in one tick
@@ -48,7 +49,7 @@ class VisionPipeline:
         self._camera = camera
         markers = [it for it in detectors if isinstance(it, Aruco)]
         self._search = MarkerSearch(camera, markers)
-        self._others = [it for it in detectors if isinstance(it, Detector)]
+        self._others = [it for it in detectors if isinstance(it, DetectorProtocol)]
 
     def begin(self) -> VisionMemory:
         """Return the memory at the start of the mission."""

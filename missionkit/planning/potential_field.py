@@ -12,6 +12,7 @@ from pydantic import Field
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, Guidance, Points
 from missionkit.planning import firas
+from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.boundary_following import BoundaryProgress, follow, shorter_side
 from missionkit.planning.firas import Distances
 from missionkit.planning.obstacle_braking import (
@@ -301,7 +302,7 @@ def _finite(points: Points) -> Points:
     return points[np.isfinite(points).all(axis=1)]
 
 
-def brake_of(planner: Plugin) -> PotentialField:
+def brake_of(planner: AvoidancePlanner) -> PotentialField:
     """Return what brakes before obstacles: the planner itself, or the built-in one beside it.
 
     Args:

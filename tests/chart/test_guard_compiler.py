@@ -198,8 +198,8 @@ def test_guards_that_read_the_same_but_differ_are_kept_apart():
 
 
 def test_a_named_guard_may_hide_the_plugin_it_is_made_of():
-    named = {"done": ex.Not(ex.Use("done", CATALOGUE.guards["done"](), NOWHERE), NOWHERE)}
-    bare = ex.Use("done", CATALOGUE.guards["done"](), NOWHERE)
+    named = {"done": ex.Not(ex.Use("done", CATALOGUE.group("guards")["done"](), NOWHERE), NOWHERE)}
+    bare = ex.Use("done", CATALOGUE.group("guards")["done"](), NOWHERE)
     both = ex.All((ex.Named("done", NOWHERE), ex.Not(bare, NOWHERE)), NOWHERE)
     assert asked(both, **named)[0].holds is True
     swapped = ex.All((ex.Not(bare, NOWHERE), ex.Named("done", NOWHERE)), NOWHERE)

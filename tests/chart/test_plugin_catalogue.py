@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
@@ -7,8 +8,9 @@ import pytest
 
 from missionkit.chart import plugin_catalogue as module
 from missionkit.chart.load import parse
-from missionkit.chart.plugin_catalogue import GROUPS, Catalogue
-from missionkit.chart.plugin_check import wrong_with
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.plugin_check import checked
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.errors import FileError, UsageError
 from missionkit.plugin import Plugin
 
@@ -42,7 +44,7 @@ def written(folder: Path, text: str) -> Path:
 def test_a_guard_in_a_file_is_used_from_a_mission(tmp_path: Path, catalogue: Catalogue):
     path = written(tmp_path, PLUGIN.format(kind="higher", method="check"))
     extended = catalogue.with_file(path)
-    assert "higher" not in catalogue.guards
+    assert "higher" not in catalogue.group("guards")
     mission = parse(
         "missionkit: 1\nmission: m\ninitial: idle\n"
         "states: {idle: {kind: idle, transitions: [{to: idle, when: {use: higher, height: 4}}]}}\n",
@@ -105,9 +107,9 @@ def installed(monkeypatch: pytest.MonkeyPatch, value: str, name: str = "mine") -
 
 
 def test_installed_plugins_are_found(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue):
-    without = Catalogue(**{**vars(catalogue), "guards": {}})
+    without = replace(catalogue, plugins={**catalogue.plugins, "guards": {}})
     installed(monkeypatch, "missionkit.guards.distances:Within")
-    assert list(without.with_entry_points().guards) == ["within"]
+    assert list(without.with_entry_points().group("guards")) == ["within"]
 
 
 IDLE = """\
@@ -123,9 +125,12 @@ states: {idle: {kind: idle, transitions: [{to: idle, when: %s}]}}
     ("value", "message"),
     [
         ("missionkit.nowhere:Within", "missionkit.nowhere:Within cannot be imported: Module"),
-        ("missionkit.guards.distances:norm", "is not a class derived from Guard or WindowGuard"),
+        ("missionkit.guards.distances:norm", "is not a class"),
         ("missionkit.plugin:Guard", "Guard has no `kind`"),
-        ("missionkit.behaviors.hold:Hold", "is not a class derived from Guard or WindowGuard"),
+        (
+            "missionkit.behaviors.hold:Hold",
+            "Hold lacks the method check and the method region of a",
+        ),
     ],
 )
 def test_an_installed_plugin_that_is_broken_matters_only_where_it_is_used(
@@ -133,7 +138,7 @@ def test_an_installed_plugin_that_is_broken_matters_only_where_it_is_used(
 ):
     installed(monkeypatch, value)
     found = catalogue.with_entry_points()
-    assert found.guards == catalogue.guards
+    assert found.group("guards") == catalogue.group("guards")
     assert message in found.broken["guards", "mine"]
     parse(IDLE % "done", "m.yaml", found)
     with pytest.raises(FileError, match=r"guard 'mine' cannot be used: ") as refusal:
@@ -157,18 +162,19 @@ def test_a_package_may_raise_anything_when_it_is_imported(
 def test_a_package_does_not_take_the_place_of_a_plugin_of_ours(
     monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ):
-    mine = type("Mine", (catalogue.guards["within"],), {"__module__": "theirs", "kind": "within"})
+    within = catalogue.group("guards")["within"]
+    mine = type("Mine", (within,), {"__module__": "theirs", "kind": "within"})
     installed(monkeypatch, "theirs:Mine", "within")
     monkeypatch.setattr(EntryPoint, "load", lambda _: mine)
     found = catalogue.with_entry_points()
-    assert found.guards["within"] is catalogue.guards["within"]
+    assert found.group("guards")["within"] is catalogue.group("guards")["within"]
     assert "two guards are called 'within'" in found.broken["guards", "within"]
 
 
 def test_of_two_packages_with_one_name_neither_is_guessed(
     monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue
 ):
-    within = catalogue.guards["within"]
+    within = catalogue.group("guards")["within"]
     kinds = [type("Mine", (within,), {"__module__": it, "kind": "mine"}) for it in ("a", "b")]
     entries = [EntryPoint("mine", f"{it}:Mine", "missionkit.guards") for it in ("a", "b")]
     monkeypatch.setattr(
@@ -176,7 +182,7 @@ def test_of_two_packages_with_one_name_neither_is_guessed(
     )
     monkeypatch.setattr(EntryPoint, "load", lambda it: kinds[entries.index(it)])
     found = catalogue.with_entry_points()
-    assert "mine" not in found.guards
+    assert "mine" not in found.group("guards")
     with pytest.raises(FileError, match="two guards are called 'mine'"):
         parse(IDLE % "{use: mine}", "m.yaml", found)
 
@@ -211,16 +217,17 @@ class Calm(Plugin):
         ("navigators", Sightless, "Sightless lacks the method build"),
         ("navigators", Hasty, "Hasty.build must take 2 arguments"),
         ("planners", Calm, "Calm lacks the method begin"),
-        ("detectors", Calm, "is not a class derived from Detector"),
-        ("behaviors", Calm, "is not a class derived from Behavior"),
+        ("detectors", Calm, "Calm lacks the method detect and the attribute target of a detector"),
+        ("behaviors", Calm, "Calm lacks the method begin and the method targets and the"),
     ],
 )
 def test_every_kind_of_plugin_is_looked_at_when_it_is_loaded(group, plugin, says):
-    assert says in wrong_with(group, plugin)
+    with pytest.raises(UsageError) as error:
+        checked(plugin, group)
+    assert says in str(error.value)
 
 
 def test_all_of_ours_are_what_they_should_be(catalogue: Catalogue):
     for group in GROUPS:
-        assert [
-            wrong_with(group, it) for it in catalogue.group(group).values() if wrong_with(group, it)
-        ] == []
+        for plugin in catalogue.group(group).values():
+            assert checked(plugin, group) is plugin

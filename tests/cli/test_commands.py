@@ -126,8 +126,7 @@ def test_every_plugin_kind_and_fault_is_listed(call):
     listed = call("plugins").stdout
     words = {line.split()[0] for line in listed.splitlines() if line.startswith("  ")}
     catalogue = builtin()
-    groups = (catalogue.guards, catalogue.behaviors, catalogue.detectors, catalogue.planners)
-    for names in (*groups, catalogue.navigators, catalogue.kinds, FAULTS):
+    for names in (*catalogue.plugins.values(), catalogue.kinds, FAULTS):
         assert words >= set(names)
 
 
@@ -149,7 +148,7 @@ def test_a_kind_of_state_shows_its_contract(call):
 
 def test_plugins_for_programs(call):
     everything = json.loads(call("plugins", "--json").stdout)
-    assert set(everything) >= set(builtin().guards)
+    assert set(everything) >= set(builtin().group("guards"))
     one = json.loads(call("plugins", "battery_below", "--json").stdout)
     (floor, _) = one["battery_below"]["parameters"]
     assert (floor["name"], floor["default"]) == ("floor", "required")

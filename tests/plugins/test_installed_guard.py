@@ -82,7 +82,7 @@ def check(flight: Flight) -> None:
 
 
 def test_an_installed_guard_is_found_and_flown(installed: Catalogue):
-    assert source(installed.guards["too_fast"]) == "missionkit_too_fast.TooFast"
+    assert source(installed.group("guards")["too_fast"]) == "missionkit_too_fast.TooFast"
     check(flown(short_stage(MISSION, catalogue=installed)))
 
 
@@ -97,6 +97,6 @@ def test_installed_and_given_as_a_file_is_one_too_many(installed: Catalogue, wri
 
 
 def test_without_the_package_its_name_is_unknown():
-    assert "too_fast" not in builtin().guards
+    assert "too_fast" not in builtin().group("guards")
     with pytest.raises(FileError, match="too_fast"):
         short_stage(MISSION)

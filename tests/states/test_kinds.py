@@ -24,14 +24,15 @@ def test_every_kind_is_known_by_its_name_and_has_a_summary():
 
 def test_contracts_name_only_what_exists():
     catalogue = builtin()
+    behaviors = catalogue.group("behaviors")
     for kind in KINDS.values():
         assert set(kind.must_reach) <= set(KINDS)
-        assert kind.default_behavior is None or kind.default_behavior in catalogue.behaviors
+        assert kind.default_behavior is None or kind.default_behavior in behaviors
         assert kind.invariant is None or kind.invariant.to_kind in KINDS
         for failsafe in kind.failsafes:
             assert failsafe.to_kind in KINDS
             target = {"target": "t"} if failsafe.of_target else {}
-            guard = catalogue.guards[failsafe.use]
+            guard = catalogue.group("guards")[failsafe.use]
             assert guard(**failsafe.parameters, **target).kind == failsafe.use
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from missionkit.chart.checks.interval_boxes import (
     EVERYWHERE,
@@ -25,8 +25,9 @@ from missionkit.chart.model.traversal import actions_of
 from missionkit.chart.model.variables import Variable, is_number
 from missionkit.guards.state_progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
-from missionkit.plugin import Guard, Plugin, WindowGuard
+from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
+from missionkit.plugin_protocols import GuardProtocol
 
 NEVER_DONE = ("hold", "servo", "spiral")  # behaviours that continue until something else ends them
 
@@ -148,11 +149,9 @@ _SIDES = {
 
 def region_of(plugin: Plugin) -> Region | None:
     """Return what a guard declares, None if it declares nothing or cannot."""
-    if not isinstance(plugin, Guard | WindowGuard):
-        return None
     try:
         with reporting_faults():
-            return plugin.region()
+            return cast(GuardProtocol, plugin).region()
     except PluginError:
         return None
 

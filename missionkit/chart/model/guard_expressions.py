@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
+
+from pydantic import BaseModel
 
 from missionkit.errors import Place
 from missionkit.plugin import Plugin
 
-P_co = TypeVar("P_co", bound=Plugin, covariant=True)
+P_co = TypeVar("P_co", covariant=True)  # a model of parameters, with the methods of its group
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,12 +128,13 @@ def _chart_text(expression: Variable | In | Finished) -> str:
             return f"done ({state})"
 
 
-def use_text(use: Use[Plugin]) -> str:
+def use_text(use: Use[object]) -> str:
     """Return a plug-in with the parameters the mission gave it: "within 9 of trunk"."""
+    model = cast(BaseModel, use.plugin)
     given = [
-        f"{name} {_value(getattr(use.plugin, name))}"
-        for name in type(use.plugin).model_fields
-        if name in use.plugin.model_fields_set
+        f"{name} {_value(getattr(model, name))}"
+        for name in type(model).model_fields
+        if name in model.model_fields_set
     ]
     words = use.kind.replace("_", " ")
     return f"{words} ({', '.join(given)})" if given else words

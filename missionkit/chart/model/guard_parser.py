@@ -94,7 +94,7 @@ def _word(word: str, scope: Scope) -> ex.Expression:
     place = place_of(word)
     if word in scope.guards:
         return ex.Named(word, place)
-    kinds = scope.catalogue.guards
+    kinds = scope.catalogue.group("guards")
     if word not in kinds and (why := scope.catalogue.broken.get(("guards", word))):
         raise sentences(sentence(f"guard {word!r} cannot be used: {why}"))
     if word not in kinds:

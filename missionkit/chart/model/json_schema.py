@@ -16,8 +16,9 @@ from missionkit.chart.model.guard_expressions import COMPARISONS
 from missionkit.chart.model.key_descriptions import described
 from missionkit.chart.model.mission import GROUP_KIND, SHAPES, Mission
 from missionkit.chart.model.model_base import NAMED
-from missionkit.chart.model.plugin_references import NONE, WORDS, needs_parameters
+from missionkit.chart.model.plugin_references import NONE, needs_parameters
 from missionkit.chart.plugin_catalogue import Catalogue, Plugins
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.chart.text.parameter_expansion import PATTERN
 
 Schema = dict[str, Any]
@@ -40,7 +41,7 @@ def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
     """
     schema = Mission.model_json_schema()
     definitions: Schema = schema.pop("$defs", {})
-    for group in WORDS:
+    for group in GROUPS:
         for kind, plugin in sorted(catalogue.group(group).items()):
             used = plugin.model_json_schema()
             definitions |= used.pop("$defs", {})
@@ -86,7 +87,7 @@ def _any_plugin(group: str, plugins: Plugins) -> Schema:
     bare = sorted(kind for kind, plugin in plugins.items() if not needs_parameters(plugin))
     uses = [{"$ref": f"#/$defs/{group}.{kind}"} for kind in sorted(plugins)]
     words = [{"const": kind} for kind in bare]
-    return {"description": f"a {WORDS[group]}", "anyOf": [*words, *uses]}
+    return {"description": f"a {GROUPS[group].word}", "anyOf": [*words, *uses]}
 
 
 def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:

@@ -52,8 +52,10 @@ from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.messages import Occupancy
 from missionkit.perception.camera_section import Camera
+from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.map_section import KnownMap
-from missionkit.plugin import Behavior, Plugin
+from missionkit.plugin import Plugin
+from missionkit.plugin_protocols import BehaviorProtocol
 from missionkit.units import Seconds
 
 Actions = Annotated[tuple[Action, ...], Field(strict=False)]
@@ -174,7 +176,7 @@ class State(MissionPart):
 
     kind: KindName
     summary: str = ""
-    behavior: Annotated[Use[Behavior], Reference("behaviors")] | None = None
+    behavior: Annotated[Use[BehaviorProtocol], Reference("behaviors")] | None = None
     transitions: Annotated[tuple[Transition, ...], Field(strict=False)] = ()
     entry: Actions = ()
     exit: Actions = ()
@@ -274,7 +276,7 @@ class Mission(MissionPart):
     perception: Annotated[
         tuple[Annotated[Use[Plugin], Reference("detectors")], ...], Field(strict=False)
     ] = ()
-    avoid: Annotated[Use[Plugin] | None, Reference("planners", optional=True)] = Field(
+    avoid: Annotated[Use[AvoidancePlanner] | None, Reference("planners", optional=True)] = Field(
         default=_use("potential_field"), validate_default=True
     )
     control: Annotated[Control, Plain] = Control()

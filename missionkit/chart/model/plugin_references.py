@@ -12,18 +12,13 @@ from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.model_base import HOME, Scope
 from missionkit.chart.model.validation_problems import plain
+from missionkit.chart.plugin_groups import GROUPS
 from missionkit.chart.text.located_data import Table, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
-from missionkit.plugin import Behavior, Plugin, WindowGuard
+from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
+from missionkit.plugin_protocols import BehaviorProtocol, WindowGuardProtocol
 
-WORDS = {
-    "guards": "guard",
-    "behaviors": "behaviour",
-    "navigators": "navigator",
-    "detectors": "detector",
-    "planners": "planner",
-}
 NONE = "none"
 
 
@@ -37,7 +32,7 @@ class Reference:
     @property
     def says(self) -> str:
         """Description of a valid value, for messages."""
-        return f"a {WORDS[self.group]}, {{use: ...}}"
+        return f"a {GROUPS[self.group].word}, {{use: ...}}"
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
@@ -64,7 +59,7 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     Raises:
         ValidationError: it is none, or its parameters are wrong, in sentences.
     """
-    word, known = WORDS[group], scope.catalogue.group(group)
+    word, known = GROUPS[group].word, scope.catalogue.group(group)
     if not isinstance(data, dict):
         if not isinstance(data, str):
             raise sentences(sentence(f"expected a {word}, {{use: ...}}, got {shown(data)}"))
@@ -98,7 +93,7 @@ def _made(
         return own, unknown_targets(own, scope)
     with reporting_faults(ValidationError):
         made = plain(plugin, parameters)
-        if isinstance(made, WindowGuard):
+        if isinstance(made, WindowGuardProtocol):
             made.begin()  # the flight begins with it
         return made, unknown_targets(made, scope)
 
@@ -110,7 +105,7 @@ def needs_parameters(plugin: type[Plugin]) -> bool:
 
 def unknown_targets(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
     """Return an error for each target that the mission does not define."""
-    needed = plugin.targets() if isinstance(plugin, Behavior) else (HOME,)
+    needed = plugin.targets() if isinstance(plugin, BehaviorProtocol) else (HOME,)
     known = scope.targets if HOME in needed else scope.targets | {HOME}
     named = {key: getattr(plugin, key) for key in ("target", "of") if key in keys_of(type(plugin))}
     errors = [

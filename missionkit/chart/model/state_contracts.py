@@ -112,7 +112,7 @@ def _transition(
     parameters: dict[str, Any] = dict(failsafe.parameters)
     if failsafe.of_target:
         parameters["target"] = targets[0]
-    guard = catalogue.guards[failsafe.use](**parameters)
+    guard = catalogue.group("guards")[failsafe.use](**parameters)
     return Transition.model_construct(
         {"to", "when", "name", "emergency"},
         to=(to,),

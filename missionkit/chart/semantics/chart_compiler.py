@@ -145,7 +145,7 @@ class _Compiler:
     def _touched(self, land: str) -> tuple[Transition, ...]:
         """Return what happens when the ground is touched outside landing and take-off."""
         guard: ex.Expression = ex.Use(
-            "ground_touched", self.catalogue.guards["ground_touched"](), NOWHERE
+            "ground_touched", self.catalogue.group("guards")["ground_touched"](), NOWHERE
         )
         touched = Transition(
             number=self._next(),
@@ -158,7 +158,7 @@ class _Compiler:
 
     def _stuck(self, land: str) -> tuple[Transition, ...]:
         """Return what happens when plug-ins keep failing, after the mission's own failsafes."""
-        plugin = self.catalogue.guards["plugin_failed"]()
+        plugin = self.catalogue.group("guards")["plugin_failed"]()
         guard: ex.Expression = ex.Use("plugin_failed", plugin, NOWHERE)
         ask: GuardFunction = self.asker.ask(guard)
         home = self.firsts.get("return", land)

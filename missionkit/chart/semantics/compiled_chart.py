@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from missionkit.chart.model.variables import Value, Values, Variable
 from missionkit.messages import Estimate, Mode, Verdict
-from missionkit.plugin import Behavior
 from missionkit.plugin_containment import Containment
+from missionkit.plugin_protocols import BehaviorProtocol
 from missionkit.states.contract import StateKind
 
 NO_VALUES: Values = {}
@@ -119,7 +119,7 @@ class State:
 
     name: str
     kind: StateKind
-    behavior: Behavior | None
+    behavior: BehaviorProtocol | None
     target: str | None  # what the behaviour works on
     dwell: float  # s, least time before a transition other than a failsafe
     transitions: tuple[Transition, ...] = ()

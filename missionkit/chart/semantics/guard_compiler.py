@@ -12,8 +12,9 @@ from missionkit.chart.model.variables import is_number
 from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
 from missionkit.messages import Estimate, Verdict
-from missionkit.plugin import Guard, Plugin, WindowGuard
+from missionkit.plugin import Plugin
 from missionkit.plugin_containment import is_foreign
+from missionkit.plugin_protocols import GuardProtocol, WindowGuardProtocol
 
 Check = Callable[[Estimate], Verdict]
 YES, NO = Verdict(holds=True), Verdict(holds=False)
@@ -60,9 +61,12 @@ class GuardCompiler:
         """Return what to ask if `expression` is one guard of the package that remembers nothing."""
         if isinstance(expression, ex.Named):
             expression = self._named[expression.name]
-        if not isinstance(expression, ex.Use) or not isinstance(expression.plugin, Guard):
+        if not isinstance(expression, ex.Use):
             return None
-        return None if is_foreign(expression.plugin) else expression.plugin.check
+        plugin = expression.plugin
+        if is_foreign(plugin) or isinstance(plugin, WindowGuardProtocol):
+            return None
+        return cast(GuardProtocol, plugin).check
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
@@ -98,13 +102,13 @@ class GuardCompiler:
 
     def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
         foreign = is_foreign(plugin)
-        if isinstance(plugin, WindowGuard):
+        if isinstance(plugin, WindowGuardProtocol):
             advance = _advancing(name, plugin, foreign=foreign)
             slot = self._slot(GuardMemory(name, plugin.begin, advance, plugin.resumed))
             return _answered(name, _window(name, plugin, slot, foreign=foreign))
         if not foreign:
-            return _trusting(name, cast(Guard, plugin))
-        return _answered(name, _simple(name, cast(Guard, plugin)))
+            return _trusting(name, cast(GuardProtocol, plugin))
+        return _answered(name, _simple(name, cast(GuardProtocol, plugin)))
 
     def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
         inner = self.ask(latch.part)
@@ -138,7 +142,7 @@ def _answered(name: str, ask: GuardFunction) -> GuardFunction:
     return once
 
 
-def _simple(name: str, guard: Guard) -> GuardFunction:
+def _simple(name: str, guard: GuardProtocol) -> GuardFunction:
     check = guard.check
 
     def ask(question: GuardContext) -> Verdict:
@@ -148,7 +152,7 @@ def _simple(name: str, guard: Guard) -> GuardFunction:
     return ask
 
 
-def _trusting(name: str, guard: Guard) -> GuardFunction:
+def _trusting(name: str, guard: GuardProtocol) -> GuardFunction:
     """Ask a guard of the package once a tick; its types are known, so only odd numbers are slow.
 
     This is the innermost of the tick: one closure instead of three.
@@ -172,7 +176,7 @@ def _trusting(name: str, guard: Guard) -> GuardFunction:
     return ask
 
 
-def _window(name: str, guard: WindowGuard, slot: int, *, foreign: bool) -> GuardFunction:
+def _window(name: str, guard: WindowGuardProtocol, slot: int, *, foreign: bool) -> GuardFunction:
     check = guard.check
 
     def ask(question: GuardContext) -> Verdict:
@@ -184,7 +188,7 @@ def _window(name: str, guard: WindowGuard, slot: int, *, foreign: bool) -> Guard
 
 
 def _advancing(
-    name: str, guard: WindowGuard, *, foreign: bool
+    name: str, guard: WindowGuardProtocol, *, foreign: bool
 ) -> Callable[[Anything, GuardContext], Anything]:
     step = guard.advance
 

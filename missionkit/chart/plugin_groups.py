@@ -1,0 +1,46 @@
+"""The groups of plug-ins: one entry is all that a group needs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from missionkit.behaviors import ALL as BEHAVIORS
+from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.navigator import NavigatorParameters
+from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.guards import ALL as GUARDS
+from missionkit.perception.aruco import Aruco
+from missionkit.planning.avoidance_planner import AvoidancePlanner
+from missionkit.planning.potential_field import PotentialField
+from missionkit.plugin import Plugin
+from missionkit.plugin_protocols import (
+    BehaviorProtocol,
+    DetectorProtocol,
+    GuardProtocol,
+    WindowGuardProtocol,
+)
+
+
+class PluginGroup(NamedTuple):
+    """What the plug-ins of a group are called and must satisfy, and which ones come along."""
+
+    word: str  # for one of them, in messages
+    contracts: tuple[type, ...]  # protocols; a class satisfies one of them
+    builtin: tuple[type[Plugin], ...]
+    bases: tuple[type[Plugin], ...] = ()  # parameters of what the package builds: no methods needed
+
+
+GROUPS: Mapping[str, PluginGroup] = {
+    # name of the section in `missionkit plugins`, and of the entry points `missionkit.NAME`
+    "guards": PluginGroup("guard", (GuardProtocol, WindowGuardProtocol), GUARDS),
+    "behaviors": PluginGroup("behaviour", (BehaviorProtocol,), BEHAVIORS),
+    "navigators": PluginGroup(
+        "navigator",
+        (NavigatorParameters,),
+        builtin=(FlowKalman, VisualInertialEkf),
+        bases=(FlowKalman, VisualInertialEkf),
+    ),
+    "detectors": PluginGroup("detector", (DetectorProtocol,), (Aruco,), bases=(Aruco,)),
+    "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
+}

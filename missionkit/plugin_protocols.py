@@ -1,0 +1,100 @@
+"""Contracts of plug-ins: what a class must have to be used, whatever it is derived from.
+
+The base classes in `missionkit.plugin` satisfy them and give the optional parts a default. The
+contracts of navigators and planners are `estimation.navigator.NavigatorParameters` and
+`planning.avoidance_planner.AvoidancePlanner`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
+
+from missionkit.geometry import Transform
+from missionkit.messages import (
+    CameraModel,
+    Estimate,
+    Frame,
+    Occupancy,
+    Sighting,
+    Spot,
+    Step,
+    Target,
+    Verdict,
+)
+from missionkit.messages.region import Region
+
+
+@runtime_checkable
+class GuardProtocol(Protocol):
+    """A predicate over the estimate; see `plugin.Guard`."""
+
+    kind: ClassVar[str]
+
+    def check(self, seen: Estimate) -> Verdict:
+        """Say whether the guard holds."""
+
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: unknown."""
+
+
+@runtime_checkable
+class WindowGuardProtocol(Protocol):
+    """A predicate with memory; see `plugin.WindowGuard`."""
+
+    kind: ClassVar[str]
+
+    def begin(self) -> Any:
+        """Return the memory at the start of the mission."""
+
+    def advance(self, memory: Any, seen: Estimate) -> Any:
+        """Return the next memory."""
+
+    def check(self, memory: Any, seen: Estimate) -> Verdict:
+        """Say whether the guard holds."""
+
+    def resumed(self, memory: Any, gap: float) -> Any:
+        """Return the memory after a `gap` (s)."""
+
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: unknown."""
+
+
+@runtime_checkable
+class BehaviorProtocol(Protocol):
+    """The action of a state; see `plugin.Behavior`."""
+
+    kind: ClassVar[str]
+
+    def begin(self, seen: Estimate) -> Any:
+        """Return the memory on entry to the state."""
+
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        """Say what to do now."""
+
+    def targets(self) -> tuple[str, ...]:
+        """Name the targets this behaviour needs."""
+
+    def unfit(self, known: Occupancy | None, targets: Mapping[str, Spot]) -> str:
+        """Say before flight why the map rules this behaviour out; "" if it does not."""
+
+
+class Prior(NamedTuple):
+    """Prior belief about a target, before a frame is examined."""
+
+    body: Transform | None  # body to world at the exposure; None: not known
+    target: Target | None  # estimated position of the target; None: not known
+
+
+@runtime_checkable
+class DetectorProtocol(Protocol):
+    """Finds one target in camera frames; see `plugin.Detector`."""
+
+    kind: ClassVar[str]
+
+    @property
+    def target(self) -> str:
+        """Name of the target it looks for."""
+
+    def detect(self, frame: Frame, camera: CameraModel, prior: Prior) -> tuple[Sighting, ...]:
+        """Return what a frame shows of the target; empty: it is not in view."""
