@@ -135,7 +135,7 @@ def test_a_plugin_that_raises_while_it_is_read_is_a_sentence(
     catalogue, kind, place, why, how, says
 ):
     use = f"{{use: {kind}, how: {how}}}"
-    is_guard = kind in catalogue.guards
+    is_guard = kind in catalogue.group("guards")
     text = MISSION.format(behavior=TAKE_OFF if is_guard else use, guard=use if is_guard else "done")
     with pytest.raises(FileError) as refusal:
         parse(text, "m.yaml", catalogue)
@@ -146,7 +146,7 @@ def test_a_plugin_that_raises_while_it_is_read_is_a_sentence(
 
 @pytest.mark.parametrize("how", ["late", "stop", "exit", "error"])
 def test_a_guard_that_cannot_declare_what_it_reads_counts_as_one_that_does_not(catalogue, how):
-    assert region_of(catalogue.guards["vague"](how=how)) is None
+    assert region_of(catalogue.group("guards")["vague"](how=how)) is None
 
 
 def test_plugins_that_do_not_raise_are_read(catalogue):
