@@ -107,6 +107,24 @@ def test_everybody_who_called_hears_and_noise_is_nobody():
     link._socket.close()
 
 
+def test_the_autopilots_frames_gather_and_what_is_urgent_passes_at_once():
+    served, poller = [], Poller(gathered=60.0)  # s; the test would never wait for it
+    autopilot, frames = socket.socketpair()
+    mission, setpoints = socket.socketpair()
+    with autopilot, frames, mission, setpoints:
+        poller.add(frames.fileno(), lambda _: served.append(frames.recv(100)))
+        poller.add(setpoints.fileno(), lambda _: served.append(setpoints.recv(100)), urgent=True)
+        autopilot.send(b"first")
+        poller.wait(5.0)
+        autopilot.send(b"second")
+        autopilot.send(b", third")
+        mission.send(b"setpoint")
+        poller.wait(5.0)
+        assert served == [b"first", b"setpoint"]
+        poller.wait(5.0)
+        assert served == [b"first", b"setpoint", b"second, third"]
+
+
 @pytest.mark.parametrize(("device", "baud"), [("/dev/null", 57600), ("/dev/nowhere", 57600)])
 def test_what_is_no_serial_line_is_said(device, baud):
     with pytest.raises(OSError, match=r"serial line|No such file"):

@@ -15,7 +15,7 @@ import sys
 from contextlib import suppress
 
 from missionkit.vehicle.guardian import HOLDER
-from missionkit.vehicle.guardian.autopilot_link import Poller, open_link
+from missionkit.vehicle.guardian.autopilot_link import GATHERED, Poller, open_link
 from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.guardian.relay import Ends, Relay
 
@@ -34,7 +34,7 @@ def main(arguments: list[str]) -> None:
     scheme, place, number, pace, brake, hold, port, control, lock, spare = arguments
     ends = Ends(_local(int(port)), socket.socket(fileno=int(control)))
     ends.control.settimeout(0.0)
-    poller = Poller()
+    poller = Poller(min(GATHERED, GATHERED / float(pace)))
     left_out = frozenset(map(int, spare.split(",")))
     patience = Patience(float(brake), float(hold))
     relay = Relay(poller, ends, float(pace), patience, left_out, lambda: _sign(int(lock)))

@@ -14,7 +14,7 @@ from missionkit.vehicle.guardian.mavlink_frames import split
 
 CHUNK = 65536
 AT_ONCE = 64  # datagrams read in one go
-GATHERED = 0.003  # s in which frames of the autopilot are gathered: fewer, fuller datagrams
+GATHERED = 0.01  # s (of the vehicle) in which the autopilot's frames gather into full datagrams
 PEERS = 8
 BACKLOG = 4096  # bytes that wait for a slow line; what comes then is lost
 Handler = Callable[[int], None]
@@ -22,13 +22,19 @@ Peer = tuple[object, ...]  # host, port, and more for IPv6
 
 
 class Poller:
-    """File descriptors that are waited for together."""
+    """File descriptors that are waited for together.
 
-    def __init__(self) -> None:
+    Args:
+        gathered: how long (s) a descriptor that is not urgent rests after it was served.
+    """
+
+    def __init__(self, gathered: float = GATHERED) -> None:
         self._epoll = select.epoll()
         self._handlers: dict[int, Handler] = {}
         self._urgent = select.epoll()
         self._patient: set[int] = set()
+        self._gathered = gathered
+        self._rest = False  # one that is not urgent was served just now
 
     def add(self, descriptor: int, handler: Handler, *, urgent: bool = False) -> None:
         """Call `handler(events)` when there is something to read; what is not urgent can wait."""
@@ -53,10 +59,10 @@ class Poller:
                 epoll.unregister(descriptor)
 
     def wait(self, seconds: float) -> None:
-        """Wait for at most so long, and call who has something."""
-        found = self._epoll.poll(seconds)
-        if len(found) == 1 and found[0][0] in self._patient:
-            found = self._urgent.poll(GATHERED) + found
+        """Wait for at most so long, the rest added, and call the handlers that have something."""
+        found = self._urgent.poll(self._gathered) if self._rest else []
+        found = found or self._epoll.poll(seconds)
+        self._rest = any(descriptor in self._patient for descriptor, _ in found)
         for descriptor, events in found:
             handler = self._handlers.get(descriptor)
             if handler is not None:
