@@ -17,10 +17,12 @@ from missionkit.cli.command_options import (
     System,
     told,
 )
+from missionkit.cli.option_errors import Commands
 from missionkit.errors import ExitCode, UsageError
 
 app = typer.Typer(
     name="missionkit",
+    cls=Commands,
     help="Drone missions as YAML state charts: checked, rehearsed, flown.",
     epilog=(
         "Exit codes: 0 flown and succeeded, 1 ended safely without success, 2 a file or an option "

@@ -79,7 +79,7 @@ def test_a_plugin_file_that_cannot_be_used_is_told_in_every_format(call, tmp_pat
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["validate"], "Missing argument"),
+        (["validate"], "missionkit validate: MISSION.yaml ... is missing"),
         (["validate", "hop.yaml", "--format", "jsn"], "--format jsn: unknown; did you mean 'json'"),
         (["explain", "none.yaml"], "none.yaml:1:1: cannot be read: no such file"),
     ],
