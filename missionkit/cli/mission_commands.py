@@ -61,9 +61,10 @@ def _tell(
     strict: bool,
 ) -> None:
     """Say on stdout what is in order, on stderr what is not."""
+    terminal, lines = sys.stderr.isatty(), problem_report.sources(problems)
     if problems:
-        colours = sys.stderr.isatty() and not os.environ.get("NO_COLOR")
-        _complain(problem_report.text(problems, problem_report.sources(problems), colours=colours))
+        colours = terminal and not os.environ.get("NO_COLOR")
+        _complain(problem_report.text(problems, lines, colours=colours))
     for path, (mission, found) in checked.items():
         name = printable(str(path))
         if mission is not None and not _refused(found, strict=strict):
@@ -71,6 +72,8 @@ def _tell(
             _say(f"{name}: ok{but} ({_size(mission)})")
         else:
             _complain(f"{name}: {problem_report.summary(found)}")
+    if terminal and (hint := problem_report.schema_hint(problems, lines)):
+        _complain(printable(hint))
 
 
 def _for_programs(form: str, problems: Sequence[Problem]) -> str:
@@ -166,10 +169,7 @@ def new(kind: str, name: str, to: Path) -> None:
     """Write a working example."""
     from missionkit.cli.scaffold import new as write  # noqa: PLC0415
 
-    catalogue = assemble()
-    taken = {"guard": catalogue.group("guards"), "behavior": catalogue.group("behaviors")}.get(
-        kind, {}
-    )
+    taken = assemble().plugins.get(f"{kind}s", {})
     for path in write(kind, name, to, taken):
         _say(str(path))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from unicodedata import combining, east_asian_width
@@ -11,6 +12,7 @@ from unicodedata import combining, east_asian_width
 from missionkit.chart.text.regular_file import read_bytes
 from missionkit.errors import Level, Problem, printable
 
+SCHEMA = "yaml-language-server"  # what editors look for
 SHOWN = 100  # characters of a source line
 BEFORE = 60  # of them before the column
 MAX_BYTES = 4 * 1024 * 1024
@@ -93,6 +95,22 @@ def summary(problems: Sequence[Problem]) -> str:
     counts = {level: sum(each.level is level for each in problems) for level in Level}
     said = [f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n]
     return ", ".join(said) or "no problems"
+
+
+def schema_hint(problems: Sequence[Problem], lines: Sources) -> str:
+    """Return how an editor shows mistakes while a file is written; "" if that would not help.
+
+    It helps where a word is unknown, in a mission file that names no schema.
+    """
+    named = (it.place.file for it in problems if it.message.startswith("unknown "))
+    bare = [name for name in named if not any(SCHEMA in line for line in lines.get(name, ()))]
+    if not bare:
+        return ""
+    file = shlex.quote(bare[0])
+    return (
+        f"hint: `missionkit schema --for {file} > mission.schema.json` and the first line "
+        f"`# {SCHEMA}: $schema=mission.schema.json` make editors complete what this file may say"
+    )
 
 
 def as_json(problems: Sequence[Problem]) -> str:

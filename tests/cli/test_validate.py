@@ -96,3 +96,29 @@ def test_the_graph_marks_what_the_proof_finds(call, found, hop):
     assert "s0_idle --> s1_land : [1] done" in call("graph", "hop.yaml").stdout
     call("graph", "hop.yaml", "--out", "hop.svg")
     assert 'class="arrow marked"' in (hop.parent / "hop.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("terminal", "old", "new", "hints"),
+    [
+        (True, "kind: idle", "kind: idel", 1),
+        (True, "mission: ", "misson: ", 1),
+        (
+            True,
+            "missionkit: 1",
+            "# yaml-language-server: $schema=s.json\nmissionkit: 1\nmap_: 2",
+            0,
+        ),
+        (True, "missionkit: 1", "missionkit: 1", 0),
+        (False, "kind: idle", "kind: idel", 0),
+    ],
+)
+def test_a_terminal_hints_at_the_schema_where_a_word_is_unknown(
+    call, hop, monkeypatch, terminal, old, new, hints
+):
+    assert old in hop.read_text()
+    hop.write_text(hop.read_text().replace(old, new))
+    monkeypatch.setattr("typer.testing._NamedTextIOWrapper.isatty", lambda _: terminal)
+    monkeypatch.setenv("NO_COLOR", "1")
+    said = call("validate", "hop.yaml", "hop.yaml").stderr
+    assert said.count("`missionkit schema --for hop.yaml") == hints
