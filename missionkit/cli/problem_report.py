@@ -102,7 +102,7 @@ def schema_hint(problems: Sequence[Problem], lines: Sources) -> str:
 
     It helps where a word is unknown, in a mission file that names no schema.
     """
-    named = (it.place.file for it in problems if it.message.startswith("unknown "))
+    named = (it.place.file for it in problems if re.match(r"(.*: )?unknown ", it.message))
     bare = [name for name in named if not any(SCHEMA in line for line in lines.get(name, ()))]
     if not bare:
         return ""
