@@ -112,4 +112,4 @@ def _world_of(path: Path, mission: Mission) -> tuple[World | None, Sequence[Prob
 def _endurance(world: World) -> float:
     """Return how long (s) the simulated vehicle hovers on the battery it starts with."""
     joules = 3600.0 * world.battery.capacity * world.battery.charge
-    return joules / world.quadrotor.hover_power
+    return joules / world.quadrotor.hovering

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from missionkit.planning.rotor_power import RotorModel
 from missionkit.sim.world import World
 
 RATE = 200  # Hz, physics and inner autopilot
@@ -73,7 +74,7 @@ class Body(NamedTuple):
     drag_linear: float
     drag_quadratic: float
     radius: float
-    power: float  # W/N^1.5 of one rotor
+    power: float  # W/N^1.5 of one rotor, without a model of it
 
 
 class Gains(NamedTuple):
@@ -127,7 +128,7 @@ def gauss_markov(sd: float, tau: float, dt: float) -> tuple[float, float]:
     return keep, sd * math.sqrt(1.0 - keep * keep)
 
 
-def constants(world: World) -> tuple[Body, Gains, Air, Inertial]:
+def constants(world: World) -> tuple[Body, RotorModel, Gains, Air, Inertial]:
     """Turn the parameters of `world` into what the kernels read."""
     quad, auto, imu = world.quadrotor, world.autopilot, world.sensors.imu
     weight = quad.mass * GRAVITY
@@ -170,4 +171,5 @@ def constants(world: World) -> tuple[Body, Gains, Air, Inertial]:
         imu.gyro_walk * math.sqrt(period),
         imu.disarmed,
     )
-    return body, gains, air, inertial
+    rotor = RotorModel() if quad.rotors is None else quad.rotors.model()
+    return body, rotor, gains, air, inertial

@@ -11,6 +11,7 @@ import numpy as np
 
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
+from missionkit.planning.rotor_power import RotorModel
 from missionkit.sim import kernel_layout as at
 from missionkit.sim.inner_autopilot import blur, command
 from missionkit.sim.kernel_layout import (
@@ -20,7 +21,7 @@ from missionkit.sim.kernel_layout import (
     Inertial,
 )
 from missionkit.sim.obstacle_distance import nearest_gap
-from missionkit.sim.rigid_body import advance, touch
+from missionkit.sim.rigid_body import advance, electrical_power, touch
 
 
 @compiled
@@ -89,6 +90,7 @@ def fly(
     extra: Vec3,
     things: Mat,
     body: Body,
+    rotor: RotorModel,
     gains: Gains,
     air: Air,
     inertial: Inertial,
@@ -105,6 +107,7 @@ def fly(
         extra: (3,) m/s, NED, wind on top of mean and gusts.
         things: (N, 8) obstacles.
         body: constants.
+        rotor: constants of one rotor.
         gains: constants.
         air: constants.
         inertial: constants.
@@ -130,8 +133,11 @@ def fly(
         touch(x, memory)
         watch(x, memory, things, body)
         feel(x, before, memory)
-        for rotor in range(13, 17):
-            memory[at.ENERGY] += body.power * max(0.0, x[rotor]) ** 1.5 * at.DT
+        if rotor.area > 0.0:
+            memory[at.ENERGY] += electrical_power(x, wind, rotor) * at.DT
+        else:
+            for thrust in range(13, 17):
+                memory[at.ENERGY] += body.power * max(0.0, x[thrust]) ** 1.5 * at.DT
         memory[at.IMU_COUNT] += 1.0
         if memory[at.IMU_COUNT] >= at.IMU_EVERY:
             sample(memory, imu_noise[done], inertial, samples[done])

@@ -9,6 +9,7 @@ import math
 
 from missionkit.geometry import Vec3
 from missionkit.jit import compiled
+from missionkit.planning.rotor_power import RotorModel, rotor_power
 from missionkit.sim.kernel_layout import (
     CRASHED,
     GRAVITY,
@@ -58,6 +59,26 @@ def derivative(x: Vec3, u: Vec3, wind: Vec3, body: Body, out: Vec3) -> None:
     out[12] = (yaw - (body.jy - body.jx) * p * q) / body.jz
     for n in range(4):
         out[13 + n] = (u[n] - x[13 + n]) / body.lag
+
+
+@compiled
+def electrical_power(x: Vec3, wind: Vec3, rotor: RotorModel) -> float:
+    """Return the power (W) that the four rotors take from the battery.
+
+    Args:
+        x: (17,) state.
+        wind: (3,) m/s, NED.
+        rotor: constants of one rotor.
+    """
+    w, i, j, k = x[6], x[7], x[8], x[9]
+    an, ae, ad = x[3] - wind[0], x[4] - wind[1], x[5] - wind[2]
+    down_n, down_e, down_d = 2.0 * (i * k + w * j), 2.0 * (j * k - w * i), 1 - 2 * (i * i + j * j)
+    through = -(an * down_n + ae * down_e + ad * down_d)
+    along = math.sqrt(max(0.0, an * an + ae * ae + ad * ad - through * through))
+    total = 0.0
+    for n in range(13, 17):
+        total += rotor_power(x[n], along, through, rotor)
+    return total
 
 
 @compiled

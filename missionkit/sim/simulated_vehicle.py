@@ -313,8 +313,12 @@ class SimulatedVehicle:
             )
 
     def _power(self) -> float:
-        thrusts = self._plant.state[13:17].clip(0.0)
+        """Return the power (W) that the rotors take now, or took in the last stretch flown."""
         quad = self.world.quadrotor
+        if quad.rotors is not None:
+            before, last = self.track.rows[-2:]
+            return float((last[-1] - before[-1]) / (last[0] - before[0]))
+        thrusts = self._plant.state[13:17].clip(0.0)
         hover = quad.mass * kernel_layout.GRAVITY / 4.0
         return quad.hover_power * float(((thrusts / hover) ** 1.5).mean())
 

@@ -6,8 +6,11 @@ quadrotor with consumer sensors.
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from typing import Self
 
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from missionkit.planning.rotor_power import RotorPower
 from missionkit.units import (
     Degrees,
     Fraction,
@@ -30,7 +33,9 @@ class Frozen(BaseModel):
 class Quadrotor(Frozen):
     """Rigid body with four rotors in X configuration.
 
-    Drag is `-(drag_linear + drag_quadratic |v|) v` with v the velocity relative to the air.
+    Drag is `-(drag_linear + drag_quadratic |v|) v` with v the velocity relative to the air. The
+    battery gives `hover_power`, growing with each rotor's thrust^1.5 whatever the vehicle's motion;
+    or, with `rotors`, what momentum and blade-element theory say of thrust and motion in the air.
     """
 
     mass: Number = Field(default=1.6, gt=0, description="kg")
@@ -45,6 +50,18 @@ class Quadrotor(Frozen):
     drag_quadratic: Number = Field(default=0.03, ge=0, description="N/(m/s)²")
     radius: Metres = Field(default=0.35, gt=0, description="of the sphere that must stay clear")
     hover_power: Number = Field(default=180.0, gt=0, description="W")
+    rotors: RotorPower | None = Field(default=None, description="instead of hover_power")
+
+    @model_validator(mode="after")
+    def _one_power(self) -> Self:
+        if self.rotors is not None and "hover_power" in self.model_fields_set:
+            raise ValueError("give either hover_power or rotors, whose own hover power follows")
+        return self
+
+    @property
+    def hovering(self) -> float:
+        """Power (W) that a hover in still air takes."""
+        return self.hover_power if self.rotors is None else self.rotors.hover(self.mass)
 
 
 class InnerAutopilotModel(Frozen):

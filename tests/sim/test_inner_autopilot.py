@@ -20,7 +20,7 @@ Make = Callable[..., Any]
 def test_tilt_steps_within_a_third_of_a_second_without_ringing() -> None:
     body: Body
     gains: Gains
-    body, gains, _, _ = constants(World(world="test"))
+    body, _, gains, _, _ = constants(World(world="test"))
     state, u, work = np.zeros(17), np.zeros(4), np.empty((5, 17))
     state[6], state[13:17] = 1.0, body.mass * 9.80665 / 4
     push = np.array([9.80665 * np.tan(np.radians(20)), 0.0, 0.0])
