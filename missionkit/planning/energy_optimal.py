@@ -1,0 +1,266 @@
+"""The landing path that takes the least energy: sideways as fast as allowed, down late.
+
+In the vertical plane through the vehicle and the pad. Level: acceleration to a speed v, at which it
+flies, and braking to rest over the pad. Vertical: from rest to a rate d, steady, and slower again
+to the speed of touch-down, so timed that it ends over the pad and not before the vehicle is there.
+
+    min over v, d of  E = ∫ P(velocity, acceleration) dt
+
+with P of `rotor_power`. A hover costs some 140 W whatever is done in it, so time is what counts,
+and of the paths that are over as soon as can be the latest descent is flown. A `gate` keeps the
+path above a height until it is near: what a camera needs that has not seen the pad yet.
+
+Sources: P3, section VI-B; NOTES, P3. That two trapezoids are enough is checked against a direct
+transcription with free accelerations (`tests/planning/test_energy_optimal.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
+from missionkit.planning.rotor_power import RotorModel, flight_powers
+
+SAMPLES = 48  # of a path's power
+ROUNDS, SPEEDS, RATES = 3, 9, 7  # of the search, each round within the last one's neighbours
+LEAST = 0.05  # m/s, slowest speed tried
+
+
+class LandingLimits(NamedTuple):
+    """What the vehicle may do (SI)."""
+
+    speed: float = 6.0  # m/s, level
+    acceleration: float = 2.5  # m/s², level
+    braking: float = 2.5  # m/s², level
+    descent: float = 1.5  # m/s
+    vertical_acceleration: float = 2.0  # m/s²
+    touch_down: float = 0.4  # m/s
+
+
+class Airframe(NamedTuple):
+    """What the vehicle weighs, how it drags, and its rotors."""
+
+    mass: float  # kg
+    drag: float  # N/(m/s)²
+    rotor: RotorModel
+
+
+class Gate(NamedTuple):
+    """The path stays above `height` (m) while the pad is farther than `distance` (m, level)."""
+
+    distance: float = 0.0
+    height: float = 0.0
+
+
+NO_GATE = Gate()
+
+
+class LandingPath(NamedTuple):
+    """A path to the pad, from now to touch-down."""
+
+    times: Vec3  # (n,), s, from 0
+    left: Vec3  # (n,), m, level distance left
+    height: Vec3  # (n,), m, above the pad
+    speed: Vec3  # (n,), m/s, level
+    descent: Vec3  # (n,), m/s
+    energy: float  # J
+
+    @property
+    def top_speed(self) -> float:
+        """The largest level speed (m/s)."""
+        return float(self.speed.max())
+
+
+@compiled
+def level_times(distance: float, closing: float, top: float, limits: LandingLimits) -> Vec3:
+    """Return when (s) the level profile has gathered speed, begins to brake and ends; its speed.
+
+    The speed (m/s) is `top`, or less where the way is too short for it.
+    """
+    a, b = limits.acceleration, limits.braking
+    reach = math.sqrt((2.0 * a * b * distance + b * closing * closing) / (a + b))
+    top = max(min(top, reach), min(closing, reach))
+    rise = abs(top - closing) / (a if top >= closing else b)
+    steady = distance - 0.5 * (top + closing) * rise - 0.5 * top * top / b
+    cruise = max(0.0, steady) / max(top, 1e-6)
+    return np.array((rise, rise + cruise, rise + cruise + top / b, top))
+
+
+@compiled
+def level_at(t: float, closing: float, marks: Vec3) -> tuple[float, float]:
+    """Return way flown (m) and speed (m/s) of the level profile at `t` (s)."""
+    rise, brake, end, top = marks[0], marks[1], marks[2], marks[3]
+    a = (top - closing) / rise if rise > 0.0 else 0.0
+    if t <= rise:
+        return closing * t + 0.5 * a * t * t, closing + a * t
+    way = 0.5 * (closing + top) * rise
+    if t <= brake:
+        return way + top * (t - rise), top
+    u = min(t, end) - brake
+    slowing = top / (end - brake) if end > brake else 0.0
+    return way + top * (brake - rise) + top * u - 0.5 * slowing * u * u, top - slowing * u
+
+
+@compiled
+def vertical_marks(height: float, rate: float, limits: LandingLimits) -> Vec3:
+    """Return when (s) a descent has gathered speed, begins to slow and ends; its rate (m/s)."""
+    c, touch = limits.vertical_acceleration, limits.touch_down
+    reach = math.sqrt(c * height + 0.5 * touch * touch)
+    rate = min(rate, reach)
+    touch = min(touch, rate)
+    rise, fall = rate / c, (rate - touch) / c
+    steady = height - 0.5 * rate * rise - 0.5 * (rate + touch) * fall
+    hold = max(0.0, steady) / max(rate, 1e-6)
+    return np.array((rise, rise + hold, rise + hold + fall, rate))
+
+
+@compiled
+def vertical_at(t: float, marks: Vec3, limits: LandingLimits) -> tuple[float, float]:
+    """Return way (m) and rate (m/s) of a descent at `t` (s) after it began."""
+    rise, fall, end, rate = marks[0], marks[1], marks[2], marks[3]
+    c = limits.vertical_acceleration
+    if t <= 0.0:
+        return 0.0, 0.0
+    if t <= rise:
+        return 0.5 * c * t * t, c * t
+    way = 0.5 * rate * rise
+    if t <= fall:
+        return way + rate * (t - rise), rate
+    u = min(t, end) - fall
+    return way + rate * (fall - rise) + rate * u - 0.5 * c * u * u, rate - c * u
+
+
+@compiled
+def descent_begins(
+    distance: float, height: float, closing: float, marks: Mat, limits: LandingLimits, gate: Vec3
+) -> float:
+    """Return the first moment (s) to begin the descent: not too early for pad and gate."""
+    level, down = marks[0], marks[1]
+    begin = max(0.0, level[2] - down[2])
+    if gate[1] <= 0.0 or gate[1] >= height or distance <= gate[0]:
+        return float(begin)
+    low, high = 0.0, level[2]  # when it comes within the gate's distance
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        way, _ = level_at(middle, closing, level)
+        if distance - way > gate[0]:
+            low = middle
+        else:
+            high = middle
+    entry, low, top = high, 0.0, down[2]  # how long the descent may have lasted by then
+    for _ in range(40):
+        middle = 0.5 * (low + top)
+        way, _ = vertical_at(middle, down, limits)
+        if height - way > gate[1]:
+            low = middle
+        else:
+            top = middle
+    return float(max(begin, entry - low))
+
+
+@compiled
+def flown(
+    distance: float,
+    height: float,
+    closing: float,
+    chosen: tuple[float, float],
+    limits: LandingLimits,
+    gate: Vec3,
+    count: int,
+) -> Mat:
+    """Return (count, 7) of a path: time, way, fallen, speeds and accelerations, level and down."""
+    marks = np.empty((2, 4))
+    marks[0] = level_times(distance, closing, chosen[0], limits)
+    marks[1] = vertical_marks(height, chosen[1], limits)
+    begin = descent_begins(distance, height, closing, marks, limits, gate)
+    end = max(marks[0, 2], begin + marks[1, 2])
+    out, step = np.zeros((count, 7)), end / count
+    for n in range(count):
+        t = end * n / (count - 1)
+        out[n, 0] = t
+        out[n, 1], out[n, 3] = level_at(t, closing, marks[0])
+        out[n, 2], out[n, 4] = vertical_at(t - begin, marks[1], limits)
+        _, ahead = level_at(t + 0.5 * step, closing, marks[0])
+        _, behind = level_at(max(0.0, t - 0.5 * step), closing, marks[0])
+        out[n, 5] = (ahead - behind) / step
+        _, ahead = vertical_at(t + 0.5 * step - begin, marks[1], limits)
+        _, behind = vertical_at(t - 0.5 * step - begin, marks[1], limits)
+        out[n, 6] = (ahead - behind) / step
+    return out
+
+
+@compiled
+def energy_of(rows: Mat, mass: float, drag: float, rotor: RotorModel) -> float:
+    """Return the energy (J) of a path (n, 7) by the trapezoidal rule."""
+    n = len(rows)
+    velocity, acceleration = np.zeros((n, 3)), np.zeros((n, 3))
+    velocity[:, 0], velocity[:, 2] = rows[:, 3], rows[:, 4]
+    acceleration[:, 0], acceleration[:, 2] = rows[:, 5], rows[:, 6]
+    watts = flight_powers(velocity, acceleration, mass, drag, rotor)
+    step = rows[1, 0] - rows[0, 0]
+    return float(step * (watts.sum() - 0.5 * (watts[0] + watts[-1])))
+
+
+@compiled
+def search(
+    distance: float,
+    height: float,
+    closing: float,
+    limits: LandingLimits,
+    gate: Vec3,
+    mass: float,
+    drag: float,
+    rotor: RotorModel,
+) -> tuple[float, float]:
+    """Return the top speed (m/s) and the rate of descent (m/s) of the cheapest path."""
+    low, high = LEAST, limits.speed
+    slow, fast = max(LEAST, limits.touch_down), limits.descent
+    best, speed, rate = math.inf, high, fast
+    for _ in range(ROUNDS):
+        du, dr = (high - low) / (SPEEDS - 1), (fast - slow) / (RATES - 1)
+        for i in range(SPEEDS):
+            for j in range(RATES):
+                u, r = high - i * du, fast - j * dr
+                rows = flown(distance, height, closing, (u, r), limits, gate, SAMPLES)
+                cost = energy_of(rows, mass, drag, rotor)
+                if cost < best:
+                    best, speed, rate = cost, u, r
+        low, high = max(LEAST, speed - du), min(limits.speed, speed + du)
+        slow, fast = max(slow, rate - dr), min(limits.descent, rate + dr)
+    return speed, rate
+
+
+def plan(
+    distance: float,
+    height: float,
+    airframe: Airframe,
+    limits: LandingLimits,
+    gate: Gate = NO_GATE,
+    closing: float = 0.0,
+) -> LandingPath:
+    """Return the cheapest path to a pad; deterministic, some milliseconds.
+
+    Args:
+        distance: to the pad, level (m), not negative.
+        height: above the pad (m), not negative.
+        airframe: what flies.
+        limits: of speeds and accelerations.
+        gate: kept on the way in; no gate by default.
+        closing: level speed towards the pad at the start (m/s); flying away counts as none.
+    """
+    distance, height, closing = max(1e-3, distance), max(1e-3, height), max(0.0, closing)
+    kept = np.array(gate)
+    chosen = search(distance, height, closing, limits, kept, *airframe)
+    rows = flown(distance, height, closing, chosen, limits, kept, SAMPLES)
+    return LandingPath(
+        times=rows[:, 0],
+        left=np.maximum(0.0, distance - rows[:, 1]),
+        height=np.maximum(0.0, height - rows[:, 2]),
+        speed=rows[:, 3],
+        descent=rows[:, 4],
+        energy=float(energy_of(rows, *airframe)),
+    )
