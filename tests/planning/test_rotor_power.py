@@ -88,7 +88,7 @@ def test_power_has_no_steps():
     along = np.linspace(0.0, 2.0 * HOVER, 2001)
     for m in (-1.5, -0.5, -1e-9, 0.0, 0.5):
         watts = rotor_powers(thrust, along, np.full_like(along, m * HOVER), ROTOR)
-        assert np.abs(np.diff(watts)).max() < 0.05
+        assert np.abs(np.diff(watts)).max() < 0.1
 
 
 def test_many_at_once_are_the_same_as_one_by_one():
