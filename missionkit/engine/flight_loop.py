@@ -157,7 +157,7 @@ class _Aside:
             function(*arguments)
         except Interrupted:
             raise
-        except BaseException as error:  # noqa: BLE001 - whatever fails here, the vehicle is flown
+        except (Exception, SystemExit, KeyboardInterrupt) as error:  # noqa: BLE001 - fly on
             if what not in self._errors:
                 self._errors[what] = error
                 self._fresh.append(f"{what} raised {described(error)}; the flight goes on")
