@@ -10,6 +10,8 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import Navigator, NavigatorParameters
 from missionkit.estimation.optical_flow.flow_filter import FlowFilter
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.estimation.tandem_ekf.filter import FlyerFilter
+from missionkit.estimation.tandem_ekf.parameters import FlyerEkf
 from missionkit.geometry import Transform, Vec3
 from missionkit.plugin import Plugin
 
@@ -31,4 +33,8 @@ def build(parameters: Plugin, surveyed: Surveyed, mount: Transform) -> Navigator
             navigator = FlowFilter(parameters, surveyed)
             navigator.warm_up()
             return navigator
+        if isinstance(parameters, FlyerEkf):
+            flyer = FlyerFilter(parameters, surveyed)
+            flyer.warm_up()
+            return flyer
     return cast(NavigatorParameters, parameters).build(surveyed, mount)

@@ -69,17 +69,25 @@ def times_transposed(A: Mat, B: Mat) -> Mat:
 
 
 @compiled
+def add_product(P: Mat, A: Mat, B: Mat, sign: float) -> None:
+    """P := P + sign A B, of A (n, m) and B (m, n)."""
+    for c in range(len(P)):
+        for k in range(len(P)):
+            total = 0.0
+            for i in range(len(B)):
+                total += A[c, i] * B[i, k]
+            P[c, k] += sign * total
+
+
+@compiled
 def joseph(P: Mat, K: Mat, H: Mat, R: Mat) -> None:
-    """P := (I - K H) P (I - K H)ᵀ + K R Kᵀ, which stays positive whatever K is."""
-    n, G = len(P), K.T.copy()
+    """P := (I - K H) P (I - K H)ᵀ + K R Kᵀ, which stays positive whatever K is.
+
+    P is (n, n), K (n, m), H (m, n) and R (m, m).
+    """
+    G = K.T.copy()
     for _ in range(2):
-        B = times_transposed(P, H)
-        for c in range(n):
-            for k in range(n):
-                P[c, k] -= B[c, 0] * G[0, k] + B[c, 1] * G[1, k] + B[c, 2] * G[2, k]
+        add_product(P, times_transposed(P, H), G, -1.0)
         transpose(P)
-    L = times_transposed(K, R)
-    for c in range(n):
-        for k in range(n):
-            P[c, k] += L[c, 0] * G[0, k] + L[c, 1] * G[1, k] + L[c, 2] * G[2, k]
+    add_product(P, times_transposed(K, R), G, 1.0)
     symmetrise(P)

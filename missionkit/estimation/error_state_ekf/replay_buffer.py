@@ -129,7 +129,11 @@ def without(past: ReplayBuffer, rows: list[Vec3]) -> ReplayBuffer:
 
 def pose_at(past: ReplayBuffer, at: float) -> Transform | None:
     """Return body to world at `at` (s), None outside the history."""
-    track = past.track
+    return pose_in(past.track, at)
+
+
+def pose_in(track: Mat, at: float) -> Transform | None:
+    """Return body to world at `at` (s), None outside a track (n, 8) of time, p and q."""
     if len(track) < 2 or not track[0, 0] <= at <= track[-1, 0] + BEYOND:
         return None
     i = min(max(int(track[:, 0].searchsorted(at)), 1), len(track) - 1)

@@ -35,7 +35,6 @@ from missionkit.estimation.optical_flow.flow_memory import (
 )
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.optical_flow.flow_velocity import over_ground
-from missionkit.frames import between
 from missionkit.geometry import Mat, Transform, Vec3, norm, to_matrix, vec
 from missionkit.messages import (
     Baro,
@@ -123,11 +122,7 @@ class FlowFilter:
 
     def pose_at(self, known: FlowMemory, at: float) -> Transform | None:
         """Return body to world at `at` (s), None outside the last half second."""
-        track = known.track
-        if len(track) < 2 or not track[0, 0] <= at <= track[-1, 0] + replay_buffer.BEYOND:
-            return None
-        i = min(max(int(track[:, 0].searchsorted(at)), 1), len(track) - 1)
-        return between(replay_buffer.timed(track[i - 1]), replay_buffer.timed(track[i]), at)
+        return replay_buffer.pose_in(known.track, at)
 
     def read(self, known: FlowMemory) -> NavState:
         """Return the current estimate; zeros and identity until aligned."""

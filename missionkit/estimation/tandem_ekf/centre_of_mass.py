@@ -1,0 +1,50 @@
+"""From the radio's state to that of the centre of mass, and back at the start; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missionkit.estimation.linear_algebra import rotate
+from missionkit.estimation.tandem_ekf.measurement_models import skewed
+from missionkit.estimation.tandem_ekf.process_model import cross
+from missionkit.estimation.tandem_ekf.state_layout import D_ANGLE, QUATERNION, RATE, VELOCITY
+from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
+
+
+@compiled
+def jacobian(x: Vec3, lever: Vec3, sign: float) -> Mat:
+    """Return (9, 9): errors of the centre of mass over those of the radio (sign 1), or back (-1).
+
+    δρ_c = δρ + p × δθ,   δv_c = δv + c × δθ,   p = D P_1,   c = D (ω × P_1)
+    """
+    J = np.eye(9)
+    J[0:3, D_ANGLE:] = sign * skewed(rotate(x[QUATERNION:RATE], lever))
+    c = rotate(x[QUATERNION:RATE], cross(x[RATE : RATE + 3], lever))
+    J[3:6, D_ANGLE:] = sign * skewed(c)
+    return J
+
+
+@compiled
+def whole(P: Mat, A: Mat) -> Mat:
+    """Return the covariance (9, 9) of δρ, δv, δθ; tandem filters leave the rest of it zero."""
+    full = np.zeros((9, 9))
+    full[: len(P), : len(P)] = P
+    if len(A) > 0:
+        full[D_ANGLE:, D_ANGLE:] = A
+    return full
+
+
+@compiled
+def centre(x: Vec3, P: Mat, A: Mat, lever: Vec3) -> tuple[Vec3, Mat]:
+    """Return place (m) and velocity (m/s) of the centre of mass (6,), and the covariance (9, 9).
+
+    ρ = ρ_ij - p,   ρ̇ = ρ̇_ij - ω × p     (P3 section IV-B: the kinematic relationship)
+    """
+    y = np.empty(6)
+    p = rotate(x[QUATERNION:RATE], lever)
+    c = rotate(x[QUATERNION:RATE], cross(x[RATE : RATE + 3], lever))
+    for i in range(3):
+        y[i], y[3 + i] = x[i] - p[i], x[VELOCITY + i] - c[i]
+    J = jacobian(x, lever, 1.0)
+    return y, J @ whole(P, A) @ J.T
