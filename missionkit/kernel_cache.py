@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
@@ -18,6 +19,8 @@ from pathlib import Path
 from missionkit.private_folder import private, runtime_folder
 
 PACKAGE = "missionkit"
+KEPT = 5  # folders of each module, the last used: switching between branches compiles nothing
+SPARED = 3600.0  # s since its last use for which a folder is left alone: a process may fill it
 IMPORT = re.compile(
     rf"^[ \t]*(?:from ({PACKAGE}[\w.]*) import (\([^)]*\)|[^\n]*)|import ({PACKAGE}[\w.]*))",
     re.MULTILINE,
@@ -36,9 +39,28 @@ def folder_for(module: str) -> Path | None:
     folder = base / f"{module}-{digest(module)[:16]}"
     try:
         folder.mkdir(exist_ok=True)
+        os.utime(folder)  # last used now
     except OSError:
         return None
+    _prune(base, module, folder)
     return folder
+
+
+def _prune(base: Path, module: str, used: Path) -> None:
+    """Remove the folders of a module's kernels that were used longest ago.
+
+    Another process may remove the same ones meanwhile, or have one of them loaded: machine code
+    that is loaded stays, and what is not found is compiled again.
+    """
+    name = re.compile(rf"{re.escape(module)}-[0-9a-f]{{16}}")
+    ages: list[tuple[float, Path]] = []
+    for folder in base.iterdir():
+        if name.fullmatch(folder.name) and not folder.is_symlink():
+            with suppress(OSError):
+                ages.append((used.stat().st_mtime - folder.stat().st_mtime, folder))
+    for age, folder in sorted(ages)[KEPT:]:
+        if age > SPARED:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def digest(module: str, root: Path | None = None) -> str:

@@ -114,3 +114,34 @@ def test_a_folder_that_another_user_may_have_planted_holds_no_kernels(monkeypatc
     (tmp_path / "linked").symlink_to(tmp_path / "real")
     places(monkeypatch, (tmp_path / "linked", False))
     assert kernel_cache.folder_for("missionkit.geometry") is None
+
+
+@pytest.mark.usefixtures("fresh")
+def test_of_each_module_the_five_folders_used_last_are_kept(monkeypatch, tmp_path):
+    places(monkeypatch, (tmp_path, True))
+    now = kernel_cache.folder_for("missionkit.geometry").stat().st_mtime
+    for hours in range(9):
+        folder = tmp_path / f"missionkit.geometry-{hours:016x}"
+        folder.mkdir()
+        (folder / "kernel.nbi").write_text("old")
+        os.utime(folder, (now, now - 3600.0 * hours - 60.0))
+    others = [tmp_path / it for it in ("missionkit.geometry_too-0000000000000000", "notes")]
+    for folder in others:
+        folder.mkdir()
+        os.utime(folder, (0, 0))
+    current = kernel_cache.folder_for("missionkit.geometry")
+    kept = {f"missionkit.geometry-{hours:016x}" for hours in range(4)}
+    assert {it.name for it in tmp_path.iterdir()} == {
+        current.name,
+        *kept,
+        *(o.name for o in others),
+    }
+
+
+@pytest.mark.usefixtures("fresh")
+def test_folders_that_other_processes_may_be_filling_are_left_alone(monkeypatch, tmp_path):
+    places(monkeypatch, (tmp_path, True))
+    for n in range(9):
+        (tmp_path / f"missionkit.geometry-{n:016x}").mkdir()
+    kernel_cache.folder_for("missionkit.geometry")
+    assert len(list(tmp_path.iterdir())) == 10

@@ -83,6 +83,8 @@ def found_origin(folder: Path) -> Origin:
         raise UsageError(f"{folder}: nothing to resume: {why}")
     try:
         origin = opened(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: cannot be used: not UTF-8 text") from error
     except (ValueError, NotReadableError) as error:
         raise UsageError(f"{path}: cannot be used: {error}") from error
     if not isinstance(origin, Origin):

@@ -8,6 +8,11 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
+UNATTENDED = (
+    "a low battery is only reported: a vehicle left holding by a mission that died stays up until "
+    "its battery is empty"
+)
+
 
 class FailsafeLevel(IntEnum):
     """How bad something is before a flight."""
@@ -81,7 +86,7 @@ PX4_FAILSAFES = (
         2,
         3,
         FailsafeLevel.WARNING,
-        "a low battery is only told, not acted upon",
+        UNATTENDED,
         "set 3 (return, then land)",
         safe=3,
     ),
@@ -127,7 +132,7 @@ ARDUPILOT_FAILSAFES = (
         1,
         7,
         FailsafeLevel.WARNING,
-        "a low battery is only told, not acted upon",
+        UNATTENDED,
         "set 2 (return) or 1 (land)",
         safe=2,
     ),

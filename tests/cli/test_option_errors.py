@@ -62,3 +62,10 @@ def test_help_is_no_mistake(words):
     result = CliRunner().invoke(app, words)
     assert "says what it takes" not in result.output
     assert len(result.output) > 5
+
+
+def test_an_origin_that_is_no_text_is_one_sentence(call, tmp_path):
+    (tmp_path / "origin.json").write_bytes(bytes([255, 254, 0]))
+    result = call("run", "--resume", str(tmp_path))
+    assert result.exit_code == 2
+    assert result.stderr == f"{tmp_path}/origin.json: cannot be used: not UTF-8 text\n"
