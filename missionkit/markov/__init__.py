@@ -1,0 +1,1 @@
+"""Markov chains and decision processes of a few states; knows nothing of missions."""
