@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.control.hold_point import HoldPoint
 from missionkit.geometry import Vec3
-from missionkit.messages import Battery, Goal, Scan, VehicleStatus
+from missionkit.messages import Battery, Goal, Range, Scan, VehicleStatus
 from missionkit.perception.vision_pipeline import VisionMemory
 from missionkit.planning.potential_field import FieldMemory
 
@@ -22,6 +22,7 @@ class SensorState(NamedTuple):
     status: VehicleStatus | None = None
     scan: Scan | None = None
     home: Vec3 | None = None
+    range: Range | None = None
     misfit: str = ""  # how the sightings did not fit the filter's noise, the first time
 
 

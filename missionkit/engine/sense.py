@@ -53,6 +53,7 @@ def sense(
         status,
         seen.scan or before.scan,
         home,
+        seen.range or before.range,
         before.misfit or state.health.misfit,
     )
     return senses, _estimate(plan, memory, senses, state, seen, looks, sightings)
@@ -104,6 +105,7 @@ def _estimate(
         events=seen.events + acting.events,
         cycle=seen.cycle,
         map=plan.map,
+        range=senses.range,
         failing=acting.failing,
         state=chart.state,
         entered_at=chart.entered_at,

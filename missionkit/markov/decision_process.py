@@ -83,7 +83,7 @@ def _evaluated(
         A[s] -= discount * P[row]
         b[s] = cost[row]
     try:
-        exact: Array = np.linalg.solve(A, b)
+        exact: Array = np.asarray(np.linalg.solve(A, b), dtype=np.float64)
     except np.linalg.LinAlgError:
         return None
     residual = np.abs(A @ exact - b).max(initial=0.0)

@@ -8,7 +8,14 @@ from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from missionkit.geometry import Quat, Vec3, yaw_of
-from missionkit.messages.observation import NO_CYCLE, Battery, Cycle, Points, VehicleStatus
+from missionkit.messages.observation import (
+    NO_CYCLE,
+    Battery,
+    Cycle,
+    Points,
+    Range,
+    VehicleStatus,
+)
 from missionkit.messages.occupancy import Occupancy
 from missionkit.messages.vision import Look, Sighting
 
@@ -40,6 +47,7 @@ class Health(NamedTuple):
     resets: int = 0  # how often the position was reset to rejected measurements
     misfit: str = ""  # how the sightings contradict the filter's noise, if they do
     cause: str = ""  # why it has diverged, "GNSS jumped 20 m", if the navigator says
+    mahalanobis: float | None = None  # 1, of the innovations lately, in standard deviations
 
 
 class Goal(NamedTuple):
@@ -72,6 +80,7 @@ class Estimate(NamedTuple):
     events: tuple[str, ...] = ()
     cycle: Cycle = NO_CYCLE
     map: Occupancy | None = None  # the mission's
+    range: Range | None = None  # the newest distance to the ground, fresh or not
     failing: tuple[str, ...] = ()  # plug-ins that misbehaved at the last tick, and how
     # where the chart stands, as of the last tick:
     state: str = ""

@@ -121,11 +121,12 @@ def transition(at: str, fired: Fired) -> str:
 def estimate(at: str, seen: Estimate) -> str:
     """Return velocity, height, heading and the estimates of the targets."""
     targets = ",".join([_target(it) for it in seen.targets.values()])
+    range_ = "" if seen.range is None else f',"range":{float(seen.range.distance)}'
     return (
         f'{{"timestamp":{at},"velocity":{json_fragments.vector(seen.velocity)},'
         f'"speed":{float(norm(seen.velocity))},"height":{float(-seen.position[2])},'
         f'"yaw_deg":{math.degrees(seen.yaw)},"position_sd":{float(seen.health.position_sd)},'
-        f'"targets":[{targets}]}}'
+        f'"targets":[{targets}]{range_}}}'
     )
 
 
@@ -157,6 +158,8 @@ def status(at: str, seen: Estimate) -> str:
         parts.append(f'"gnss_at":{float(health.gnss_at)}')
     if health.vision_at is not None:
         parts.append(f'"vision_at":{float(health.vision_at)}')
+    if health.mahalanobis is not None:
+        parts.append(f'"mahalanobis":{float(health.mahalanobis)}')
     return ",".join(parts) + "}"
 
 

@@ -231,7 +231,9 @@ ESTIMATE = _record(
                 optional=("seen_at",),
             )
         ),
-    }
+        "range": NUMBER,
+    },
+    optional=("range",),
 )
 STATUS = _record(
     {
@@ -247,6 +249,7 @@ STATUS = _record(
         "rejected": INTEGER,
         "gnss_at": NUMBER,
         "vision_at": NUMBER,
+        "mahalanobis": NUMBER,
     },
     optional=(
         "charge",
@@ -256,6 +259,7 @@ STATUS = _record(
         "vehicle_mode",
         "gnss_at",
         "vision_at",
+        "mahalanobis",
     ),
 )
 TIMING = _record(

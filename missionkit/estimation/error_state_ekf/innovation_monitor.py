@@ -7,11 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from missionkit.estimation import mahalanobis
 from missionkit.estimation.error_state_ekf import state_layout
 from missionkit.estimation.error_state_ekf.consistency import NisAverage, averaged, misfit
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.replay_buffer import ReplayResult
-from missionkit.estimation.error_state_ekf.state_layout import FIX, FIX_VELOCITY, SIGHT
+from missionkit.estimation.error_state_ekf.state_layout import (
+    FIX,
+    FIX_VELOCITY,
+    FLOW,
+    RANGE,
+    SIGHT,
+)
+from missionkit.estimation.mahalanobis import MeanDistance
 from missionkit.geometry import Mat, Vec3
 from missionkit.messages import Health
 
@@ -29,6 +37,10 @@ AGREEING = 10
 """How many refused fixes in a row have to agree before anything is made of them."""
 
 
+POSITIONING = {FIX: 3, FIX_VELOCITY: 3, SIGHT: 3, FLOW: 2, RANGE: 1}
+"""Components of the measurements that say where the vehicle is, or how fast over ground."""
+
+
 class InnovationMonitor(NamedTuple):
     """Counts by kind of measurement (`state_layout`); a value, never changed."""
 
@@ -39,6 +51,7 @@ class InnovationMonitor(NamedTuple):
     late: int  # measurements that arrived too late, in all
     resets: int = 0  # of the position, in all
     scatter: NisAverage = NisAverage()  # of sightings
+    distance: MeanDistance = MeanDistance()  # of all that say where the vehicle is
 
 
 def begin() -> InnovationMonitor:
@@ -66,6 +79,7 @@ def counted(
         return monitor
     accepted, since = list(monitor.accepted_at), list(monitor.refused_since)
     refused, strays, scatter = list(monitor.refused), monitor.strays, monitor.scatter
+    distances: list[float] = []
     for r in out.decided:
         kind, at = int(r[state_layout.KIND]), float(r[state_layout.AT])
         if r[state_layout.OUTCOME] == state_layout.ACCEPTED:
@@ -73,6 +87,9 @@ def counted(
         else:
             since[kind] = min(since[kind], at)
             refused[kind] += 1
+        if kind in POSITIONING:
+            nis = float(r[state_layout.NIS])
+            distances.append(mahalanobis.distance(nis, POSITIONING[kind]))
         if kind == FIX:
             strays = _strayed(strays, r)
         elif kind == SIGHT:
@@ -83,7 +100,8 @@ def counted(
         refused[kind] += 1
     late = monitor.late + out.late
     counts = tuple(accepted), tuple(since), tuple(refused)
-    return InnovationMonitor(*counts, strays, late, monitor.resets, scatter)
+    distance = mahalanobis.averaged(monitor.distance, distances, now)
+    return InnovationMonitor(*counts, strays, late, monitor.resets, scatter, distance)
 
 
 def _strayed(strays: Mat, fix: Vec3) -> Mat:
@@ -170,11 +188,23 @@ def placed(monitor: InnovationMonitor, now: float, s: VisualInertialEkf) -> bool
 
 
 def health(
-    monitor: InnovationMonitor, sd: float, height_sd: float, *, cause: str, placed: bool
+    monitor: InnovationMonitor,
+    sd: float,
+    height_sd: float,
+    now: float,
+    *,
+    cause: str,
+    placed: bool,
 ) -> Health:
-    """Return the health of an aligned filter: sds (m), horizontal and of the height.
+    """Return the health of an aligned filter.
 
-    `cause` says why it has diverged, "" if it has not.
+    Args:
+        monitor: the counts.
+        sd: of the horizontal position (m).
+        height_sd: of the height (m).
+        now: the time (s).
+        cause: why it has diverged, "" if it has not.
+        placed: the position has a source.
     """
     return Health(
         aligned=True,
@@ -188,6 +218,7 @@ def health(
         resets=monitor.resets,
         misfit=misfit(monitor.scatter),
         cause=cause,
+        mahalanobis=mahalanobis.current(monitor.distance, now),
     )
 
 

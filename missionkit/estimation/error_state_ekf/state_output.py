@@ -42,6 +42,7 @@ def aligned(
             known.monitor,
             sd,
             math.sqrt(max(P.item(2, 2), 0.0)),
+            known.now,
             cause=cause,
             placed=innovation_monitor.placed(known.monitor, known.now, settings),
         ),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from missionkit.estimation import mahalanobis
 from missionkit.estimation.error_state_ekf import (
     initialization,
     measurement_log,
@@ -187,10 +188,19 @@ class FlowFilter:
         z = np.zeros(2)
         if not (flow.quality >= s.quality and over_ground(flow.flow, rates, height, q, climb, z)):
             return known._replace(refused=known.refused + 1)
+        nis = sum(
+            (float(z[axis]) - mu[axis, VELOCITY]) ** 2
+            / (S[axis, VELOCITY, VELOCITY] + s.flow_variance[axis])
+            for axis in (NORTH, EAST)
+        )
+        distance = mahalanobis.averaged(
+            known.distance, [mahalanobis.distance(float(nis), 2)], known.now
+        )
         for axis in (NORTH, EAST):
             self._axis.update(mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], VELOCITY)
         slip = known.slip + flow_state.slipped(known, z, s)
-        return known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0, slip=slip)
+        known = known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0)
+        return known._replace(slip=slip, distance=distance)
 
 
 def _copies(known: FlowMemory) -> tuple[Vec3, Vec3, Mat, Mat]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from missionkit.estimation.error_state_ekf import initialization
 from missionkit.estimation.error_state_ekf.initialization import RestSamples
+from missionkit.estimation.mahalanobis import MeanDistance
 from missionkit.geometry import IDENTITY, Mat, Quat, Vec3, vec
 
 NORTH, EAST, UP = 0, 1, 2
@@ -35,6 +36,7 @@ class FlowMemory(NamedTuple):
     refused: int  # flow samples in a row that could not be used
     reach: float  # m s, height summed over the time in the air: what a rate error counts for
     track: Mat  # (n, 8) time, position (NED, m), attitude, of the last observations
+    distance: MeanDistance = MeanDistance()  # of the flow from what was expected
 
 
 def begin() -> FlowMemory:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from missionkit.estimation import mahalanobis
 from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
 from missionkit.estimation.navigator import NavState
 from missionkit.estimation.optical_flow.flow_memory import (
@@ -43,6 +44,7 @@ def state(
             rejected=known.refused,
             placed=known.aligned,
             height_sd=height_sd(known, settings),
+            mahalanobis=mahalanobis.current(known.distance, known.now),
         ),
         targets={
             name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)
