@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler
+from pydantic_core import CoreSchema
 
 from missionkit.messages import (
     CameraModel,
@@ -26,7 +28,7 @@ from missionkit.messages import (
     Verdict,
 )
 from missionkit.messages.region import Region
-from missionkit.plugin_protocols import Prior
+from missionkit.plugin_protocols import Inputs, NamedInput, Prior
 
 
 class Plugin(BaseModel):
@@ -35,6 +37,30 @@ class Plugin(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False, allow_inf_nan=False)
 
     kind: ClassVar[str]
+    target_keys: ClassVar[tuple[str, ...]] = ("target", "of")
+    """Names of parameters that name a target of the mission."""
+
+    def text(self) -> str:
+        """Return its parameters in words; "": as the mission file gives them."""
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
+class InFile:
+    """Marks a parameter that a mission gives as the name of a YAML file beside it.
+
+    The parameter's type is the model of what the file holds.
+    """
+
+    model: type[BaseModel]
+
+    def __get_pydantic_json_schema__(
+        self,
+        schema: CoreSchema,
+        handler: GetJsonSchemaHandler,
+    ) -> dict[str, Any]:
+        """Describe the name of the file."""
+        return {"type": "string"}
 
 
 class Guard(Plugin):
@@ -71,6 +97,41 @@ class WindowGuard(Plugin):
     def region(self) -> Region | None:
         """Declare what the guard reads and where it holds; None: unknown."""
         return None
+
+
+class CompositeGuard(Plugin):
+    """A predicate over other guards, variables or states of the mission, beside the estimate.
+
+    It may remember; what it remembers advances at every tick.
+    """
+
+    def named_inputs(self) -> tuple[NamedInput, ...]:
+        """Return what it reads by name, to be checked when the mission is loaded."""
+        return ()
+
+    def begin(self) -> Any:
+        """Return the memory at the start of the mission: an immutable value."""
+        return None
+
+    def advance(self, memory: Any, seen: Estimate) -> Any:  # noqa: ARG002
+        """Return the next memory; called once per tick, evaluated or not."""
+        return memory
+
+    @abc.abstractmethod
+    def check(self, memory: Any, seen: Estimate, inputs: Inputs) -> Verdict:
+        """Say whether the guard holds, from the memory already advanced to this tick."""
+
+    def resumed(self, memory: Any, gap: float) -> Any:  # noqa: ARG002
+        """Return the memory after a `gap` (s) without commands and observations."""
+        return memory
+
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: unknown."""
+        return None
+
+    def sees(self) -> frozenset[str]:
+        """Return the targets whose marker must be looked for, besides those of its region."""
+        return frozenset()
 
 
 class Behavior(Plugin):

@@ -8,7 +8,7 @@ contracts of navigators and planners are `estimation.navigator.NavigatorParamete
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
 from missionkit.geometry import Transform
 from missionkit.messages import (
@@ -58,6 +58,50 @@ class WindowGuardProtocol(Protocol):
 
     def region(self) -> Region | None:
         """Declare what the guard reads and where it holds; None: unknown."""
+
+
+class NamedInput(NamedTuple):
+    """Something of the mission that a guard reads, and where its parameters name it."""
+
+    what: Literal["guard", "variable", "target"]
+    name: str
+    path: tuple[str | int, ...] = ()
+
+
+class Inputs(NamedTuple):
+    """State of the rest of the mission at one tick, for a guard that reads it."""
+
+    answers: Mapping[str, Verdict]  # of the guards that it names
+    variables: Mapping[str, bool | int | float | str]  # all
+    active: tuple[str, ...]  # states, outer ones first
+
+
+@runtime_checkable
+class CompositeGuardProtocol(Protocol):
+    """A predicate over other parts of the mission too; see `plugin.CompositeGuard`."""
+
+    kind: ClassVar[str]
+
+    def named_inputs(self) -> tuple[NamedInput, ...]:
+        """Return what it reads by name."""
+
+    def begin(self) -> Any:
+        """Return the memory at the start of the mission."""
+
+    def advance(self, memory: Any, seen: Estimate) -> Any:
+        """Return the next memory."""
+
+    def check(self, memory: Any, seen: Estimate, inputs: Inputs) -> Verdict:
+        """Say whether the guard holds."""
+
+    def resumed(self, memory: Any, gap: float) -> Any:
+        """Return the memory after a `gap` (s)."""
+
+    def region(self) -> Region | None:
+        """Declare what the guard reads and where it holds; None: unknown."""
+
+    def sees(self) -> frozenset[str]:
+        """Return the targets whose marker must be looked for."""
 
 
 @runtime_checkable

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
@@ -83,7 +83,7 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     _require_mapping(document)
     expanded = inlined(expand(document, overrides), document.file)
     try:
-        scope = Scope.of(expanded.data, catalogue)
+        scope = Scope.of(expanded.data, catalogue, Path(document.file).parent)
         mission = Mission.model_validate(expanded.data, context=scope)
     except ValidationError as error:
         found = problems_in(error, Mission, expanded.data, document.start, expanded.origins)
@@ -94,7 +94,8 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     )
     if wrong:
         raise _refusal(wrong, expanded)
-    return elaborate(mission, expanded, Path(document.file).parent)
+    complete = replace(expanded, files=(*expanded.files, *scope.files))
+    return elaborate(mission, complete, Path(document.file).parent)
 
 
 def elaborate(mission: Mission, expanded: Expanded, folder: Path) -> Mission:

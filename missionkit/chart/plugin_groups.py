@@ -16,6 +16,7 @@ from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
 from missionkit.plugin_protocols import (
     BehaviorProtocol,
+    CompositeGuardProtocol,
     DetectorProtocol,
     GuardProtocol,
     WindowGuardProtocol,
@@ -33,7 +34,9 @@ class PluginGroup(NamedTuple):
 
 GROUPS: Mapping[str, PluginGroup] = {
     # name of the section in `missionkit plugins`, and of the entry points `missionkit.NAME`
-    "guards": PluginGroup("guard", (GuardProtocol, WindowGuardProtocol), GUARDS),
+    "guards": PluginGroup(
+        "guard", (GuardProtocol, WindowGuardProtocol, CompositeGuardProtocol), GUARDS
+    ),
     "behaviors": PluginGroup("behaviour", (BehaviorProtocol,), BEHAVIORS),
     "navigators": PluginGroup(
         "navigator",

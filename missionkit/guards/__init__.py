@@ -11,8 +11,12 @@ from missionkit.guards.geofence import InsideFence
 from missionkit.guards.gps_to_visual import GpsToVisual
 from missionkit.guards.ground_touched import GroundTouched
 from missionkit.guards.link_loss import LinkLost
+from missionkit.guards.markov_steady_state import MarkovSteadyState
+from missionkit.guards.markov_switch import MarkovSwitch
+from missionkit.guards.mdp_policy import MdpPolicy
 from missionkit.guards.plugin_failure import PluginFailed
 from missionkit.guards.readiness import Ready
+from missionkit.guards.sequential_test import Sprt
 from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
 from missionkit.guards.target_visibility import TargetLost, TargetSeen
 from missionkit.guards.tick_timing import TickOverrun
@@ -32,9 +36,13 @@ ALL = (
     GroundTouched,
     InsideFence,
     LinkLost,
+    MarkovSteadyState,
+    MarkovSwitch,
+    MdpPolicy,
     NearGoal,
     PluginFailed,
     Ready,
+    Sprt,
     TargetLost,
     TargetSeen,
     TickOverrun,

@@ -8,6 +8,8 @@ from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.errors import Level, Place, Problem
+from missionkit.plugin import Plugin
+from missionkit.plugin_protocols import CompositeGuardProtocol
 
 SEEING = ("servo", "inject", "spiral")  # behaviours that work on what the camera sees
 
@@ -54,10 +56,15 @@ def _guards(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:
                 opened.add(part.name)
                 waiting.append(chart.mission.guards[part.name])
             if isinstance(part, ex.Use) and part.place.file:
-                region = region_of(part.plugin)
-                boxes = () if region is None else region.may
-                for target in sorted({q.sees for box in boxes for q in box if q.sees}):
+                for target in sorted(_seen_by(part.plugin)):
                     yield f"guard {part.kind!r}", target, part.place
+
+
+def _seen_by(plugin: Plugin) -> set[str]:
+    region = region_of(plugin)
+    boxes = () if region is None else region.may
+    seen = {quantity.sees for box in boxes for quantity in box if quantity.sees}
+    return seen | (plugin.sees() if isinstance(plugin, CompositeGuardProtocol) else set())
 
 
 def _behaviors(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from missionkit.errors import Place
 from missionkit.plugin import Plugin
+from missionkit.plugin_protocols import CompositeGuardProtocol
 
 P_co = TypeVar("P_co", covariant=True)  # a model of parameters, with the methods of its group
 
@@ -130,13 +131,15 @@ def _chart_text(expression: Variable | In | Finished) -> str:
 
 def use_text(use: Use[object]) -> str:
     """Return a plug-in with the parameters the mission gave it: "within 9 of trunk"."""
+    words = use.kind.replace("_", " ")
     model = cast(BaseModel, use.plugin)
+    if isinstance(model, Plugin) and (own := model.text()):
+        return f"{words} ({own})"
     given = [
         f"{name} {_value(getattr(model, name))}"
         for name in type(model).model_fields
         if name in model.model_fields_set
     ]
-    words = use.kind.replace("_", " ")
     return f"{words} ({', '.join(given)})" if given else words
 
 
@@ -159,7 +162,7 @@ def names_in(expression: Expression) -> Iterator[Named]:
 
 
 def parts_of(expression: Expression) -> Iterator[Expression]:
-    """Yield a guard and every guard inside it; named ones are not looked into."""
+    """Yield a guard and every guard inside it, or read by it; named ones are not looked into."""
     waiting = [expression]
     while waiting:
         part = waiting.pop()
@@ -169,5 +172,17 @@ def parts_of(expression: Expression) -> Iterator[Expression]:
                 waiting += reversed(parts)
             case Not(part=inner) | Hysteresis(part=inner):
                 waiting.append(inner)
+            case Use(plugin=CompositeGuardProtocol() as plugin, place=place):
+                names = [it.name for it in plugin.named_inputs() if it.what == "guard"]
+                waiting += [Named(name, place) for name in reversed(names)]
             case _:
                 pass
+
+
+def variables_in(expression: Expression) -> Iterator[tuple[str, Place]]:
+    """Yield every variable that a guard of a plug-in reads, and where that stands."""
+    for part in parts_of(expression):
+        if isinstance(part, Use) and isinstance(part.plugin, CompositeGuardProtocol):
+            for it in part.plugin.named_inputs():
+                if it.what == "variable":
+                    yield it.name, part.place

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Any, Self, cast
 
 from pydantic import (
@@ -30,6 +31,7 @@ from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
 NAMED = "x-name"  # in a schema, marks a text that names something of the mission
+HERE = Path()
 HOME = "home"  # the place of arming, a target that every mission has
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 INNER_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*(/[A-Za-z][A-Za-z0-9_-]*)*$"  # a/b: b of a's included file
@@ -45,12 +47,17 @@ class Scope:
     targets: frozenset[str]
     guards: frozenset[str]
     variables: frozenset[str] = frozenset()
+    folder: Path = HERE  # of the mission; files that it names are beside it or in folders below
+    files: list[Path] = field(default_factory=list)  # that were read for plug-ins
 
     @classmethod
-    def of(cls, data: Mapping[str, Any], catalogue: Catalogue) -> Scope:
-        """Collect the names that a document defines."""
-        named = (_names(data.get(key)) for key in ("targets", "guards", "variables"))
-        return cls(catalogue, _states(data.get("states")), *named)
+    def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:
+        """Collect the names that a document in `folder` defines."""
+        targets, guards, variables = (
+            _names(data.get(key)) for key in ("targets", "guards", "variables")
+        )
+        states = _states(data.get("states"))
+        return cls(catalogue, states, targets, guards, variables, folder)
 
 
 class _Unreadable(frozenset[str]):

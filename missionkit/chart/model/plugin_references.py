@@ -11,13 +11,19 @@ from pydantic_core import CoreSchema, InitErrorDetails, core_schema
 from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.model_base import HOME, Scope
+from missionkit.chart.model.parameter_files import with_files
 from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_groups import GROUPS
 from missionkit.chart.text.located_data import Table, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
-from missionkit.plugin_protocols import BehaviorProtocol, WindowGuardProtocol
+from missionkit.plugin_protocols import (
+    BehaviorProtocol,
+    CompositeGuardProtocol,
+    NamedInput,
+    WindowGuardProtocol,
+)
 
 NONE = "none"
 
@@ -73,7 +79,8 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     if not isinstance(kind, str) or kind not in known:
         unknown = f"unknown {word} {shown(kind)}"
         raise sentences(sentence(unknown, "use", word=str(kind), known=known))
-    parameters = {key: value for key, value in data.items() if key != "use"}
+    given = with_files(known[kind], data, scope)
+    parameters = {key: value for key, value in given.items() if key != "use"}
     try:
         plugin, errors = _made(known[kind], parameters, scope)
     except PluginError as error:
@@ -87,15 +94,17 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
 def _made(
     plugin: type[Plugin], parameters: dict[str, Any], scope: Scope
 ) -> tuple[Plugin, list[InitErrorDetails]]:
-    """Return a plug-in, and an error for each target it needs that does not exist."""
+    """Return a plug-in, and an error for each name it needs that does not exist."""
     if not is_foreign(plugin):
         own = plain(plugin, parameters)
-        return own, unknown_targets(own, scope)
+        return own, unknown_targets(own, scope) + unknown_names(own, scope)
     with reporting_faults(ValidationError):
         made = plain(plugin, parameters)
-        if isinstance(made, WindowGuardProtocol):
+        if isinstance(made, WindowGuardProtocol | CompositeGuardProtocol):
             made.begin()  # the flight begins with it
-        return made, unknown_targets(made, scope)
+        if isinstance(made, Plugin):
+            made.text()
+        return made, unknown_targets(made, scope) + unknown_names(made, scope)
 
 
 def needs_parameters(plugin: type[Plugin]) -> bool:
@@ -107,7 +116,8 @@ def unknown_targets(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
     """Return an error for each target that the mission does not define."""
     needed = plugin.targets() if isinstance(plugin, BehaviorProtocol) else (HOME,)
     known = scope.targets if HOME in needed else scope.targets | {HOME}
-    named = {key: getattr(plugin, key) for key in ("target", "of") if key in keys_of(type(plugin))}
+    keys = getattr(plugin, "target_keys", Plugin.target_keys)
+    named = {key: getattr(plugin, key) for key in keys if key in keys_of(type(plugin))}
     errors = [
         sentence(f"unknown target {name!r}", key, word=name, known=known)
         for key, name in named.items()
@@ -118,3 +128,29 @@ def unknown_targets(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
         for name in needed
         if name not in known and name not in {HOME, *named.values()}
     ]
+
+
+def unknown_names(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
+    """Return an error for each name that a guard reads and the mission does not define."""
+    if not isinstance(plugin, CompositeGuardProtocol):
+        return []
+    return [
+        sentence(
+            f"unknown {it.what} {it.name!r}",
+            *it.path,
+            word=it.name,
+            known=_known(it, scope),
+        )
+        for it in plugin.named_inputs()
+        if it.name not in _known(it, scope)
+    ]
+
+
+def _known(it: NamedInput, scope: Scope) -> frozenset[str]:
+    match it.what:
+        case "guard":
+            return scope.guards
+        case "variable":
+            return scope.variables
+        case "target":
+            return scope.targets

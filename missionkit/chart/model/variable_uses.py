@@ -25,6 +25,7 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
         for part in ex.parts_of(guard):
             if isinstance(part, ex.Variable):
                 yield from _compared(mission.variables, part)
+        yield from _read(mission.variables, guard)
 
 
 def _assigned(variables: Variables, action: Assign) -> str:
@@ -44,6 +45,14 @@ def _assigned(variables: Variables, action: Assign) -> str:
     if isinstance(variable.initial, int) and isinstance(operand, float):
         return "it is a whole number; write its first value with a point, 0.0"
     return ""
+
+
+def _read(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
+    for name, place in ex.variables_in(guard):
+        variable = variables[name]
+        if isinstance(variable.initial, str):
+            what = f"the guard reads {name} as a number: it is {variable.type_name}"
+            yield Problem(place, what)
 
 
 def _compared(variables: Variables, guard: ex.Variable) -> Iterator[Problem]:

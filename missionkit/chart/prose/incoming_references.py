@@ -83,12 +83,12 @@ def path(name: str, way: Transition) -> str:
 
 def readers(mission: Mission) -> Told:
     """Return for each variable what compares it."""
-    return _gathered(
-        (part.name, who)
-        for who, guard in _guards(mission)
-        for part in ex.parts_of(guard)
-        if isinstance(part, ex.Variable)
-    )
+    return _gathered((name, who) for who, guard in _guards(mission) for name in _variables(guard))
+
+
+def _variables(guard: ex.Expression) -> Iterator[str]:
+    yield from (part.name for part in ex.parts_of(guard) if isinstance(part, ex.Variable))
+    yield from (name for name, _ in ex.variables_in(guard))
 
 
 def _guards(mission: Mission) -> Iterator[tuple[str, ex.Expression]]:

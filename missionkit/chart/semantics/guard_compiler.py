@@ -11,12 +11,19 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.variables import is_number
 from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
+from missionkit.errors import Place
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import is_foreign
-from missionkit.plugin_protocols import GuardProtocol, WindowGuardProtocol
+from missionkit.plugin_protocols import (
+    CompositeGuardProtocol,
+    GuardProtocol,
+    Inputs,
+    WindowGuardProtocol,
+)
 
 Check = Callable[[Estimate], Verdict]
+NOWHERE = Place("", 0, 0)
 YES, NO = Verdict(holds=True), Verdict(holds=False)
 _COMPARED: dict[str, Callable[[float, float], bool]] = {
     "equals": operator.eq,
@@ -102,6 +109,8 @@ class GuardCompiler:
 
     def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
         foreign = is_foreign(plugin)
+        if isinstance(plugin, CompositeGuardProtocol):  # it has all that a window guard has
+            return _answered(name, self._composite(name, plugin, foreign=foreign))
         if isinstance(plugin, WindowGuardProtocol):
             advance = _advancing(name, plugin, foreign=foreign)
             slot = self._slot(GuardMemory(name, plugin.begin, advance, plugin.resumed))
@@ -109,6 +118,27 @@ class GuardCompiler:
         if not foreign:
             return _trusting(name, cast(GuardProtocol, plugin))
         return _answered(name, _simple(name, cast(GuardProtocol, plugin)))
+
+    def _composite(
+        self, name: str, guard: CompositeGuardProtocol, *, foreign: bool
+    ) -> GuardFunction:
+        """Compile what the guard reads first: its memory then stands in a later slot."""
+        names = [it.name for it in guard.named_inputs() if it.what == "guard"]
+        parts = {each: self.ask(ex.Named(each, NOWHERE)) for each in dict.fromkeys(names)}
+        advance = _advancing(name, guard, foreign=foreign)
+        slot = self._slot(GuardMemory(name, guard.begin, advance, guard.resumed))
+        check = guard.check
+
+        def ask(question: GuardContext) -> Verdict:
+            answers = {each: part(question) for each, part in parts.items()}
+            inputs = Inputs(answers, question.variables, question.active)
+            memory = question.windows[slot]
+            boxed = question.contain.call(
+                name, check, memory, question.seen, inputs, foreign=foreign
+            )
+            return trusted(name, boxed, question)
+
+        return ask
 
     def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
         inner = self.ask(latch.part)
@@ -188,7 +218,7 @@ def _window(name: str, guard: WindowGuardProtocol, slot: int, *, foreign: bool) 
 
 
 def _advancing(
-    name: str, guard: WindowGuardProtocol, *, foreign: bool
+    name: str, guard: WindowGuardProtocol | CompositeGuardProtocol, *, foreign: bool
 ) -> Callable[[Anything, GuardContext], Anything]:
     step = guard.advance
 

@@ -13,6 +13,7 @@ from typing import Any
 from missionkit.chart.text.located_data import Row, Table, Text
 
 DONE = "done.state."
+READING = ("matrix", "rows")  # parameters of guards that read others
 Change = Callable[[Any], Any]
 
 
@@ -53,7 +54,15 @@ class Renaming:
             "in": self._state_name,
             "variable": self._variable_name,
         }
-        return data if isinstance(data, Table) and "use" in data else _changed(data, inner)
+        if isinstance(data, Table) and "use" in data:
+            by_name = {"where": lambda guards: _each(guards, self._guard_name)}
+            return _changed(data, {**dict.fromkeys(READING, self._read), **by_name})
+        return _changed(data, inner)
+
+    def _read(self, data: Any) -> Any:
+        """Rename what the parameters of a guard read: `{guard: near}`, `{variable: tries}`."""
+        changed = _each(data, self._read)
+        return _changed(changed, {"guard": self._guard_name, "variable": self._variable_name})
 
     def _state_keys(self) -> dict[str, Change]:
         return {
