@@ -49,9 +49,11 @@ class MarkovSteadyState(CompositeGuard):
     kind: ClassVar[str] = "markov_steady_state"
     target_keys: ClassVar[tuple[str, ...]] = ()
     of: str = Field(description="state whose probability it is")
-    at_least: Fraction | None = None
-    at_most: Fraction | None = None
-    states: tuple[str, ...] = Field(default=(), max_length=MOST_STATES)
+    at_least: Fraction | None = Field(default=None, description="least probability")
+    at_most: Fraction | None = Field(default=None, description="greatest probability")
+    states: tuple[str, ...] = Field(
+        default=(), max_length=MOST_STATES, description="names of the chain's states"
+    )
     matrix: tuple[ProbabilityRow, ...] = Field(
         default=(), description="a row for each state: numbers, quantities, or rest"
     )

@@ -58,7 +58,7 @@ class MarkovSwitch(WindowGuard):
 
     kind: ClassVar[str] = "markov_switch"
     target: str
-    to: Literal["reorient", "align"]
+    to: Literal["reorient", "align"] = Field(description="mode that must be reached")
     activation: Metres = Field(gt=0, description="r_t, distance from which it is active")
     docked: Metres = Field(default=0.1, ge=0, description="r_d, distance at the end")
     r1: Metres = Field(default=0.1, ge=0, description="distance at which to align at the latest")

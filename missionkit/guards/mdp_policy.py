@@ -58,7 +58,9 @@ class MdpPolicy(CompositeGuard):
     kind: ClassVar[str] = "mdp_policy"
     action: str = Field(description="action that the guard asks for")
     actions: Mapping[str, MdpAction] = Field(min_length=1, description="actions by name")
-    states: tuple[str, ...] = Field(default=(), max_length=MOST_STATES)
+    states: tuple[str, ...] = Field(
+        default=(), max_length=MOST_STATES, description="names of the process's states"
+    )
     chain: Annotated[EstimatedChain | None, InFile(EstimatedChain)] = Field(
         default=None, description="file of a campaign's chain, whose states come first"
     )

@@ -32,7 +32,8 @@ from missionkit.plugin_protocols import Inputs, NamedInput
 SUM_ERROR = 1e-9  # by which a row may miss 1
 ROUNDING = 1e-12  # a remainder below it is an error of rounding
 REST = "rest"
-SOURCES = ("number", "rest", "quantity", "variable", "guard", "product")
+SOURCES = ("rest", "quantity", "variable", "guard", "product")
+UNUSED = (None, False, ())
 Span = tuple[float, float]
 CERTAIN: Span = (0.0, 1.0)
 
@@ -61,8 +62,8 @@ class Entry(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    number: float | None = Field(default=None, ge=0, le=1)
-    rest: bool = False
+    number: float | None = Field(default=None, ge=0, le=1, description="written alone")
+    rest: bool = Field(default=False, description="what the row leaves of 1; written as a word")
     quantity: str | None = Field(default=None, description="of the estimate, by name")
     variable: str | None = Field(default=None, description="of the mission")
     guard: str | None = Field(default=None, description="of the mission, whose value it is")
@@ -86,9 +87,11 @@ class Entry(BaseModel):
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        given = [source for source in SOURCES if source in self.model_fields_set]
+        given = [source for source in SOURCES if getattr(self, source) not in UNUSED]
+        given += [] if self.number is None else ["number"]
         if len(given) != 1:
-            raise ValueError(f"expected one of {', '.join(SOURCES[2:])}, got {given or 'none'}")
+            got = ", ".join(given) or "none of them"
+            raise ValueError(f"expected one of {', '.join(SOURCES[1:])}, got {got}")
         if any(term.rest for term in self.product):
             raise ValueError("'rest' cannot be a factor of a product")
         if self.quantity is not None and self.named is None:
