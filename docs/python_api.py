@@ -21,10 +21,11 @@ PARTS = {
     "Functions": ("load", "validate", "rehearse", "fly", "campaign"),
     "What they take and return": ("LoadedMission", "Operator", "Summary", "Analysis", "Problem"),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),
-    "Plug-ins": ("Plugin", "Guard", "WindowGuard", "Behavior", "Detector"),
+    "Plug-ins": ("Plugin", "Guard", "WindowGuard", "CompositeGuard", "Behavior", "Detector"),
     "What plug-ins see": (
         *("Estimate", "Health", "Target", "Goal", "Battery", "VehicleStatus", "Occupancy"),
         *("Look", "Prior", "Sighting", "Detection", "Frame", "CameraModel"),
+        *("Inputs", "NamedInput"),
     ),
     "What plug-ins answer": (
         *("Verdict", "Region", "Quantity", "Interval", "Step", "Guidance", "HalfSpace", "Action"),
@@ -229,6 +230,31 @@ EXAMPLES = {
         ...         return missionkit.Verdict.at_least(float(memory), 3.0)
         >>> Ticks().check(2, seen).margin
         -1.0
+    """,
+    "CompositeGuard": """
+        >>> class Worn(missionkit.CompositeGuard):
+        ...     "Holds once `variable` has reached `limit`."
+        ...
+        ...     kind = "worn"
+        ...     variable: str
+        ...     limit: float = 3.0
+        ...
+        ...     def named_inputs(self):
+        ...         return (missionkit.NamedInput("variable", self.variable, ("variable",)),)
+        ...
+        ...     def check(self, memory, seen, inputs):
+        ...         return missionkit.Verdict.at_least(inputs.variables[self.variable], self.limit)
+        >>> inputs = missionkit.Inputs(answers={}, variables={"tries": 2.0}, active=())
+        >>> Worn(variable="tries").check(None, seen, inputs).margin
+        -1.0
+    """,
+    "Inputs": """
+        >>> missionkit.Inputs(answers={}, variables={}, active=("gps",)).active
+        ('gps',)
+    """,
+    "NamedInput": """
+        >>> missionkit.NamedInput("guard", "marker-sure").what
+        'guard'
     """,
     "Behavior": """
         >>> class Stay(missionkit.Behavior):

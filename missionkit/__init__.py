@@ -50,10 +50,13 @@ if TYPE_CHECKING:
     from missionkit.messages.region import Quantity as Quantity
     from missionkit.messages.region import Region as Region
     from missionkit.plugin import Behavior as Behavior
+    from missionkit.plugin import CompositeGuard as CompositeGuard
     from missionkit.plugin import Detector as Detector
     from missionkit.plugin import Guard as Guard
     from missionkit.plugin import Plugin as Plugin
     from missionkit.plugin import WindowGuard as WindowGuard
+    from missionkit.plugin_protocols import Inputs as Inputs
+    from missionkit.plugin_protocols import NamedInput as NamedInput
     from missionkit.plugin_protocols import Prior as Prior
     from missionkit.recorder.run_summary import Summary as Summary
 
@@ -86,8 +89,8 @@ _HOMES = {  # module -> what it gives
         *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
-    "plugin": ("Behavior", "Detector", "Guard", "Plugin", "WindowGuard"),
-    "plugin_protocols": ("Prior",),
+    "plugin": ("Behavior", "CompositeGuard", "Detector", "Guard", "Plugin", "WindowGuard"),
+    "plugin_protocols": ("Inputs", "NamedInput", "Prior"),
     "recorder.run_summary": ("Summary",),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}

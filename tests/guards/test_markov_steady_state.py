@@ -13,7 +13,7 @@ from samples import calm
 
 from missionkit.guards import MarkovSteadyState
 from missionkit.messages import Goal, Health, Look, Target, Verdict
-from missionkit.plugin import Inputs
+from missionkit.plugin_protocols import Inputs
 from missionkit.recorder import value_codec
 
 NONE = Inputs({}, {}, ())

@@ -12,7 +12,7 @@ from samples import calm
 
 from missionkit.guards import MdpPolicy
 from missionkit.messages import Verdict
-from missionkit.plugin import Inputs
+from missionkit.plugin_protocols import Inputs
 
 # Pressing on works nine times in ten while the marker is sure; blind it mostly ends badly.
 PROCESS = {
