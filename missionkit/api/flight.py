@@ -10,16 +10,22 @@ from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.api.missions import LoadedMission
+from missionkit.api.run_origin import keep_origin, origin_of, stamp
+from missionkit.api.vehicle_checkpoints import Saving
 from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
-from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.engine.flight_loop import Observer, Operator, keep_nothing
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import prepare
+from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.messages import Observation, Record
-from missionkit.recorder.record_sinks import Background, Reports, background
+from missionkit.recorder.record_sinks import Background, Reports, Sinks, background
+from missionkit.recorder.run_folder import held
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.value_codec import is_plain
 from missionkit.rehearsal import world_of
+from missionkit.vehicle.adapter import MavsdkVehicle
 
 
 def fly(
@@ -39,7 +45,9 @@ def fly(
 
     Ctrl-C lands the vehicle; a second one ends the program, and the vehicle is stopped by the
     guardian. Observers run on threads of their own: one that fails or waits costs its records,
-    never the flight. A flight from Python leaves no checkpoints, so that it cannot be resumed.
+    never the flight. A killed program leaves checkpoints in `folder`, from which `missionkit run
+    --vehicle ADDRESS --resume FOLDER` resumes; plug-ins that were given as classes must then be
+    installed, or in a file that `--plugin` names.
 
     Args:
         mission: a mission returned by `load`.
@@ -86,28 +94,30 @@ def fly(
     sinks, operator, log = background(), operator or Operator(), FlightLog(plan.chart)
     own = [_Unhurried(f"observer {n}", it, sinks.reports) for n, it in enumerate(observers, 1)]
     scene = scenery_of(world, model)
-    with (
-        Logbook(folder, plan, scene, sinks, mission.path) as book,
-        landing_on_interrupt(operator),
-        ExitStack() as stack,
-    ):
-        for each in own:
-            stack.callback(each.close)
-        flown = outside_loop(
-            lambda: fly_vehicle(
-                plan,
-                vehicle,
-                (log, with_remarks((*book.observing(()), *own), vehicle)),
-                operator=operator,
-                speed=speed,
-                time_limit=model.settings.time_limit,
-                reports=sinks.reports,
-                look_first=not anyway,
+    with ExitStack() as whole:
+        if folder is not None:
+            Path(folder).mkdir(parents=True, exist_ok=True)
+            whole.enter_context(held(Path(folder)))
+        book = Logbook(folder, plan, scene, sinks, mission.path)
+        save = _saving(book, mission, vehicle, sinks)
+        with book, landing_on_interrupt(operator), ExitStack() as stack:
+            for each in own:
+                stack.callback(each.close)
+            flown = outside_loop(
+                lambda: fly_vehicle(
+                    plan,
+                    vehicle,
+                    (log, with_remarks((*book.observing(()), *own), vehicle)),
+                    operator=operator,
+                    speed=speed,
+                    time_limit=model.settings.time_limit,
+                    keeper=now_and_then(plan.chart, is_plain, save) if save else keep_nothing,
+                    reports=sinks.reports,
+                    look_first=not anyway,
+                )
             )
-        )
-    asked, wanted = operator.wants_down, model.success
-    return book.finished(
-        summarise(
+        asked, wanted = operator.wants_down, model.success
+        summary = summarise(
             book.track,
             mission=mission.name,
             outcome=outcome_of(flown, log.passage, wanted),
@@ -116,7 +126,23 @@ def fly(
             parameters=model.params,
             record_hash=book.digest,
         )
+        return book.finished(summary, save)
+
+
+def _saving(
+    book: Logbook, mission: LoadedMission, vehicle: MavsdkVehicle, sinks: Sinks
+) -> Saving | None:
+    """Return what writes checkpoints, and leave what a resumed run is compared with."""
+    if book.folder is None or book.recorder is None:
+        return None
+    origin = origin_of(
+        mission.model,
+        mission.path,
+        settings=[f"{name}={value}" for name, value in mission.settings.items()],
+        plugins=[it for it in mission.plugins if isinstance(it, Path)],
     )
+    keep_origin(book.folder, origin)
+    return Saving(book.folder, vehicle, book.recorder, stamp(origin), sinks.checkpoints)
 
 
 class _Unhurried:

@@ -7,6 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from missionkit.api.run_origin import forget_origin
+from missionkit.api.vehicle_checkpoints import Saving
 from missionkit.engine.flight_loop import Observer
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import UsageError
@@ -15,7 +17,7 @@ from missionkit.recorder import flight_track as tracks
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.plot import draw
-from missionkit.recorder.record_sinks import RECORD, Sinks, contained
+from missionkit.recorder.record_sinks import CHECKPOINTS, RECORD, Sinks, contained
 from missionkit.recorder.run_folder import keep_mission
 from missionkit.recorder.run_summary import Summary, said, write_summary
 from missionkit.recorder.scenery import Scenery
@@ -47,18 +49,18 @@ class Logbook:
         mission: Path,
     ) -> None:
         self.digest = ""
-        self._folder = None if folder is None else Path(folder)
+        self.folder = None if folder is None else Path(folder)
         self._sinks = sinks
         self._scenery = scenery
         self._track = tracks.begin()
-        self._recorder: FlightRecorder | None = None
-        if self._folder is not None:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            if (self._folder / FILE).exists():
-                raise UsageError(f"{self._folder}: holds a flight record already: name a new one")
-            keep_mission(self._folder, mission)
-            self._recorder = FlightRecorder(
-                self._folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record
+        self.recorder: FlightRecorder | None = None
+        if self.folder is not None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            if (self.folder / FILE).exists():
+                raise UsageError(f"{self.folder}: holds a flight record already: name a new one")
+            keep_mission(self.folder, mission)
+            self.recorder = FlightRecorder(
+                self.folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record
             )
 
     def __enter__(self) -> Self:
@@ -70,14 +72,14 @@ class Logbook:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._recorder is not None:
-            self.digest = self._recorder.close()
+        if self.recorder is not None:
+            self.digest = self.recorder.close()
         self._sinks.close()
 
     @property
     def track(self) -> FlightTrack:
         """Track of the flight: positions, states, transitions."""
-        return self._track if self._recorder is None else self._recorder.track
+        return self._track if self.recorder is None else self.recorder.track
 
     def observing(
         self, observers: Sequence[Observer], truth: Callable[[], TrueState | None] = lambda: None
@@ -90,25 +92,33 @@ class Logbook:
         """
 
         def keep(record: Record, observation: Observation) -> None:
-            if self._recorder is None:
+            if self.recorder is None:
                 tracks.add(self._track, record, truth())
             else:
-                self._recorder.write(record, observation.frame, truth())
+                self.recorder.write(record, observation.frame, truth())
 
         reports = self._sinks.reports
         named = [(RECORD, keep), *((f"observer {n}", it) for n, it in enumerate(observers, 1))]
         return tuple(contained(what, call, reports) for what, call in named)
 
-    def finished(self, summary: Summary) -> Summary:
-        """Leave summary and picture; return the summary with all that failed beside the flight."""
+    def finished(self, summary: Summary, checkpoints: Saving | None = None) -> Summary:
+        """Leave summary and picture; return the summary with all that failed beside the flight.
+
+        Args:
+            summary: of the flight.
+            checkpoints: are removed: the flight has ended, and cannot be resumed.
+        """
         reports = self._sinks.reports
+        if self.folder is not None and checkpoints is not None:
+            contained("origin.json", forget_origin, reports)(self.folder)
+            contained(CHECKPOINTS, checkpoints.forget, reports)()
         summary = with_reports(summary, reports.all)
-        if self._folder is not None:
+        if self.folder is not None:
             title = f"{summary.mission}: {said(summary.outcome)}"
             contained("track.png", draw, reports)(
-                self._folder / "track.png", self.track, self._scenery, title, summary.reason
+                self.folder / "track.png", self.track, self._scenery, title, summary.reason
             )
-            write_summary(self._folder, summary)
+            write_summary(self.folder, summary)
         return summary
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from missionkit.api.missions import assemble, refuse
+from missionkit.api.run_origin import found_origin
 from missionkit.chart.load import load
 from missionkit.cli.key_events import planned
 from missionkit.cli.overrides import overrides
+from missionkit.cli.recalled_options import check_plugins, recalled
 from missionkit.cli.run_options import RunOptions
-from missionkit.cli.run_origin import check_plugins, found_origin, recalled
 from missionkit.errors import ExitCode
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from missionkit.api.run_origin import Origin
 from missionkit.api.simulation import fault_of
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
@@ -9,7 +10,6 @@ from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.resume_rehearsal import Saving, Since, since
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
-from missionkit.cli.run_origin import Origin
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.cli.run_result import summed_up
 from missionkit.engine.clock import Pace, RealTime

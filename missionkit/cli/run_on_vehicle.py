@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
-from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
-from missionkit.chart.model.mission import Mission
-from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.cli.operator_terminal import cockpit
-from missionkit.cli.resume_on_vehicle import (
+from missionkit.api.run_origin import Origin
+from missionkit.api.vehicle_checkpoints import (
     Before,
     Saving,
     before,
     woken,
 )
+from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
+from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
-from missionkit.cli.run_origin import Origin
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare

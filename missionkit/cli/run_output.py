@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
 from missionkit.api.flight_log import with_reports
-from missionkit.chart.model.mission import Mission
-from missionkit.cli.run_options import RunOptions
-from missionkit.cli.run_origin import (
+from missionkit.api.run_origin import (
     Origin,
     check_same,
     forget_origin,
@@ -19,6 +17,8 @@ from missionkit.cli.run_origin import (
     origin_of,
     stamp,
 )
+from missionkit.chart.model.mission import Mission
+from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_result import numbers
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import printable
@@ -130,7 +130,14 @@ def folder_of(
         UsageError: another process flies this run, the mission was changed, or there is no
             checkpoint to resume from.
     """
-    origin = origin_of(order, mission)
+    origin = origin_of(
+        mission,
+        order.mission,
+        settings=order.settings,
+        plugins=order.plugins,
+        seed=order.seed,
+        faults=order.faults,
+    )
     path = order.resume or run_folder(order.out, mission.name, label)
     with held(path):
         past = None

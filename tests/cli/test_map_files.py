@@ -8,16 +8,14 @@ import cv2
 import numpy as np
 from rehearsed import MISSIONS
 
+from missionkit.api.run_origin import differences, origin_of, stamp
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.run_options import RunOptions
-from missionkit.cli.run_origin import differences, origin_of, stamp
 from missionkit.recorder.checkpoint import opened, sealed
 
 
 def origin(path):
-    order = RunOptions(path, (), (), 0, (), None, path.parent, headless=True, as_json=False)
-    return origin_of(order, load(path, builtin()))
+    return origin_of(load(path, builtin()), path)
 
 
 def test_another_map_makes_another_mission(tmp_path):

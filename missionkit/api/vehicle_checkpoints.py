@@ -1,4 +1,4 @@
-"""`missionkit run --vehicle ADDRESS --resume RUN`: the vehicle flew on without commands."""
+"""Checkpoints of a flight with a vehicle, and resuming from them: it flew on without commands."""
 
 from __future__ import annotations
 

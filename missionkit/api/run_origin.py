@@ -6,14 +6,12 @@ import difflib
 import hashlib
 import json
 import os
-import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from missionkit import __version__
 from missionkit.chart.model.mission import Mission
-from missionkit.cli.run_options import RunOptions
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import opened, sealed, write_surely
 from missionkit.recorder.value_codec import NotReadableError, written
@@ -36,20 +34,37 @@ class Origin(NamedTuple):
     version: str
 
 
-def origin_of(order: RunOptions, mission: Mission) -> Origin:
-    """Return what a flight stands on, files as they are now."""
-    root = order.mission.resolve().parent
+def origin_of(
+    mission: Mission,
+    path: Path,
+    *,
+    settings: Iterable[str] = (),
+    plugins: Iterable[Path] = (),
+    seed: int = 0,
+    faults: Iterable[str] = (),
+) -> Origin:
+    """Return what a flight stands on, files as they are now.
+
+    Args:
+        mission: that is flown.
+        path: of its file.
+        settings: of its parameters, NAME=VALUE.
+        plugins: files.
+        seed: of a flight in the simulator.
+        faults: of a flight in the simulator.
+    """
+    root, plugins = path.resolve().parent, tuple(plugins)
     world = () if mission.world is None else (root / mission.world,)
-    files = (order.mission, *mission.included, *world, *order.plugins)
+    files = (path, *mission.included, *world, *plugins)
     return Origin(
-        str(order.mission.resolve()),
-        order.settings,
-        tuple(str(path.resolve()) for path in order.plugins),
-        order.seed,
-        order.faults,
+        str(path.resolve()),
+        tuple(settings),
+        tuple(str(it.resolve()) for it in plugins),
+        seed,
+        tuple(faults),
         json.loads(json.dumps(mission.params)),  # without the places of texts and lists
         tuple(mission.targets),
-        {os.path.relpath(path.resolve(), root): _text(path) for path in files},
+        {os.path.relpath(it.resolve(), root): text_of(it) for it in files},
         __version__,
     )
 
@@ -92,46 +107,6 @@ def found_origin(folder: Path) -> Origin:
     return origin
 
 
-def recalled(order: RunOptions, origin: Origin) -> RunOptions:
-    """Return an order for the rest of a run: what it does not say is as it was.
-
-    Raises:
-        UsageError: an option that a run in progress cannot change.
-    """
-    if order.faults:
-        raise UsageError("--fault cannot be changed by --resume")
-    return order._replace(
-        mission=Path(origin.mission) if order.mission == Path() else order.mission,
-        settings=order.settings or origin.settings,
-        seed=origin.seed,
-        faults=origin.faults,
-    )
-
-
-def check_plugins(order: RunOptions, before: Origin) -> None:
-    """Refuse plug-in files that the user did not name, or that were changed, before any is run.
-
-    A folder may come from anywhere: what it says is read, never run. Only `--plugin` on the
-    command line makes a file run (docs/decisions/0019-recording.md).
-
-    Raises:
-        UsageError: one is missing on the command line, or is not the one that was flown.
-    """
-    if before.plugins and not order.plugins:
-        named = " ".join(f"--plugin {shlex.quote(path)}" for path in before.plugins)
-        raise UsageError(
-            f"{order.resume}: this run was flown with plug-in files, and a folder's word runs "
-            f"none; read them, and name them yourself: {named}"
-        )
-    root = Path(before.mission).parent
-    names = [os.path.relpath(path.resolve(), root) for path in order.plugins if path.is_file()]
-    texts = {name: _text(root / name) for name in names}
-    flown = {name: text for name, text in before.texts.items() if name in texts}
-    lines = list(_changes(flown, texts))
-    if lines and not order.force:
-        raise UsageError("\n".join([f"{order.resume}: a plug-in is not the one flown", *lines]))
-
-
 def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:
     """Refuse a mission that has changed since the run was started, unless forced.
 
@@ -149,7 +124,7 @@ def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> Non
 
 def differences(before: Origin, now: Origin) -> Iterator[str]:
     """Yield lines that say in what two origins differ: files as unified differences."""
-    yield from _changes(before.texts, now.texts)
+    yield from changes(before.texts, now.texts)
     for name in sorted({*before.parameters, *now.parameters}):
         was, is_now = before.parameters.get(name), now.parameters.get(name)
         if was != is_now:
@@ -158,14 +133,15 @@ def differences(before: Origin, now: Origin) -> Iterator[str]:
         yield f"missionkit: {before.version} as flown, {now.version} now"
 
 
-def _changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+def changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    """Yield the unified differences of texts, by the names of their files."""
     for name in sorted({*before, *now}):
         old, new = before.get(name, "").splitlines(), now.get(name, "").splitlines()
         titles = (f"{name} (as flown)", f"{name} (now)")
         yield from difflib.unified_diff(old, new, *titles, n=0, lineterm="")
 
 
-def _text(path: Path) -> str:
+def text_of(path: Path) -> str:
     """Return the text of a file; of a binary file, such as a map's image, its digest."""
     data = path.read_bytes()
     try:
