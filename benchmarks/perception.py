@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, seconds, spread, timed
 from missionkit.messages import Image, Observation, Record
-from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.opencv_helpers import encode_jpeg
 from missionkit.perception.square_pose import solve
 from missionkit.rehearsal import Stage, rehearse
@@ -34,7 +34,7 @@ def tables() -> list[Table]:
     warm_up()
     at = ready("rendered")
     views = _views(at)
-    camera, detector = at.plan.camera, Detector(DICTIONARY)
+    camera, detector = at.plan.camera, MarkerDetector(DICTIONARY)
     renderer = Renderer(at.world, camera, np.random.default_rng(0))
     times: defaultdict[str, list[float]] = defaultdict(list)
     for image, truth in views:

@@ -9,7 +9,7 @@ from missionkit.geometry import norm
 from missionkit.messages import CameraModel, Detection, Image
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.image_files import outlined, with_axes
-from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.square_pose import Solution, solve
 
 
@@ -48,7 +48,7 @@ class Checkup:
         camera: CameraModel | None = None,
         longest_side: int = 640,
     ) -> None:
-        self._detectors = [Detector(name, longest_side) for name in names]
+        self._detectors = [MarkerDetector(name, longest_side) for name in names]
         self._markers = tuple(markers)
         self._camera = camera
 

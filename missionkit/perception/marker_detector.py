@@ -20,7 +20,7 @@ _REFINE_WITHIN: Final = 0.5  # of a module on each side of the corner, so that n
 _REFINE_UNTIL: Final = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 0.02)
 
 
-class Detector:
+class MarkerDetector:
     """Finds the markers of one dictionary, corners to a fraction of a pixel.
 
     Two passes. The first thresholds the sharp image in a small window: fast, and the only one

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from missionkit.geometry import Transform, Vec3
 from missionkit.messages import CameraModel, Detection, Frame, Sighting, Target
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.marker_selection import area_of
 from missionkit.perception.target_sighting import sight
 
@@ -33,7 +33,7 @@ class MarkerSearch:
         self._camera = camera
         self._markers = {name: _of(markers, name) for name in {m.dictionary for m in markers}}
         longest = max(camera.width, camera.height)
-        self._detectors = [Detector(name, longest) for name in sorted(self._markers)]
+        self._detectors = [MarkerDetector(name, longest) for name in sorted(self._markers)]
 
     def find(self, frame: Frame, priors: Priors) -> Iterator[Sighting]:
         """Yield a sighting for each marker in view that has a pose.

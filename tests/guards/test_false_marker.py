@@ -12,7 +12,7 @@ from missionkit.geometry import Transform, from_euler
 from missionkit.guards import ArucoConfidence, GpsToVisual
 from missionkit.messages import Frame, Goal, Observation, Sighting, Target, Verdict
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.marker_search import Priors
 from missionkit.perception.vision_pipeline import VisionPipeline
 
@@ -72,7 +72,7 @@ def surveyed(north: float) -> Target:
 
 
 def test_the_detector_does_find_the_false_marker_and_steadily():
-    raw = Detector(SMALL)
+    raw = MarkerDetector(SMALL)
     found = [bool(raw.detect(image, {FALSE_ID})) for image in video(60)]
     assert np.mean(found) > 0.7
 

@@ -5,7 +5,7 @@ import pytest
 from photographs import FALSE, IDS, PHOTO, SMALL, drawn
 from scenes import DICTIONARY, corners_of, render, tilted
 
-from missionkit.perception.marker_detector import Detector
+from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.opencv_helpers import decode_grey
 
 SIZE = 0.4
@@ -25,7 +25,7 @@ def real():
 
 @pytest.fixture(scope="module")
 def detector():
-    return Detector(DICTIONARY)
+    return MarkerDetector(DICTIONARY)
 
 
 def test_all_six_markers_of_the_photograph_are_found(photo, detector):
@@ -34,12 +34,12 @@ def test_all_six_markers_of_the_photograph_are_found(photo, detector):
 
 def test_clutter_can_look_like_a_marker_of_a_small_dictionary(photo):
     """Why a single detection proves nothing: there is no such marker in the photograph."""
-    assert [d.id for d in Detector(SMALL).detect(photo)] == [FALSE]
+    assert [d.id for d in MarkerDetector(SMALL).detect(photo)] == [FALSE]
 
 
 def test_a_real_photograph_shows_the_same_six_and_a_false_one_too(real, detector):
     assert sorted(d.id for d in detector.detect(real)) == sorted(IDS)
-    assert [d.id for d in Detector(SMALL).detect(real)] == [FALSE]
+    assert [d.id for d in MarkerDetector(SMALL).detect(real)] == [FALSE]
 
 
 def test_only_wanted_markers_are_returned(photo, detector):
@@ -48,7 +48,7 @@ def test_only_wanted_markers_are_returned(photo, detector):
 
 
 def test_the_same_image_gives_the_same_corners_to_the_bit(photo, detector):
-    first, again = detector.detect(photo), Detector(DICTIONARY).detect(photo)
+    first, again = detector.detect(photo), MarkerDetector(DICTIONARY).detect(photo)
     assert [d.corners.tobytes() for d in first] == [d.corners.tobytes() for d in again]
 
 

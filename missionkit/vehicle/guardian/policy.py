@@ -45,7 +45,7 @@ class Patience(NamedTuple):
 USUAL = Patience()
 
 
-class Guard(NamedTuple):
+class GuardianState(NamedTuple):
     """State of the guardian; times are the vehicle's (s)."""
 
     phase: Phase = Phase.WATCHING
@@ -76,21 +76,21 @@ class Guard(NamedTuple):
         return self.left and self.phase in {Phase.WATCHING, Phase.HELD}
 
 
-def setpoint(guard: Guard, now: float) -> Guard:
+def setpoint(guard: GuardianState, now: float) -> GuardianState:
     """Return the state after a setpoint of the mission."""
     if guard.refuses:
         return guard
     return guard._replace(phase=Phase.STEERED if guard.ours else Phase.WATCHING, told=now)
 
 
-def silent(guard: Guard) -> Guard:
+def silent(guard: GuardianState) -> GuardianState:
     """Return the state after an order of the mission, or its word that it falls silent."""
     if guard.refuses:
         return guard
     return guard._replace(phase=Phase.WATCHING, told=NEVER)
 
 
-def heard(guard: Guard, *, ours: bool) -> Guard:
+def heard(guard: GuardianState, *, ours: bool) -> GuardianState:
     """Return the state after a heartbeat; `ours`: armed, in the mode that follows setpoints."""
     guard = guard._replace(ours=ours)
     match guard.phase:
@@ -104,13 +104,13 @@ def heard(guard: Guard, *, ours: bool) -> Guard:
             return guard
 
 
-def moves(guard: Guard, now: float, speed: float) -> Guard:
+def moves(guard: GuardianState, now: float, speed: float) -> GuardianState:
     """Return the state after a speed over ground (m/s), for a vehicle without a mode to hold in."""
     settled = guard.phase is Phase.HOLDING and now - guard.since >= SETTLED
     return guard._replace(phase=Phase.HELD) if settled and speed < STANDS else guard
 
 
-def gone(guard: Guard, now: float) -> Guard:
+def gone(guard: GuardianState, now: float) -> GuardianState:
     """Return the state after the end of the mission's process, however it came."""
     guard = guard._replace(left=True)
     if guard.refuses or guard.told == NEVER:
@@ -118,12 +118,12 @@ def gone(guard: Guard, now: float) -> Guard:
     return _holding(guard, now)
 
 
-def given(guard: Guard) -> Guard:
+def given(guard: GuardianState) -> GuardianState:
     """Return the state after a person gave control back to the mission."""
-    return Guard(ours=guard.ours, left=guard.left)
+    return GuardianState(ours=guard.ours, left=guard.left)
 
 
-def waited(guard: Guard, now: float, patience: Patience = USUAL) -> Guard:
+def waited(guard: GuardianState, now: float, patience: Patience = USUAL) -> GuardianState:
     """Return the state at a time (s)."""
     silence = now - guard.told
     match guard.phase:
@@ -137,5 +137,5 @@ def waited(guard: Guard, now: float, patience: Patience = USUAL) -> Guard:
             return guard
 
 
-def _holding(guard: Guard, now: float) -> Guard:
+def _holding(guard: GuardianState, now: float) -> GuardianState:
     return guard._replace(phase=Phase.HOLDING, since=now, confirmed=False)

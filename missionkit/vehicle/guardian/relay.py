@@ -16,7 +16,7 @@ from missionkit.vehicle.autopilot_dialect import DIALECTS, Dialect, word
 from missionkit.vehicle.guardian import mavlink_frames, policy
 from missionkit.vehicle.guardian.autopilot_link import Link, Poller
 from missionkit.vehicle.guardian.mavlink_frames import ident_of
-from missionkit.vehicle.guardian.policy import Guard, Patience, Phase
+from missionkit.vehicle.guardian.policy import GuardianState, Patience, Phase
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 ARM, SET_MODE = 400, 176  # MAV_CMD
@@ -68,7 +68,7 @@ class Relay:
         alone: Callable[[], None],
     ) -> None:
         self.link: Link | None = None
-        self.guard = Guard()
+        self.guard = GuardianState()
         self._poller = poller
         self._ends = ends
         self._pace = pace
@@ -192,7 +192,7 @@ class Relay:
             self._alone()
             self._move(policy.gone(self.guard, self.now))
 
-    def _move(self, guard: Guard) -> None:
+    def _move(self, guard: GuardianState) -> None:
         before, self.guard = self.guard, guard
         if guard.phase is Phase.HOLDING and before.phase is not Phase.HOLDING:
             self._again = 0
@@ -203,7 +203,11 @@ class Relay:
 
     @property
     def _alert(self) -> bool:
-        return self.guard.phase in {Phase.STEERED, Phase.BRAKING, Phase.HOLDING}
+        return self.guard.phase in {
+            Phase.STEERED,
+            Phase.BRAKING,
+            Phase.HOLDING,
+        }
 
     @property
     def _by_mode(self) -> bool:
