@@ -32,6 +32,7 @@ from missionkit.planning.map_server import MapFile
 from missionkit.recorder.topic_schemas import TOPICS
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim import vehicle_parameters, world
+from missionkit.sim.fault_injection import FREE_FLYER_KINDS
 from missionkit.sim.fault_injection import KINDS as FAULTS
 from missionkit.sim.world import World
 
@@ -174,11 +175,14 @@ def test_every_contract_has_its_row():
     assert [tuple(row[:2]) for row in table(PLUGINS, "Contracts")] == wanted
 
 
-def test_every_fault_has_its_row():
-    units = {name: "" if it.unit == "1" else f" {it.unit}" for name, it in FAULTS.items()}
-    assert table(SIMULATOR, "Faults") == [
+@pytest.mark.parametrize(
+    ("heading", "faults"), [("Faults", FAULTS), ("Faults of a free flyer", FREE_FLYER_KINDS)]
+)
+def test_every_fault_has_its_row(heading, faults):
+    units = {name: "" if it.unit == "1" else f" {it.unit}" for name, it in faults.items()}
+    assert table(SIMULATOR, heading) == [
         [f"`{name}`", "—" if it.value is None else f"{it.value:g}{units[name]}", it.effect]
-        for name, it in FAULTS.items()
+        for name, it in faults.items()
     ]
 
 

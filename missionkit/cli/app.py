@@ -182,7 +182,7 @@ def plugins(
 @app.command()
 @told
 def schema(
-    kind: Annotated[str, typer.Argument(help="mission or world")] = "mission",
+    kind: Annotated[str, typer.Argument(help="mission, world or free_flyer_world")] = "mission",
     plugin: Plugins = None,
     write: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="write both schemas there")

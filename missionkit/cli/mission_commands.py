@@ -93,16 +93,17 @@ def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> Non
 
 
 def schema(kind: str, plugins: Iterable[Path], folder: Path | None, of: Path | None = None) -> None:
-    """Print one schema, or write both into a folder.
+    """Print one schema, or write all into a folder.
 
     Args:
-        kind: mission or world.
+        kind: mission, world or free_flyer_world.
         plugins: files.
         folder: to write into.
         of: a mission file, whose states, targets and guards the mission's schema then lists.
     """
     from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema  # noqa: PLC0415
     from missionkit.chart.model.mission_names import names_in  # noqa: PLC0415
+    from missionkit.sim.free_flyer.world import FreeFlyerWorld  # noqa: PLC0415
     from missionkit.sim.world import World  # noqa: PLC0415
 
     catalogue = assemble(plugins)
@@ -110,6 +111,7 @@ def schema(kind: str, plugins: Iterable[Path], folder: Path | None, of: Path | N
     texts = {
         "mission": dumps(mission_schema(catalogue, names)),
         "world": dumps(model_schema(World)),
+        "free_flyer_world": dumps(model_schema(FreeFlyerWorld)),
     }
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)

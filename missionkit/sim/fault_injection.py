@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from missionkit.errors import UsageError, nearest
+from missionkit.messages import Cycle
 
 
 class Kind(NamedTuple):
@@ -24,6 +25,7 @@ class Kind(NamedTuple):
     effect: str
     least: float = -1e6
     most: float = 1e6
+    whole: bool = False  # a number of something
 
 
 KINDS: Mapping[str, Kind] = {
@@ -60,12 +62,29 @@ KINDS: Mapping[str, Kind] = {
     ),
 }
 
+FREE_FLYER_KINDS: Mapping[str, Kind] = {
+    "uwb_outliers": Kind(0.1, "1", "a share VALUE of the ranges came by a detour", 0.0, 1.0),
+    "uwb_lost": Kind(None, "", "no ranges to anchors"),
+    "camera_off": Kind(None, "", "no features"),
+    "camera_frozen": Kind(None, "", "the camera repeats the last features, with their old time"),
+    "nozzle_stuck": Kind(1.0, "nozzle", "the nozzle VALUE stays shut", 1.0, 10.0, whole=True),
+    "nozzle_weak": Kind(0.5, "1", "every nozzle gives a share VALUE of its thrust", 0.0, 1.0),
+    "gyro_biased": Kind(0.01, "rad/s", "rates about the body's x are off by VALUE", -10.0, 10.0),
+    "link_lost": KINDS["link_lost"],
+    "battery_sag": KINDS["battery_sag"],
+    "cpu_slow": KINDS["cpu_slow"],
+}
+"""Faults of a simulated free flyer; those of a multicopter are `KINDS`."""
+
+ALL_KINDS: Mapping[str, Kind] = {**FREE_FLYER_KINDS, **KINDS}
+
 GRAMMAR = re.compile(
     r"(?P<name>[a-z_]+)(=(?P<value>[^@+]+))?"
     r"(@((?P<start>\d+(\.\d+)?)|(?P<state>[A-Za-z_][\w.-]*)(:(?P<delay>\d+(\.\d+)?))?))?"
     r"(\+(?P<duration>\d+(\.\d+)?))?"
 )
 LATEST = 1e6  # s
+BUDGET = 0.05  # s, of one tick
 FORM = "NAME[=VALUE][@WHEN][+DURATION], WHEN in seconds or STATE[:DELAY]"
 
 
@@ -97,9 +116,25 @@ def parse_fault(text: str) -> Fault:
         UsageError: unknown name, or not of the form above.
     """
     name = name_in(text)
-    if name not in KINDS:
-        raise UsageError(f"unknown fault {name!r}: {nearest(name, KINDS)}")
+    if name not in ALL_KINDS:
+        raise UsageError(f"unknown fault {name!r}: {nearest(name, ALL_KINDS)}")
     return fault_in(text, _value)
+
+
+def refuse_foreign(faults: Iterable[Fault], kinds: Mapping[str, Kind], vehicle: str) -> None:
+    """Refuse faults that a vehicle does not have.
+
+    Args:
+        faults: what is to go wrong.
+        kinds: the vehicle's.
+        vehicle: what messages call it, with its article.
+
+    Raises:
+        UsageError: one of them is another vehicle's.
+    """
+    for fault in faults:
+        if fault.name not in kinds:
+            raise UsageError(f"{vehicle} has no fault {fault.name!r}: {nearest(fault.name, kinds)}")
 
 
 def name_in(text: str) -> str:
@@ -130,7 +165,7 @@ def fault_in(text: str, value: Callable[[str, str | None], float | None]) -> Fau
 
 
 def _value(name: str, text: str | None) -> float | None:
-    kind = KINDS[name]
+    kind = ALL_KINDS[name]
     if text is None or (name == "marker_hidden" and text == "all"):
         return kind.value
     if not kind.unit:
@@ -144,6 +179,8 @@ def _value(name: str, text: str | None) -> float | None:
     if not kind.least <= value <= kind.most:
         allowed = f"{kind.least:g} to {kind.most:g}"
         raise UsageError(f"fault {name} takes {allowed}, got {text}")
+    if kind.whole and value != int(value):
+        raise UsageError(f"fault {name} takes a whole number, got {text}")
     return value
 
 
@@ -160,6 +197,25 @@ class Mishaps(NamedTuple):
             if age is not None:
                 return fault.value or 0.0, age
         return None
+
+    def load(self, now: float, before: Cycle) -> Cycle:
+        """Return the timing that guards see at `now`: nothing of the machine that simulates.
+
+        Args:
+            now: s.
+            before: of the previous tick.
+        """
+        slow = self.since("cpu_slow", now)
+        took = 0.0 if slow is None else slow[0]
+        if not took and not before.overruns:
+            return before
+        return Cycle(sense=took, overruns=before.overruns + (took > BUDGET))
+
+    def values(self, name: str, now: float) -> Iterator[float]:
+        """Yield the value of every active fault of that name."""
+        for fault in self.faults:
+            if fault.name == name and fault.since(now, self.entered) is not None:
+                yield fault.value or 0.0
 
     def active(self, name: str, now: float) -> bool:
         """Tell whether a fault of that name is active."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from missionkit.geometry import Mat
@@ -45,11 +47,15 @@ class Normals:
         return rows
 
 
-def streams(seed: int) -> dict[str, np.random.Generator]:
+def streams(seed: int, names: Sequence[str] = STREAMS) -> dict[str, np.random.Generator]:
     """Return one independent generator for each source of randomness, by name.
 
     Each has its own child of the seed, so that switching one sensor off leaves the others as
     they were.
+
+    Args:
+        seed: of all of them.
+        names: of the sources; those of a multicopter by default.
     """
-    children = np.random.SeedSequence(seed).spawn(len(STREAMS))
-    return {name: np.random.default_rng(c) for name, c in zip(STREAMS, children, strict=True)}
+    children = np.random.SeedSequence(seed).spawn(len(names))
+    return {name: np.random.default_rng(c) for name, c in zip(names, children, strict=True)}

@@ -28,6 +28,11 @@ class Beat:
         self.every = max(1, round(RATE / rate))
         self._next = self.every
 
+    @property
+    def next(self) -> int:
+        """Physics step of the next beat."""
+        return self._next
+
     def due(self, step: int) -> bool:
         """Tell whether the next beat has come by `step`; if so, wait for the one after."""
         if step < self._next:

@@ -15,7 +15,6 @@ from missionkit.messages import (
     NO_CYCLE,
     Action,
     Command,
-    Cycle,
     Gnss,
     Imu,
     Observation,
@@ -24,7 +23,7 @@ from missionkit.messages import (
 )
 from missionkit.sim import kernel_layout
 from missionkit.sim.camera_feed import Feed
-from missionkit.sim.fault_injection import Fault, Mishaps
+from missionkit.sim.fault_injection import KINDS, Fault, Mishaps, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.ground_truth import TrueState, TrueTrack
 from missionkit.sim.obstacle_distance import ring
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
 
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
-BUDGET = 0.05  # s, of one tick
 TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
 
 
@@ -55,11 +53,15 @@ class SimulatedVehicle:
         camera: the mission's camera.
         seed: of all randomness; every sensor has its own stream.
         faults: what goes wrong, and when.
+
+    Raises:
+        UsageError: a fault that a multicopter does not have.
     """
 
     def __init__(
         self, world: World, camera: Camera, seed: int, faults: Sequence[Fault] = ()
     ) -> None:
+        refuse_foreign(faults, KINDS, "a multicopter")
         rngs = streams(seed)
         self.world = world
         self.track = TrueTrack()
@@ -161,6 +163,7 @@ class SimulatedVehicle:
             self._obey()
             self._sense()
         box, self._inbox = self._inbox, Inbox()
+        self._cycle = self._mishaps.load(until, self._cycle)
         return Observation(
             now=until,
             imu=tuple(box.imu),
@@ -172,18 +175,10 @@ class SimulatedVehicle:
             battery=box.battery,
             status=box.status,
             events=tuple(box.events),
-            cycle=self._load(until),
+            cycle=self._cycle,
             flow=box.flow,
             range=box.range,
         )
-
-    def _load(self, now: float) -> Cycle:
-        """Return the timing that guards see: nothing of the machine that simulates."""
-        slow = self._mishaps.since("cpu_slow", now)
-        took = 0.0 if slow is None else slow[0]
-        if took or self._cycle.overruns:
-            self._cycle = Cycle(sense=took, overruns=self._cycle.overruns + (took > BUDGET))
-        return self._cycle
 
     @property
     def _charge(self) -> float:

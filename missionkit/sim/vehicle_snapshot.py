@@ -17,6 +17,9 @@ import numpy as np
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.camera_renderer import Renderer
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
+from missionkit.sim.free_flyer.feature_camera import FeatureCamera
+from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
+from missionkit.sim.free_flyer.free_flyer import FreeFlyer
 from missionkit.sim.lens_model import Sensor
 from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.plant import Plant
@@ -32,6 +35,11 @@ PARTS: Mapping[type, tuple[str, ...]] = {
         *("_flow", "_range"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle"),
     ),
+    FreeFlyer: (
+        *("payload", "_mishaps", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),
+    ),
+    FlyerPlant: ("step", "state", "memory", "_imu", "_uwb"),
+    FeatureCamera: ("beat", "_noise", "_last"),
     Plant: ("step", "state", "memory", "_wind", "_own", "_imu"),
     Feed: ("_spotter", "_renderer", "_waiting", "_count"),
     Spotter: ("_rng",),
@@ -47,13 +55,13 @@ PARTS: Mapping[type, tuple[str, ...]] = {
 }
 
 
-def taken(vehicle: SimulatedVehicle) -> Snapshot:
+def taken(vehicle: SimulatedVehicle | FreeFlyer) -> Snapshot:
     """Return the state of a vehicle that has just been observed, without its track."""
     state: Snapshot = _state(vehicle)
     return state
 
 
-def restore(vehicle: SimulatedVehicle, state: Snapshot) -> None:
+def restore(vehicle: SimulatedVehicle | FreeFlyer, state: Snapshot) -> None:
     """Put a new vehicle, of the same world, camera, seed and faults, into a saved state."""
     _put(vehicle, state)
 

@@ -11,12 +11,14 @@ from typing import Any
 
 import jsonschema
 import pytest
+from pydantic import BaseModel
 
 from missionkit.chart.model.json_schema import dumps, mission_schema, model_schema
 from missionkit.chart.model.key_descriptions import DESCRIPTIONS
 from missionkit.chart.model.mission_names import names_in
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.yaml_reader import read, read_file
+from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from missionkit.sim.world import World
 
 ROOT = Path(__file__).parents[2]
@@ -58,9 +60,11 @@ def test_the_mission_schema_has_not_drifted(catalogue: Catalogue):
     assert committed == dumps(mission_schema(catalogue))
 
 
-def test_the_world_schema_has_not_drifted():
-    committed = (ROOT / "schemas" / "world.schema.json").read_text()
-    assert committed == dumps(model_schema(World))
+@pytest.mark.parametrize("model", [World, FreeFlyerWorld])
+def test_the_schemas_of_worlds_have_not_drifted(model: type[BaseModel]):
+    name = "world" if model is World else "free_flyer_world"
+    committed = (ROOT / "schemas" / f"{name}.schema.json").read_text()
+    assert committed == dumps(model_schema(model))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
@@ -69,8 +73,13 @@ def test_missions_fit(path: Path, missions: Any):
 
 
 @pytest.mark.parametrize("path", WORLDS, ids=lambda path: path.stem)
-def test_worlds_fit(path: Path):
-    validator("world.schema.json").validate(read_file(path).data)
+def test_worlds_fit_their_vehicle_s_schema(path: Path):
+    data = read_file(path).data
+    fits, other = "world.schema.json", "free_flyer_world.schema.json"
+    if "vehicle" in data:
+        fits, other = other, fits
+    validator(fits).validate(data)
+    assert not validator(other).is_valid(data)
 
 
 @pytest.mark.parametrize("name", REFUSED_BY_SCHEMA)
@@ -109,15 +118,14 @@ def undescribed(node: Any, path: str = "") -> list[str]:
 def test_every_key_has_a_description(catalogue: Catalogue):
     assert undescribed(mission_schema(catalogue)) == []
     assert undescribed(model_schema(World)) == []
+    assert undescribed(model_schema(FreeFlyerWorld)) == []
 
 
 def test_no_description_is_left_over(catalogue: Catalogue):
-    definitions = {*mission_schema(catalogue)["$defs"], *model_schema(World)["$defs"]}
-    lost = [
-        key
-        for key in DESCRIPTIONS
-        if "." in key and key.rpartition(".")[0] not in {*definitions, "Mission", "World"}
-    ]
+    schemas = (mission_schema(catalogue), model_schema(World), model_schema(FreeFlyerWorld))
+    definitions = {name for schema in schemas for name in schema["$defs"]}
+    definitions |= {"Mission", "World", "FreeFlyerWorld"}
+    lost = [key for key in DESCRIPTIONS if "." in key and key.rpartition(".")[0] not in definitions]
     assert lost == []
 
 

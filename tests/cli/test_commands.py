@@ -159,7 +159,7 @@ def test_schemas(call, tmp_path):
     assert json.loads(call("schema", "world").stdout)["properties"]["obstacles"]
     assert call("schema", "--write", "made").exit_code == 0
     names = {path.name for path in (tmp_path / "made").iterdir()}
-    assert names == {"mission.schema.json", "world.schema.json"}
+    assert names == {f"{it}.schema.json" for it in ("mission", "world", "free_flyer_world")}
 
 
 def test_charts_are_drawn(call, tmp_path):

@@ -1,0 +1,1 @@
+"""Simulator of a free flyer: a small satellite that thrusters drive, and its docking target."""
