@@ -25,6 +25,7 @@ from missionkit.control.controller import Control
 from missionkit.control.pid import Gains
 from missionkit.control.velocity_limits import Limits
 from missionkit.control.yaw_law import YawLaw
+from missionkit.guards.estimated_chain import EstimatedChain
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.camera_section import Camera, Mount
 from missionkit.planning.map_section import KnownMap, Weight
@@ -50,6 +51,14 @@ def test_every_example_is_valid(text, tmp_path):
         path.write_text(text)
         assert load_model(path, World).world
         return
+    if "chain" in keys:
+        path = tmp_path / "chain.yaml"
+        path.write_text(text)
+        assert load_model(path, EstimatedChain).flights
+        return
+    if "chain: chain.yaml" in text:
+        (chain,) = [it.values[0] for it in blocks("yaml") if it.values[0].startswith("chain:")]
+        (tmp_path / "chain.yaml").write_text(chain)
     catalogue = builtin()
     if "too_fast" in text:  # the guard that `missionkit new` writes
         CliRunner().invoke(app, ["new", "guard", "too_fast", "--to", str(tmp_path)])
@@ -57,7 +66,7 @@ def test_every_example_is_valid(text, tmp_path):
     elif "circle" in text:  # the behaviour of docs/how-to/write-a-behavior.md
         for path in plugin_files(tmp_path):
             catalogue = catalogue.with_file(path)
-    mission = parse(as_mission(text), "example", catalogue)
+    mission = parse(as_mission(text), str(tmp_path / "example"), catalogue)
     assert unmet(mission, catalogue) == []
 
 

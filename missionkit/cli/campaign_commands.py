@@ -52,6 +52,10 @@ def campaign(
     resume: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="go on with a campaign that was stopped")
     ] = None,
+    chain: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.yaml", help="write the Markov chain that was flown, for guards"),
+    ] = None,
     *,
     records: Annotated[
         bool, typer.Option("--records", help="keep the flight record of every run")
@@ -77,6 +81,7 @@ def campaign(
         better,
         out,
         resume,
+        chain,
         records=records,
         as_json=as_json,
     )

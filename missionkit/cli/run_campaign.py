@@ -21,6 +21,7 @@ from missionkit.campaigns.campaign_plan import (
     keep,
 )
 from missionkit.campaigns.campaign_summary import summed_up
+from missionkit.campaigns.chain_file import write_chain
 from missionkit.campaigns.number_format import between, percent
 from missionkit.campaigns.progress_line import CampaignProgress
 from missionkit.campaigns.variants import axes
@@ -51,6 +52,7 @@ class CampaignOptions(NamedTuple):
     better: float | None
     out: Path
     resume: Path | None
+    chain: Path | None = None
     records: bool = False
     as_json: bool = False
 
@@ -73,16 +75,24 @@ def campaign(wanted: CampaignOptions) -> ExitCode:
         print(f"stopped; go on with: missionkit campaign --resume {folder}", file=sys.stderr)  # noqa: T201
         return ExitCode.ENDED_SAFELY
     progress.finish()
-    return report(folder, as_json=wanted.as_json)
+    return report(folder, as_json=wanted.as_json, chain=wanted.chain)
 
 
-def report(folder: Path, *, as_json: bool) -> ExitCode:
+def report(folder: Path, *, as_json: bool, chain: Path | None = None) -> ExitCode:
     """Write table, summary and page from the journal; say in a few lines what they say.
 
+    Args:
+        folder: of the campaign.
+        as_json: print the summary for programs.
+        chain: file for the Markov chain that was flown; None: it is not written.
+
     Raises:
-        UsageError: the folder holds no campaign, or none of its runs has ended.
+        UsageError: the folder holds no campaign, or none of its runs has ended; or there is not
+            one chain to write.
     """
     said = reported(folder)
+    if chain is not None:
+        write_chain(chain, said)
     if as_json:
         print(json.dumps({**summed_up(said), "folder": str(folder)}, indent=2))  # noqa: T201
     else:
@@ -94,6 +104,8 @@ def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
     """Check everything that every variant needs, then make the folder."""
     if wanted.mission is None:
         raise UsageError("name the mission file to fly, or --resume FOLDER")
+    if wanted.chain is not None and wanted.vary:
+        raise UsageError("--chain writes the chain of one variant; leave out --vary")
     settings = overrides(wanted.settings)
     told = planned(
         wanted.mission,
