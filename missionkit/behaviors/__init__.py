@@ -5,8 +5,9 @@ from missionkit.behaviors.go_to import GoTo
 from missionkit.behaviors.hold import Hold
 from missionkit.behaviors.inject import Inject
 from missionkit.behaviors.land import Land
+from missionkit.behaviors.precision_land import PrecisionLand
 from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
-ALL = (FollowPath, GoTo, Hold, Inject, Land, Servo, Spiral, TakeOff)
+ALL = (FollowPath, GoTo, Hold, Inject, Land, PrecisionLand, Servo, Spiral, TakeOff)

@@ -83,7 +83,7 @@ def test_free_accelerations_save_next_to_nothing(distance, height):
     assert np.abs(free.reached(found.x)).max() < 1e-3
     best = free.energy(found.x)
     ours = plan(distance, height, CRAFT, LIMITS).energy
-    assert ours < 1.02 * best
+    assert ours < 1.03 * best
     assert best < 1.02 * ours  # it is a check: the coarse steps cost it no more
 
 
@@ -91,7 +91,7 @@ def test_free_accelerations_save_next_to_nothing(distance, height):
 def test_sideways_first_and_down_late(distance, height):
     path = plan(distance, height, CRAFT, LIMITS)
     half_way = np.interp(0.5 * distance, path.left[::-1], path.height[::-1])
-    assert half_way > 0.5 * height
+    assert half_way > 0.53 * height
     assert path.left[-1] == pytest.approx(0.0, abs=1e-6)
     assert path.height[-1] == pytest.approx(0.0, abs=1e-6)
     assert path.descent[-1] == pytest.approx(LIMITS.touch_down, abs=1e-6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import chdtri
@@ -67,6 +68,8 @@ class ErrorStateEkf:
 
     def propagate(self, known: FilterMemory, observation: Observation) -> FilterMemory:
         """Return the memory after one observation: alignment first, then prediction and update."""
+        if not self._settings.gnss:
+            observation = replace(observation, gnss=None)
         status = observation.status
         parked = known.parked if status is None else not (status.in_air or status.armed)
         known = known._replace(now=observation.now, broken=False, parked=parked)

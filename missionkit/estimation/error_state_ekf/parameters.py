@@ -43,6 +43,7 @@ class VisualInertialEkf(Plugin):
         default=0.5, ge=0, description="slow error that all fixes share; adds to absolute sds only"
     )
     bearing_sd: Number = Field(default=0.002, gt=0, description="rad, of the line to a marker")
+    gnss: bool = Field(default=True, description="use satellite fixes")
     flow: bool = Field(default=False, description="use optical flow and range finder")
     flow_sd: Number = Field(default=0.045, gt=0, description="rad/s, of a sample")
     flow_quality: Fraction = Field(default=0.3, description="flow below it is not used")

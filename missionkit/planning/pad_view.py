@@ -1,0 +1,47 @@
+"""From where a landing pad is sure to be in view, however wrong its place may be.
+
+Source: NOTES, P3, landing power and deviation height.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+REACTION = 0.3  # s, until a sighting has changed the velocity
+
+
+class ViewCone(NamedTuple):
+    """What a camera is sure to see below it, and how the vehicle moves in there."""
+
+    half_angle: float  # rad, φ, about the vertical
+    sigmas: float  # k, standard deviations of the pad's place that are allowed for
+    descent: float  # m/s, v_d
+    acceleration: float  # m/s², a, level
+    least: float = 0.0  # m, h_min
+
+
+def deviation_height(cone: ViewCone, sd: float) -> float:
+    """Return the height (m) above a pad to be kept until it is in view.
+
+        h_1 = max(k σ / tan φ,  v_d (0.3 s + 2 sqrt(k σ / a)),  h_min)
+
+    High enough that the view covers an error of k σ, and that the error can still be flown off
+    (there and to rest again at the acceleration a) while descending.
+
+    Args:
+        cone: of the camera and the vehicle.
+        sd: σ, of the pad's place relative to the vehicle (m, one axis).
+    """
+    error = cone.sigmas * sd
+    seen = error / math.tan(cone.half_angle)
+    corrected = cone.descent * (REACTION + 2.0 * math.sqrt(error / cone.acceleration))
+    return max(seen, corrected, cone.least)
+
+
+def entry_radius(cone: ViewCone, sd: float, height: float) -> float:
+    """Return how near (m, level) to the pad its estimate must be for it to be in view.
+
+    h tan φ - k σ at a height h; 0 where the view does not cover the error at all.
+    """
+    return max(0.0, height * math.tan(cone.half_angle) - cone.sigmas * sd)

@@ -1,0 +1,100 @@
+"""Landing on a pad: what it asks for, along the way and when the pad does not come into view."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from behaviors.playing import TICK, play
+from samples import calm
+
+from missionkit.behaviors.precision_land import OVER, UNSEEN, PrecisionLand
+from missionkit.geometry import vec
+from missionkit.messages import Target
+
+PAD = vec(10.0, 0.0, 0.0)
+
+
+def seen(now, left, height, *, sd=0.25, sighted=None, velocity=(0.0, 0.0, 0.0), pad=True):
+    target = Target("pad", PAD, sd, None, None, sighted)
+    return calm(
+        now=now,
+        position=vec(10.0 - left, 0.0, -height),
+        velocity=np.array(velocity),
+        targets={"pad": target} if pad else {},
+    )
+
+
+def rate(behavior, **where):
+    """The rate of descent asked for, two seconds after a start 10 m from the pad and 3 m up."""
+    begun = behavior.begin(seen(0.0, 10.0, 3.0))
+    step = behavior.step(seen(2.0, **where), begun)
+    return float(step.guidance.velocity[2])
+
+
+def test_out_of_sight_it_keeps_the_height_that_the_uncertainty_asks_for():
+    glide = PrecisionLand(target="pad")
+    unsure, sure = {"left": 0.3, "sd": 0.25}, {"left": 0.3, "sd": 0.02}
+    assert rate(glide, height=1.8, **unsure) < 0.1
+    assert rate(glide, height=1.0, **unsure) < 0.0  # too low: up again
+    assert rate(glide, height=1.5, **sure) > 0.5
+    assert rate(glide, height=1.5, left=0.3, sd=0.25, sighted=1.9) > 0.5  # in view
+
+
+def test_without_sigmas_the_estimate_is_trusted():
+    blind = PrecisionLand(target="pad", sigmas=0.0, least=0.0)
+    assert rate(blind, height=1.0, left=0.05, sd=0.5) > 0.5
+
+
+def test_sideways_first_and_down_late():
+    glide = PrecisionLand(target="pad")
+    high = rate(glide, height=3.0, left=9.0, sighted=1.9)
+    late = rate(glide, height=3.0, left=1.5, sighted=1.9, velocity=(2.0, 0.0, 0.0))
+    assert high == pytest.approx(0.0, abs=0.05)
+    assert late > 1.0
+
+
+def test_level_speed_falls_in_time_for_the_pad():
+    glide = PrecisionLand(target="pad")
+    begun = glide.begin(seen(0.0, 10.0, 3.0))
+    for left in (4.0, 2.0, 1.0):
+        fast = (np.sqrt(2.0 * 2.0 * left), 0.0, 0.0)
+        step = glide.step(seen(2.0, left, 3.0, velocity=fast), begun)
+        asked = step.guidance.velocity[0]
+        assert 0.0 < asked < fast[0]
+
+
+def test_over_the_pad_it_hands_over_and_aside_it_does_not():
+    down = PrecisionLand(target="pad", phase="descend")
+    assert play(down, [seen(0.0, 0.05, 0.1, sighted=0.0)])[0].done
+    aside = play(down, [seen(0.0, 0.6, 0.3, sighted=0.0)])[0]
+    assert not aside.done
+    assert aside.guidance.velocity[2] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_descent_that_loses_the_pad_waits_but_not_in_the_dark():
+    down = PrecisionLand(target="pad", phase="descend")
+    begun = down.begin(seen(0.0, 0.05, 2.0, sighted=0.0))
+    assert down.step(seen(1.0, 0.05, 1.5, sighted=0.2), begun).guidance.velocity[2] == 0.0
+    assert down.step(seen(1.0, 0.05, 0.4, sighted=0.2), begun).guidance.velocity[2] > 0.1
+
+
+def test_deviating_it_says_once_that_the_pad_is_below():
+    look = PrecisionLand(target="pad", phase="deviate")
+    steps = play(look, [seen(n * TICK, 0.1, 1.9, sighted=n * TICK) for n in range(20)])
+    assert [step.events for step in steps] == [(OVER,)] + [()] * 19
+
+
+def test_a_pad_that_does_not_come_into_view_is_looked_for_higher_and_given_up():
+    look = PrecisionLand(target="pad", phase="deviate", highest=4.0)
+    steps = play(look, [seen(n * TICK, 0.1, 1.9) for n in range(300)])
+    rates = [float(step.guidance.velocity[2]) for step in steps]
+    assert abs(rates[5]) < 0.3
+    assert min(rates) == -0.5  # it climbs, no faster
+    events = [event for step in steps for event in step.events]
+    assert events == [UNSEEN]
+
+
+def test_without_a_target_it_asks_for_nothing():
+    steps = play(PrecisionLand(target="pad"), [seen(n * TICK, 1.0, 2.0, pad=False) for n in (0, 1)])
+    assert all(step.guidance is None and not step.done for step in steps)
+    assert "not known" in steps[0].note
