@@ -101,7 +101,7 @@ def _shown(value: object) -> str:
         case int() | float():
             return f"{value:.10g}"
         case tuple():
-            return f"[{', '.join(f'{it:g}' for it in value)}]"
+            return f"[{', '.join(map(_shown, value))}]"
         case dict():
             return f"{{{', '.join(f'{key}: {it}' for key, it in value.items())}}}"
         case _:

@@ -35,6 +35,9 @@ from missionkit.rehearsal import rehearse, stage
 from missionkit.sim import vehicle_parameters, world
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS
 from missionkit.sim.fault_injection import KINDS as FAULTS
+from missionkit.sim.free_flyer import body_model
+from missionkit.sim.free_flyer import world as flyer_world
+from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from missionkit.sim.world import World
 
 MISSION = document("docs/reference/mission-file.md")
@@ -49,7 +52,7 @@ def test_every_example_is_valid(text, tmp_path):
     if "world" in keys and "mission" not in keys:
         path = tmp_path / "world.yaml"
         path.write_text(text)
-        assert load_model(path, World).world
+        assert load_model(path, FreeFlyerWorld if "vehicle" in keys else World).world
         return
     if "chain" in keys:
         path = tmp_path / "chain.yaml"
@@ -116,6 +119,12 @@ def test_links_lead_somewhere(path):
         (SIMULATOR, "Airframe", vehicle_parameters.Quadrotor),
         (SIMULATOR, "Autopilot", vehicle_parameters.InnerAutopilotModel),
         (SIMULATOR, "Battery", vehicle_parameters.BatteryModel),
+        (SIMULATOR, "World of a free flyer", flyer_world.FreeFlyerWorld),
+        (SIMULATOR, "Docking target", flyer_world.DockingTarget),
+        (SIMULATOR, "Start of a free flyer", flyer_world.FlyerStart),
+        (SIMULATOR, "Docking corridor", flyer_world.CorridorModel),
+        (SIMULATOR, "Capture", flyer_world.Capture),
+        (SIMULATOR, "Body of a free flyer", body_model.FreeFlyerBody),
     ],
 )
 def test_a_table_has_every_key_and_its_default(text, heading, part):
@@ -123,11 +132,18 @@ def test_a_table_has_every_key_and_its_default(text, heading, part):
     assert dict(told) == dict(defaults(part.model_fields))
 
 
-def test_the_table_of_sensors_is_complete():
-    told = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, "Sensors")]
+@pytest.mark.parametrize(
+    ("heading", "sensors"),
+    [
+        ("Sensors", vehicle_parameters.Sensors),
+        ("Sensors of a free flyer", body_model.FlyerSensors),
+    ],
+)
+def test_the_tables_of_sensors_are_complete(heading, sensors):
+    told = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, heading)]
     assert told == [
         (f"{sensor}.{key}", default)
-        for sensor, it in vehicle_parameters.Sensors.model_fields.items()
+        for sensor, it in sensors.model_fields.items()
         for key, default in defaults(it.annotation.model_fields)
     ]
 

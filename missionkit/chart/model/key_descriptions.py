@@ -101,6 +101,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "DockingTarget.position": "x, y, z of its centre (m)",
     "DockingTarget.attitude_deg": "about x, then the new y, then the new z",
     "DockingTarget.face": "to dock to: front +x, back -x, right +y, left -y, bottom +z, top -z",
+    "DockingTarget.lit": "faces that carry features",
     "DockingTarget.features": "places on each face, from its middle (m)",
     "FlyerStart.position": "x, y, z of its centre (m)",
     "FlyerStart.attitude_deg": "about x, then the new y, then the new z",

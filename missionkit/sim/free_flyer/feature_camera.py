@@ -24,19 +24,21 @@ class FeatureTable(NamedTuple):
 
 
 def features_of(target: DockingTarget) -> FeatureTable:
-    """Return the feature points of all faces, in the target's frame.
+    """Return the feature points of all lit faces, in the target's frame.
 
     Those of a face lie along x and y of a chaser that is docked there without roll.
     """
     names, points, normals = [], [], []
-    for face, outward in NORMALS.items():
-        turn = face_rotation(face)
+    for face in target.lit:
+        turn, outward = face_rotation(face), NORMALS[face]
         for n, (along_x, along_y) in enumerate(target.features, 1):
             names.append(f"{face}{n}")
             flat = rotate(turn, vec(along_x, along_y, 0.0))
             points.append(flat + 0.5 * target.size * vec(*outward))
             normals.append(outward)
-    return FeatureTable(tuple(names), np.array(points).reshape(-1, 3), np.array(normals))
+    return FeatureTable(
+        tuple(names), np.array(points).reshape(-1, 3), np.array(normals).reshape(-1, 3)
+    )
 
 
 class FeatureCamera:
@@ -49,7 +51,7 @@ class FeatureCamera:
         self._name = world.target.name
         self._names = table.names
         self._points = table.points @ turn.T + pose.translation
-        self._normals = table.normals.reshape(-1, 3) @ turn.T
+        self._normals = table.normals @ turn.T
         self._target = pose.translation
         self._place, self._mount = np.array(model.position), to_matrix(turned(model.attitude_deg))
         self._range, self._cone = model.range, math.cos(math.radians(model.half_angle_deg))

@@ -14,7 +14,14 @@ from pydantic import Field, model_validator
 
 from missionkit.geometry import Transform, vec
 from missionkit.sim.free_flyer.body_model import FlyerSensors, FreeFlyerBody
-from missionkit.sim.free_flyer.docking_geometry import Berth, Corridor, Face, berth_at, turned
+from missionkit.sim.free_flyer.docking_geometry import (
+    NORMALS,
+    Berth,
+    Corridor,
+    Face,
+    berth_at,
+    turned,
+)
 from missionkit.sim.vehicle_parameters import BatteryModel, Frozen
 from missionkit.units import Degrees, DegreesPerSecond, Metres, MetresPerSecond, Point
 
@@ -30,8 +37,8 @@ PATTERN: tuple[Spot, ...] = (
 class DockingTarget(Frozen):
     """The cube that the chaser docks to; it keeps its place and attitude.
 
-    Every face carries the same `features`: places on it (m, from its middle), along x and y of a
-    chaser that is docked there without roll. Feature n of the face `top` is called `top` n.
+    Every face of `lit` carries the same `features`: places on it (m, from its middle), along x and
+    y of a chaser that is docked there without roll. Those of the face top are top1, top2, …
     """
 
     name: str = "target"
@@ -40,6 +47,7 @@ class DockingTarget(Frozen):
     size: Metres = Field(default=0.10, gt=0, description="side of the cube")
     face: Face = "top"
     roll_deg: Degrees = 0.0
+    lit: tuple[Face, ...] = tuple(NORMALS)
     features: tuple[Spot, ...] = PATTERN
 
     @property

@@ -6,6 +6,7 @@ from docking import Hand, perfect
 
 from missionkit.geometry import to_matrix, vec
 from missionkit.messages import Command, Features
+from missionkit.sim.free_flyer.docking_geometry import NORMALS
 from missionkit.sim.free_flyer.feature_camera import features_of
 
 ON = Command(payload="camera")
@@ -45,8 +46,11 @@ def test_points_are_those_of_the_table_from_anywhere():
 
 
 def test_faces_turned_towards_the_camera_are_seen():
-    faces = {name.rstrip("123456") for name in shown(0.3, 0.12)[0].names}
+    every = {**perfect().target.model_dump(), "lit": tuple(NORMALS)}
+    faces = {name[:-1] for name in shown(0.3, 0.12, target=every)[0].names}
     assert faces == {"top", "front"}
+    lit = {**perfect().target.model_dump(), "lit": ("top",)}
+    assert {name[:-1] for name in shown(0.3, 0.12, target=lit)[0].names} == {"top"}
 
 
 @pytest.mark.parametrize(
