@@ -39,6 +39,15 @@ the mission plans with. Judged by the truth of the simulated autopilot; most in 
     {command}
 
 {rows}
+
+## Deviations
+
+{deviations}
+
+## Assumptions
+
+The air is calm and the room is that of [known_map.md](known_map.md). Real time, faster than the
+clock: a busy machine delays messages and the simulated vehicle alike, and is part of the result.
 """
 
 
@@ -126,6 +135,15 @@ def row(flights: Sequence[Flown]) -> tuple[str, ...]:
     )
 
 
+def described(flight: Flown) -> str:
+    """Return a line about a flight that did not succeed."""
+    return (
+        f"- {flight.dialect}, seed {flight.seed}: goal {'' if flight.arrived else 'not '}reached, "
+        f"{'landed unhurt' if flight.unhurt else 'hurt or not landed'}, least clearance "
+        f"{flight.clearance:.2f} m, {flight.missed:.1f} m from the goal, drift {flight.drift:.2f} m"
+    )
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Fly the mission in both dialects, and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.known_map_over_the_wire")
@@ -134,19 +152,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--speed", type=float, default=3.0, help="times real time")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
-    rows = []
+    rows, missed = [], []
     for dialect in BY_FLOW:
-        flights = []
+        flights: list[Flown] = []
         for seed in range(chosen.first, chosen.first + chosen.flights):
             flights.append(flown(dialect, seed, chosen.speed))
             print(flights[-1], flush=True)  # noqa: T201
         rows.append(row(flights))
+        missed += [described(flight) for flight in flights if not flight.succeeded]
     header = ("dialect", "success", "95 %", "least clearance, m", "missed by, m", "drift, m")
     command = (
         f"python -m studies.known_map_over_the_wire --flights {chosen.flights} "
         f"--first {chosen.first} --speed {chosen.speed:g}"
     )
-    text = PAGE.format(speed=chosen.speed, command=command, rows=table(header, rows))
+    deviations = "\n".join(missed) or "None."
+    text = PAGE.format(
+        speed=chosen.speed, command=command, rows=table(header, rows), deviations=deviations
+    )
     (chosen.out / "known_map_over_the_wire.md").write_text(text, encoding="utf-8")
     print(table(header, rows))  # noqa: T201
 
