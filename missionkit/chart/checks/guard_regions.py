@@ -23,6 +23,8 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Assign
 from missionkit.chart.model.traversal import actions_of
 from missionkit.chart.model.variables import Variable, is_number
+from missionkit.errors import Place
+from missionkit.guards.mdp_policy import MdpPolicy
 from missionkit.guards.state_progress import DONE
 from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Plugin
@@ -74,10 +76,8 @@ class RegionReader:
 
     def _leaf(self, guard: ex.Expression, source: str) -> GuardRegion:
         match guard:
-            case ex.Use(kind="done") if source:
-                return self.done(source)
-            case ex.Use(plugin=plugin):
-                return _declared(guard, region_of(plugin))
+            case ex.Use():
+                return self._plugin(guard, source)
             case ex.Hysteresis():
                 return self._latch(guard)
             case ex.Variable(name=name, op=op, value=value):
@@ -87,6 +87,28 @@ class RegionReader:
                 return self._active(state, source)
             case _:
                 return _declared(guard, None)
+
+    def _plugin(self, guard: ex.Use[Plugin], source: str) -> GuardRegion:
+        if guard.kind == "done" and source:
+            return self.done(source)
+        if isinstance(guard.plugin, MdpPolicy):
+            return self.truth(self._policy(guard.plugin, guard.place), source)
+        return _declared(guard, region_of(guard.plugin))
+
+    def _policy(self, policy: MdpPolicy, place: Place) -> ex.Expression:
+        """Return a policy as guards: it is in a chosen state, and in none that comes before."""
+        if policy.where:
+            states: list[tuple[str, ex.Expression]] = [
+                (it, ex.Named(guard, place)) for it, guard in policy.where.items()
+            ]
+        else:
+            states = [(it, ex.In(it, place)) for it in policy.names if it in self.tree.states]
+        terms = [
+            ex.All((*(ex.Not(before, place) for _, before in states[:n]), guard), place)
+            for n, (state, guard) in enumerate(states)
+            if state in policy.chosen
+        ]
+        return ex.Any(tuple(terms), place)
 
     def done(self, source: str) -> GuardRegion:
         """Return where a state's behaviour, or the states inside it, have finished."""
