@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from missionkit.estimation.linear_algebra import rotate
+from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
+from missionkit.estimation.linear_algebra import rotate, to_matrix
 from missionkit.estimation.tandem_ekf.measurement_models import skewed
 from missionkit.estimation.tandem_ekf.process_model import cross
 from missionkit.estimation.tandem_ekf.state_layout import D_ANGLE, QUATERNION, RATE, VELOCITY
@@ -37,14 +38,32 @@ def whole(P: Mat, A: Mat) -> Mat:
 
 @compiled
 def centre(x: Vec3, P: Mat, A: Mat, lever: Vec3) -> tuple[Vec3, Mat]:
-    """Return place (m) and velocity (m/s) of the centre of mass (6,), and the covariance (9, 9).
+    """Return place (m) and velocity (m/s) of the centre of mass (6,), and `NavState`'s covariance.
 
-    ρ = ρ_ij - p,   ρ̇ = ρ̇_ij - ω × p     (P3 section IV-B: the kinematic relationship)
+        ρ = ρ_ij - p,   ρ̇ = ρ̇_ij - ω × p     (P3 section IV-B: the kinematic relationship)
+
+    In the covariance (15, 15) δθ is in body axes, as everywhere else in missionkit; the biases,
+    which these filters do not have, are zero.
     """
     y = np.empty(6)
-    p = rotate(x[QUATERNION:RATE], lever)
-    c = rotate(x[QUATERNION:RATE], cross(x[RATE : RATE + 3], lever))
+    q = x[QUATERNION:RATE]
+    p = rotate(q, lever)
+    c = rotate(q, cross(x[RATE : RATE + 3], lever))
     for i in range(3):
         y[i], y[3 + i] = x[i] - p[i], x[VELOCITY + i] - c[i]
     J = jacobian(x, lever, 1.0)
-    return y, J @ whole(P, A) @ J.T
+    J[D_ANGLE:, D_ANGLE:] = to_matrix(q).T
+    covariance = np.zeros((D_LANDMARKS, D_LANDMARKS))
+    covariance[:9, :9] = J @ whole(P, A) @ J.T
+    return y, covariance
+
+
+@compiled
+def sound(x: Vec3, P: Mat, A: Mat) -> bool:
+    """Say whether all of a result is finite and no variance is negative."""
+    fine = bool(np.isfinite(x).all() and np.isfinite(P).all() and np.isfinite(A).all())
+    for i in range(len(P)):
+        fine = fine and P[i, i] >= 0.0
+    for i in range(len(A)):
+        fine = fine and A[i, i] >= 0.0
+    return fine

@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from missionkit.estimation import mahalanobis
 from missionkit.estimation.error_state_ekf import measurement_log, replay_buffer
 from missionkit.estimation.error_state_ekf.process_model import intervals
 from missionkit.estimation.error_state_ekf.state_layout import ACCEL, END, GYRO
 from missionkit.estimation.navigator import NavState
 from missionkit.estimation.tandem_ekf import filter_memory, initialization, state_output
 from missionkit.estimation.tandem_ekf.acceptance import Acceptance, counted
-from missionkit.estimation.tandem_ekf.centre_of_mass import centre
+from missionkit.estimation.tandem_ekf.centre_of_mass import centre, sound
 from missionkit.estimation.tandem_ekf.filter_memory import FlyerMemory
 from missionkit.estimation.tandem_ekf.filter_steps import advance
 from missionkit.estimation.tandem_ekf.measurement_rows import MeasurementRows, rows_of
@@ -24,6 +25,7 @@ from missionkit.estimation.tandem_ekf.state_layout import (
     FORCE,
     KIND,
     LEVER,
+    NIS,
     OUTCOME,
     QUATERNION,
     RANGE,
@@ -70,7 +72,7 @@ class FlyerFilter:
     def begin(self) -> FlyerMemory:
         """Return the memory before the first observation."""
         x, P, A = initialization.start(self._settings, compound=self._compound)
-        return filter_memory.begin(x, P, A, len(self._sources.names))
+        return filter_memory.begin(x, P, A, self._lever, len(self._sources.numbers))
 
     def propagate(self, known: FlyerMemory, observation: Observation) -> FlyerMemory:
         """Return the memory after one observation: everything in it in the order of its time."""
@@ -85,12 +87,21 @@ class FlyerFilter:
         rows, heard, unusable, late = rows_of(self._sources, known.heard, observation)
         before = rows[:, AT] < x[TIME] - self._settings.max_delay
         advance(x, P, A, imu, rows, self._kernel)
-        if not _sound(x, P, A):
+        if not sound(x, P, A):
             return _refused(known, observation.now)
+        place, covariance = centre(x, P, A, self._lever)
         known = known._replace(
-            last=last, x=x, P=P, A=A, heard=heard, late=known.late + late + int(before.sum())
+            last=last,
+            x=x,
+            P=P,
+            A=A,
+            centre=place,
+            covariance=covariance,
+            heard=heard,
+            late=known.late + late + int(before.sum()),
+            track=_tracked(known.track, place, x),
         )
-        return self._tracked(self._judged(known, rows[~before], unusable))
+        return _judged(known, rows[~before], unusable)
 
     def fuse(self, known: FlyerMemory, sightings: tuple[Sighting, ...]) -> FlyerMemory:  # noqa: ARG002
         """Return the memory as it is: sightings of markers are not used."""
@@ -102,36 +113,37 @@ class FlyerFilter:
 
     def read(self, known: FlyerMemory) -> NavState:
         """Return the current estimate; that of the start before the first inertial sample."""
-        return state_output.state(known, self._lever, self._sources, self._surveyed, self._settings)
+        return state_output.state(known, self._sources, self._surveyed, self._settings)
 
-    def _judged(self, known: FlyerMemory, rows: Mat, unusable: Sequence[str]) -> FlyerMemory:
-        """Count what was accepted: each range, and each frame as one."""
-        ranges, frames, rejected = known.ranges, known.frames, known.rejected
-        for why in unusable:
-            ranges, rejected = counted(ranges, known.now, accepted=False, why=why), rejected + 1
-        frame: dict[float, bool] = {}
-        times: dict[float, float] = {}
-        for row in rows.tolist():
-            accepted = row[OUTCOME] == ACCEPTED
-            rejected = 0 if accepted else rejected + 1
-            if row[KIND] == RANGE:
-                ranges = counted(ranges, row[AT], accepted=accepted)
-            else:
-                frame[row[KIND]] = accepted or frame.get(row[KIND], False)
-                times[row[KIND]] = row[AT]
-        for kind, accepted in frame.items():
-            frames = counted(frames, times[kind], accepted=accepted)
-        return known._replace(ranges=ranges, frames=frames, rejected=rejected)
 
-    def _tracked(self, known: FlyerMemory) -> FlyerMemory:
-        """Return the memory with its newest pose in the track."""
-        at = known.x[TIME]
-        if len(known.track) and at <= known.track[-1, 0]:
-            return known
-        place, _ = centre(known.x, known.P, known.A, self._lever)
-        row = np.empty((1, 8))
-        row[0, 0], row[0, 1:4], row[0, 4:8] = at, place[:3], known.x[QUATERNION:RATE]
-        return known._replace(track=np.concatenate((known.track[1 - KEEP :], row)))
+def _judged(known: FlyerMemory, rows: Mat, unusable: Sequence[str]) -> FlyerMemory:
+    """Count what was accepted: each range, and each frame as one."""
+    ranges, frames, rejected = known.ranges, known.frames, known.rejected
+    for why in unusable:
+        ranges, rejected = counted(ranges, known.now, accepted=False, why=why), rejected + 1
+    whole: dict[float, tuple[float, bool]] = {}  # of each frame: its time, and any point of it
+    distances: list[float] = []
+    for row in rows.tolist():
+        kind, at, accepted = row[KIND], row[AT], row[OUTCOME] == ACCEPTED
+        rejected = 0 if accepted else rejected + 1
+        distances.append(mahalanobis.distance(row[NIS], 1 if kind == RANGE else 3))
+        if kind == RANGE:
+            ranges = counted(ranges, at, accepted=accepted)
+        else:
+            whole[kind] = (at, accepted or (kind in whole and whole[kind][1]))
+    for at, accepted in whole.values():
+        frames = counted(frames, at, accepted=accepted)
+    distance = mahalanobis.averaged(known.distance, distances, known.now)
+    return known._replace(ranges=ranges, frames=frames, rejected=rejected, distance=distance)
+
+
+def _tracked(track: Mat, place: Vec3, x: Vec3) -> Mat:
+    """Return the track with the newest pose."""
+    if len(track) and x[TIME] <= track[-1, 0]:
+        return track
+    row = np.empty((1, 8))
+    row[0, 0], row[0, 1:4], row[0, 4:8] = x[TIME], place[:3], x[QUATERNION:RATE]
+    return np.concatenate((track[1 - KEEP :], row))
 
 
 def _begun(x: Vec3, imu: Mat) -> Mat:
@@ -143,15 +155,6 @@ def _begun(x: Vec3, imu: Mat) -> Mat:
     x[RATE:FORCE] = 2.0 * imu[0, GYRO : GYRO + 3]
     x[FORCE:TIME] = 2.0 * imu[0, ACCEL : ACCEL + 3]
     return imu[1:]
-
-
-def _sound(x: Vec3, P: Mat, A: Mat) -> bool:
-    """Say whether a result is finite and no variance is negative."""
-    return bool(
-        math.isfinite(float(x.sum() + P.sum() + A.sum()))
-        and P.diagonal().min() >= 0.0
-        and (not len(A) or A.diagonal().min() >= 0.0)
-    )
 
 
 def _refused(known: FlyerMemory, now: float) -> FlyerMemory:

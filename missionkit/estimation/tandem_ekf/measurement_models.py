@@ -53,7 +53,7 @@ from missionkit.jit import compiled
 
 NEAREST = 1e-3
 """Closer to an anchor (m) a range has no direction."""
-LEAST_GAIN = 1e-3
+LEAST_GAIN = 1e-6
 """Bound of the share of the prior's variance in `lever_noise`."""
 
 

@@ -25,7 +25,7 @@ LARGEST = 1e6
 class MeasurementRows(NamedTuple):
     """Anchors and targets by name, with their places in the mother-ship's frame (m)."""
 
-    names: Mapping[str, int]  # number of each source
+    numbers: Mapping[tuple[str, str], int]  # of each source, by kind and name
     anchors: Mapping[str, Triple]
     targets: Mapping[str, Transform]
     features: Mapping[str, Mapping[str, Triple]]  # of each target
@@ -41,8 +41,9 @@ class MeasurementRows(NamedTuple):
             name: {f: _triple(poses[name].apply(vec(*at))) for f, at in it.features.items()}
             for name, it in settings.targets.items()
         }
-        sources = (*(f"anchor {a}" for a in settings.anchors), *settings.targets)
-        numbers = {name: i for i, name in enumerate(sources)}
+        sources = [("range", a) for a in settings.anchors]
+        sources += [("frame", name) for name in settings.targets]
+        numbers = {source: i for i, source in enumerate(sources)}
         return cls(numbers, dict(settings.anchors), poses, features)
 
 
@@ -58,18 +59,22 @@ class Taken(NamedTuple):
 class _Inbox:
     """Rows that grow while one observation is read."""
 
-    def __init__(self, heard: tuple[float, ...], now: float) -> None:
+    def __init__(
+        self, numbers: Mapping[tuple[str, str], int], heard: tuple[float, ...], now: float
+    ) -> None:
+        self._numbers = numbers
         self.heard = list(heard)
         self.now = now
         self.rows: list[tuple[float, ...]] = []
         self.unusable: list[str] = []
         self.late = 0
 
-    def punctual(self, source: int, at: float, what: str) -> bool:
-        """Say whether a measurement's time is new and possible."""
+    def punctual(self, kind: str, name: str, at: float) -> bool:
+        """Say whether a measurement's time (s) is new and possible."""
         if not -math.inf < at <= self.now + AHEAD:
-            self.unusable.append(f"{what} has the time {at:g} s, and now is {self.now:g} s")
+            self.unusable.append(f"{kind} of {name} has the time {at:g} s at {self.now:g} s")
             return False
+        source = self._numbers[kind, name]
         if at <= self.heard[source]:
             self.late += 1
             return False
@@ -85,7 +90,7 @@ def rows_of(known: MeasurementRows, heard: tuple[float, ...], seen: Observation)
         heard: s, newest measurement of each of them so far.
         seen: what was sensed.
     """
-    inbox = _Inbox(heard, seen.now)
+    inbox = _Inbox(known.numbers, heard, seen.now)
     for one in seen.ranges:
         _take_range(known, inbox, one)
     for number, frame in enumerate(seen.features):
@@ -102,7 +107,7 @@ def _take_range(known: MeasurementRows, inbox: _Inbox, one: AnchorRange) -> None
         inbox.unusable.append(f"range to {one.anchor!r}, which is no anchor of navigation: {hint}")
     elif not 0.0 <= one.distance < LARGEST:
         inbox.unusable.append(f"range to {one.anchor} is {one.distance:g} m")
-    elif inbox.punctual(known.names[f"anchor {one.anchor}"], one.at, f"range to {one.anchor}"):
+    elif inbox.punctual("range", one.anchor, one.at):
         inbox.rows.append((one.at, RANGE, one.distance, 0.0, 0.0, *place, 0.0, 0.0))
 
 
@@ -111,17 +116,17 @@ def _take_frame(known: MeasurementRows, inbox: _Inbox, frame: Features, number: 
     if features is None:
         inbox.unusable.append(f"features of {frame.target!r}, which is no target of navigation")
         return
-    points = frame.points.tolist()
-    pairs = [(features.get(n), z) for n, z in zip(frame.names, points, strict=False)]
-    usable = [(s, z) for s, z in pairs if s is not None and _possible(z)]
-    if len(usable) < len(pairs) or len(pairs) != max(len(points), len(frame.names)):
+    places = [features.get(name) for name in frame.names]
+    fits = frame.points.shape == (len(places), 3) and None not in places
+    if not (fits and bool((np.abs(frame.points) < LARGEST).all())):
         inbox.unusable.append(f"features of {frame.target} are unknown, or not finite numbers")
-    if usable and inbox.punctual(known.names[frame.target], frame.at, f"frame of {frame.target}"):
-        inbox.rows += [(frame.at, number, *z, *s, 0.0, 0.0) for s, z in usable]
-
-
-def _possible(z: list[float]) -> bool:
-    return len(z) == 3 and all(abs(c) < LARGEST for c in z)
+        return
+    if places and inbox.punctual("frame", frame.target, frame.at):
+        inbox.rows += [
+            (frame.at, number, *z, *s, 0.0, 0.0)
+            for s, z in zip(places, frame.points.tolist(), strict=True)
+            if s is not None
+        ]
 
 
 def _triple(v: Mat) -> Triple:

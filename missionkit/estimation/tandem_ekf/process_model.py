@@ -114,8 +114,8 @@ def predict(x: Vec3, P: Mat, A: Mat, u: Vec3, dt: float, settings: Vec3) -> None
 
     Q is that of white acceleration (m²/s³) and white turn rate (rad²/s), and of what goes unseen in
     an interval that is too long (u[GAP] > 0). In tandem, the columns of F that δθ has in the rows
-    of δρ and δv count as noise, at most |j|² tr A in every direction; A itself only grows, since
-    δθ does not move.
+    of δρ and δv count as noise that bounds theirs, 2 |j|² tr A in every direction; A itself only
+    grows, since δθ does not move.
 
     Source: P3 section IV-C; Crassidis & Junkins, "Optimal Estimation of Dynamic Systems", 2nd ed.,
     section 3.6 (discrete prediction) and 7.2 (attitude).
@@ -129,7 +129,7 @@ def predict(x: Vec3, P: Mat, A: Mat, u: Vec3, dt: float, settings: Vec3) -> None
     wander = dt * (settings[GYRO_DENSITY] + settings[GAP_RATE] * u[GAP])
     place, velocity = density * dt * dt * dt / 3.0, density * dt
     if len(A) > 0:
-        doubt = A[0, 0] + A[1, 1] + A[2, 2]
+        doubt = 2.0 * (A[0, 0] + A[1, 1] + A[2, 2])
         place += doubt * (j[0, 0] * j[0, 0] + j[0, 1] * j[0, 1] + j[0, 2] * j[0, 2])
         velocity += doubt * (j[1, 0] * j[1, 0] + j[1, 1] * j[1, 1] + j[1, 2] * j[1, 2])
     for i in range(3):

@@ -5,22 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numpy as np
-
-from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
+from missionkit.estimation import mahalanobis
 from missionkit.estimation.navigator import NavState
-from missionkit.estimation.tandem_ekf.centre_of_mass import centre
 from missionkit.estimation.tandem_ekf.filter_memory import FlyerMemory
 from missionkit.estimation.tandem_ekf.measurement_rows import MeasurementRows
 from missionkit.estimation.tandem_ekf.parameters import FlyerEkf
-from missionkit.estimation.tandem_ekf.state_layout import D_ANGLE, QUATERNION, RATE
-from missionkit.geometry import Mat, Quat, Vec3, to_matrix, vec
+from missionkit.estimation.tandem_ekf.state_layout import D_ANGLE, D_VELOCITY, QUATERNION, RATE
+from missionkit.geometry import Vec3, vec
 from missionkit.messages import Health, Target
 
 
 def state(
     known: FlyerMemory,
-    lever: Vec3,
     sources: MeasurementRows,
     surveyed: Mapping[str, tuple[Vec3, float]],
     settings: FlyerEkf,
@@ -29,21 +25,21 @@ def state(
 
     Args:
         known: the memory.
-        lever: (3,), m, the radio on the body.
         sources: anchors and targets.
         surveyed: where the mission file says each target is: (3,), m, and its sd (m).
         settings: the parameters.
     """
-    y, P = centre(known.x, known.P, known.A, lever)
-    sd = math.sqrt(max(float(P[i, i]) for i in range(3)))
+    variances = known.covariance.diagonal().tolist()
+    sd = math.sqrt(max(variances[:D_VELOCITY]))
+    angle_sd = math.sqrt(max(variances[D_ANGLE : D_ANGLE + 3]))
     return NavState(
-        position=y[:3],
-        velocity=y[3:],
+        position=known.centre[:3],
+        velocity=known.centre[3:],
         attitude=known.x[QUATERNION:RATE],
         rates=known.last[4:7],
         health=_health(known, sd, settings),
-        targets=_targets(known, P, sd, sources, surveyed),
-        covariance=_padded(P, known.x[QUATERNION:RATE]),
+        targets=_targets(known, sd, angle_sd, sources, surveyed),
+        covariance=known.covariance,
         correction=vec(0.0, 0.0, 0.0),
         late=known.late,
     )
@@ -63,6 +59,7 @@ def _health(known: FlyerMemory, sd: float, s: FlyerEkf) -> Health:
         placed=known.now - newest <= s.unplaced_after,
         height_sd=sd,
         cause=cause,
+        mahalanobis=mahalanobis.current(known.distance, known.now),
     )
 
 
@@ -79,8 +76,8 @@ def _cause(known: FlyerMemory, sd: float, s: FlyerEkf) -> str:
 
 def _targets(
     known: FlyerMemory,
-    P: Mat,
     sd: float,
+    angle_sd: float,
     sources: MeasurementRows,
     surveyed: Mapping[str, tuple[Vec3, float]],
 ) -> dict[str, Target]:
@@ -89,18 +86,8 @@ def _targets(
         name: Target(name, place.copy(), math.hypot(own, sd), None, None, None)
         for name, (place, own) in surveyed.items()
     }
-    angle_sd = math.sqrt(max(float(P[i, i]) for i in range(D_ANGLE, 9)))
     for name, pose in sources.targets.items():
         found[name] = Target(
             name, pose.translation.copy(), sd, pose.rotation, angle_sd, known.frames.at
         )
     return found
-
-
-def _padded(P: Mat, q: Quat) -> Mat:
-    """Return the covariance (15, 15) of `NavState`: δθ turned into body axes, no biases."""
-    J = np.eye(9)
-    J[D_ANGLE:, D_ANGLE:] = to_matrix(q).T
-    padded = np.zeros((D_LANDMARKS, D_LANDMARKS))
-    padded[:9, :9] = J @ P @ J.T
-    return padded
