@@ -122,7 +122,8 @@ class Entry(BaseModel):
             return REST
         if self.number is not None:
             return f"{self.number:g}"
-        said = " * ".join(map(str, self.product)) or self._name
+        factors = (f"({it})" if it.complement else str(it) for it in self.product)
+        said = " * ".join(factors) or self._name
         said = said if self.over == 1.0 else f"{said} / {self.over:g}"
         return f"1 - {said}" if self.complement else said
 

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 from campaigns import row
 from documents import MINIMAL
+from samples import HOP
+from typer.testing import CliRunner
 
 from missionkit.campaigns.chain_file import chain_text
 from missionkit.campaigns.markov_chain import absorbed, estimate
-from missionkit.chart.load import load
+from missionkit.chart.load import load, load_model
 from missionkit.chart.plugin_catalogue import builtin
+from missionkit.cli.app import app
 from missionkit.errors import FileError, UsageError
 from missionkit.guards import MarkovSteadyState
+from missionkit.guards.estimated_chain import EstimatedChain
 from missionkit.markov.stationary import stationary
 from missionkit.plugin_protocols import Inputs
 
@@ -109,6 +113,27 @@ def test_an_ending_that_is_called_as_a_state_gets_another_name():
     rows = [row(number=0, seed=0, outcome="success", visits=(("success", 1.0),))]
     text = chain_text(estimate(rows), "m", {})
     assert "states: [success, ended_success]" in text
+
+
+def test_several_variants_have_no_one_chain(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hop.yaml").write_text(HOP)
+    refused = CliRunner().invoke(
+        app, ["campaign", "hop.yaml", "--vary", "height=2,3", "--chain", "chain.yaml"]
+    )
+    assert refused.exit_code == 2
+    assert "--chain writes the chain of one variant; leave out --vary" in refused.stderr
+    assert not (tmp_path / "runs").exists()
+
+
+def test_the_command_writes_the_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hop.yaml").write_text(HOP)
+    words = ["campaign", "hop.yaml", "--runs", "2", "--workers", "1", "--chain", "chain.yaml"]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    chain = load_model(tmp_path / "chain.yaml", EstimatedChain)
+    assert (chain.mission, chain.flights, chain.endings) == ("hop", 2, ("success",))
+    assert chain.states == ("idle", "land", "success")
 
 
 def test_a_chain_with_too_many_states_is_refused():

@@ -96,6 +96,15 @@ def test_a_complement_a_product_a_variable_and_the_value_of_a_guard():
     assert verdict.why == "far to near 0.25, near to far 0.1"
 
 
+def test_entries_in_words():
+    seldom = {"quantity": "battery", "over": 2, "complement": True}
+    guard = two({"product": (seldom, "consistency")}, seldom)
+    assert guard.text() == (
+        "of near at least 0.5; far to far rest, near (1 - battery / 2) * consistency; "
+        "near to far 1 - battery / 2, near rest"
+    )
+
+
 def test_the_confidence_is_the_share_of_the_last_frames():
     guard = two({"quantity": "confidence of pole", "window": 4}, 0.5)
     assert asked(guard).why == "far: no frame was due yet"
