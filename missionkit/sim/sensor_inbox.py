@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from missionkit.messages import (
+    AnchorRange,
     Baro,
     Battery,
+    Features,
     Frame,
     Gnss,
     Imu,
@@ -30,6 +32,8 @@ class Inbox:
     scan: Scan | None = None
     flow: OpticalFlow | None = None
     range: Range | None = None
+    ranges: list[AnchorRange] = field(default_factory=list)
+    features: list[Features] = field(default_factory=list)
     battery: Battery | None = None
     status: VehicleStatus | None = None
     events: list[str] = field(default_factory=list)

@@ -10,6 +10,8 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from typing_extensions import override
+
 from missionkit.geometry import Vec3, norm, to_matrix, vec, yaw_of
 from missionkit.messages import (
     NO_CYCLE,
@@ -25,13 +27,14 @@ from missionkit.sim import kernel_layout
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.fault_injection import KINDS, Fault, Mishaps, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
-from missionkit.sim.ground_truth import TrueState, TrueTrack
+from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.obstacle_distance import ring
 from missionkit.sim.plant import Plant
 from missionkit.sim.position_control import velocity_for
 from missionkit.sim.random_blocks import Normals, streams
 from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
+from missionkit.sim.simulated_port import SimulatedPort
 from missionkit.sim.world import World
 
 if TYPE_CHECKING:
@@ -42,7 +45,7 @@ RAYS = 72
 TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
 
 
-class SimulatedVehicle:
+class SimulatedVehicle(SimulatedPort):
     """A simulated quadrotor behind the port `Vehicle`; two runs with one seed are bit-identical.
 
     Time passes only in `advance`. The synchronous methods do the work; `connect`, `observe`,
@@ -88,11 +91,6 @@ class SimulatedVehicle:
         self._remember()
 
     @property
-    def truth(self) -> TrueState:
-        """The true state now."""
-        return self.track.last
-
-    @property
     def now(self) -> float:
         """Simulated time (s)."""
         return self._plant.now
@@ -109,24 +107,7 @@ class SimulatedVehicle:
             and self._charge >= self.world.autopilot.arming_charge
         )
 
-    async def connect(self) -> None:
-        """Do nothing: a simulated vehicle is always there."""
-
-    async def observe(self, until: float) -> Observation:
-        """Return `advance(until)`."""
-        return self.advance(until)
-
-    async def send(self, command: Command) -> None:
-        """Do `apply(command)`."""
-        self.apply(command)
-
-    async def close(self) -> None:
-        """Do nothing."""
-
-    def entered(self, state: str, at: float) -> None:
-        """Note that the mission entered `state` at `at` (s), for faults that wait for it."""
-        self._mishaps.entered.setdefault(state, at)
-
+    @override
     def apply(self, command: Command) -> None:
         """Send a command; it arrives 20 to 40 ms later.
 
@@ -152,6 +133,7 @@ class SimulatedVehicle:
         if command.setpoint is not None:
             self._plant.tell(velocity_for(command.setpoint, self._plant.state), due)
 
+    @override
     def advance(self, until: float) -> Observation:
         """Fly to mission time `until` (s) and return all that arrived on the way."""
         target = round(until * kernel_layout.RATE)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from statistics import NormalDist
 
 import numpy as np
+from typing_extensions import override
 
 from missionkit.errors import VehicleError
 from missionkit.geometry import Mat
@@ -18,9 +19,7 @@ from missionkit.messages import (
     NO_CYCLE,
     Action,
     AnchorRange,
-    Battery,
     Command,
-    Features,
     Imu,
     Observation,
     VehicleStatus,
@@ -33,9 +32,11 @@ from missionkit.sim.free_flyer.feature_camera import FeatureCamera
 from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
 from missionkit.sim.free_flyer.nozzle_allocation import NOZZLES
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
-from missionkit.sim.ground_truth import TrueState, TrueTrack
+from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.random_blocks import streams
+from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import BatteryGauge, Beat
+from missionkit.sim.simulated_port import SimulatedPort
 
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 STREAMS = ("start", "imu", "uwb", "camera")
@@ -43,7 +44,7 @@ CAMERA = "camera"
 """Payload that switches the camera on while a command names it."""
 
 
-class FreeFlyer:
+class FreeFlyer(SimulatedPort):
     """A simulated free flyer behind the port `Vehicle`; two runs with one seed are bit-identical.
 
     Time passes only in `advance`. It flies a `Wrench`, exerted from `latency` after the command
@@ -72,18 +73,8 @@ class FreeFlyer:
         self._orders: deque[tuple[int, Action]] = deque()
         self._cycle = NO_CYCLE
         self._anchors = tuple(world.anchors)
-        self._imu: list[Imu] = []
-        self._ranges: list[AnchorRange] = []
-        self._features: list[Features] = []
-        self._battery: Battery | None = None
-        self._status: VehicleStatus | None = None
-        self._events: list[str] = []
+        self._inbox = Inbox()
         self._remember()
-
-    @property
-    def truth(self) -> TrueState:
-        """The true state now; `on_ground` is being in its safe end."""
-        return self.track.last
 
     @property
     def now(self) -> float:
@@ -105,24 +96,7 @@ class FreeFlyer:
         """N·s so far, the integral of all nozzles' thrusts: what the tank gave."""
         return float(self._plant.memory[at.GAS])
 
-    async def connect(self) -> None:
-        """Do nothing: a simulated vehicle is always there."""
-
-    async def observe(self, until: float) -> Observation:
-        """Return `advance(until)`."""
-        return self.advance(until)
-
-    async def send(self, command: Command) -> None:
-        """Do `apply(command)`."""
-        self.apply(command)
-
-    async def close(self) -> None:
-        """Do nothing."""
-
-    def entered(self, state: str, at: float) -> None:
-        """Note that the mission entered `state` at `at` (s), for faults that wait for it."""
-        self._mishaps.entered.setdefault(state, at)
-
+    @override
     def apply(self, command: Command) -> None:
         """Send a command; it arrives `latency` later.
 
@@ -150,6 +124,7 @@ class FreeFlyer:
                 raise VehicleError("a wrench with a number that is not finite")
             self._plant.tell(wanted)
 
+    @override
     def advance(self, until: float) -> Observation:
         """Fly to mission time `until` (s) and return all that arrived on the way."""
         target = round(until * kernel_layout.RATE)
@@ -166,19 +141,17 @@ class FreeFlyer:
 
     def _delivered(self, now: float) -> Observation:
         self._cycle = self._mishaps.load(now, self._cycle)
-        seen = Observation(
+        box, self._inbox = self._inbox, Inbox()
+        return Observation(
             now=now,
-            imu=tuple(self._imu),
-            ranges=tuple(self._ranges),
-            features=tuple(self._features),
-            battery=self._battery,
-            status=self._status,
-            events=tuple(self._events),
+            imu=tuple(box.imu),
+            battery=box.battery,
+            status=box.status,
+            events=tuple(box.events),
             cycle=self._cycle,
+            ranges=tuple(box.ranges),
+            features=tuple(box.features),
         )
-        self._imu, self._ranges, self._features, self._events = [], [], [], []
-        self._battery = self._status = None
-        return seen
 
     def _fly(self, stop: int) -> None:
         plant, faults, now = self._plant, self._mishaps, self.now
@@ -190,10 +163,12 @@ class FreeFlyer:
         if off is not None:
             samples[:, 3] += off[0]
         period = kernel_layout.IMU_EVERY / kernel_layout.RATE
-        self._imu += [Imu((imu + n) * period, row[:3], row[3:]) for n, row in enumerate(samples)]
+        self._inbox.imu += [
+            Imu((imu + n) * period, row[:3], row[3:]) for n, row in enumerate(samples)
+        ]
         if not faults.active("uwb_lost", now):
             period = plant.range_period
-            self._ranges += [
+            self._inbox.ranges += [
                 AnchorRange((uwb + n) * period, self._anchors[int(which)], distance)
                 for n, (which, distance) in enumerate(ranges.tolist())
             ]
@@ -210,7 +185,7 @@ class FreeFlyer:
         while self._orders and self._orders[0][0] <= self._plant.step:
             _, action = self._orders.popleft()
             if not self._plant.order(action):
-                self._events.append(f"{action}_refused")
+                self._inbox.events.append(f"{action}_refused")
 
     def _expose(self) -> None:
         if self._camera.beat.due(self._plant.step):
@@ -218,7 +193,7 @@ class FreeFlyer:
             frozen = self._mishaps.active("camera_frozen", self.now)
             seen = self._camera.measure(self.now, self._plant.state, on=on, frozen=frozen)
             if seen is not None:
-                self._features.append(seen)
+                self._inbox.features.append(seen)
 
     def _telemetry(self) -> None:
         plant, now = self._plant, self.now
@@ -228,10 +203,10 @@ class FreeFlyer:
         if self._mishaps.active("link_lost", now):
             return
         if battery:
-            self._battery = self._gauge.measure(now, self._energy, self.world.vehicle.power)
+            self._inbox.battery = self._gauge.measure(now, self._energy, self.world.vehicle.power)
         if heartbeat:
             mode = kernel_layout.MODES[plant.mode]
-            self._status = VehicleStatus(now, plant.armed, plant.armed, plant.ready, mode)
+            self._inbox.status = VehicleStatus(now, plant.armed, plant.armed, plant.ready, mode)
 
     @property
     def _energy(self) -> float:

@@ -6,6 +6,8 @@ A vertex has six nozzles. By the duality theorem a vertex is optimal for w if it
 negative and its prices y = B_k⁻ᵀ 1 satisfy Bᵀ y <= 1, which does not depend on w: the few vertices
 that satisfy it are found once, and a wrench takes the first of them whose thrusts are all >= 0.
 Source: Bertsimas and Tsitsiklis, "Introduction to Linear Optimization", 1997, sections 4.3 and 5.2.
+
+Imported late: it compiles kernels.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.geometry import Mat, Vec3
+from missionkit.jit import compiled
 from missionkit.sim.free_flyer.body_model import FreeFlyerBody
 
 NOZZLES = 10
@@ -73,12 +76,27 @@ def vertices(size: float, arm: float) -> Vertices:
     return Vertices(np.array(found), np.array(inverses))
 
 
+@compiled
 def least_thrusts(of: Vertices, wrench: Vec3) -> Mat:
     """Return the thrusts (10,), N, of least sum that exert a wrench (6,)."""
-    thrusts = of.inverses @ wrench
-    best = int(np.argmax(thrusts.min(axis=1)))
+    best, chosen = -math.inf, 0
+    for k in range(of.nozzles.shape[0]):
+        least = math.inf
+        for row in range(6):
+            push = 0.0
+            for c in range(6):
+                push += of.inverses[k, row, c] * wrench[c]
+            least = min(least, push)
+        if least > best:
+            best, chosen = least, k
+        if best >= 0.0:
+            break
     out = np.zeros(NOZZLES)
-    out[of.nozzles[best]] = np.maximum(thrusts[best], 0.0)
+    for row in range(6):
+        push = 0.0
+        for c in range(6):
+            push += of.inverses[chosen, row, c] * wrench[c]
+        out[of.nozzles[chosen, row]] = max(0.0, push)
     return out
 
 
@@ -108,12 +126,14 @@ def thrusts_for(body: FreeFlyerBody, force: Vec3, torque: Vec3) -> Mat:
         force: (3,), N, body axes.
         torque: (3,), N·m, body axes.
     """
-    wrench = np.concatenate(
-        (force.clip(-body.force, body.force), torque.clip(-body.torque, body.torque))
-    )
+    wrench = np.array([*_clipped(force, body.force), *_clipped(torque, body.torque)])
     if body.allocation == "linear_program":
         thrusts = least_thrusts(vertices(body.size, body.nozzle_arm), wrench)
     else:
         thrusts = clipped_thrusts(body.size, body.nozzle_arm, wrench)
     most = float(thrusts.max())
     return thrusts * (body.nozzle_thrust / most) if most > body.nozzle_thrust else thrusts
+
+
+def _clipped(v: Vec3, limit: float) -> list[float]:
+    return [max(-limit, min(limit, c)) for c in v.tolist()]
