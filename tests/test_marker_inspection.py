@@ -34,7 +34,7 @@ def test_it_validates_without_a_warning_and_its_chain_has_live_entries():
     assert sum(entry.live for row in chain.matrix for entry in row) == 4
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_it_goes_to_the_camera_once_the_chain_trusts_it(seed):
     flight = inspected(seed=seed)
     assert flight.result.succeeded
