@@ -16,6 +16,7 @@ from benchmarks import (
     planning,
     recording,
     speed,
+    tandem,
     wire,
 )
 from benchmarks.measure import Table, machine
@@ -29,6 +30,7 @@ TOPICS: dict[str, Callable[[], list[Table]]] = {
     "command-line": command_line.tables,
     "perception": perception.tables,
     "estimation": estimation.tables,
+    "tandem": tandem.tables,
     "recording": recording.tables,
     "planning": planning.tables,
     "wire": wire.tables,
