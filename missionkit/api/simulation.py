@@ -18,7 +18,7 @@ from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import rehearse as fly_simulated
 from missionkit.rehearsal import stage, world_of
-from missionkit.sim.fault_injection import Fault, parse_fault
+from missionkit.sim.fault_injection import Fault, parse_fault, refuse_foreign
 from missionkit.sim.world import World
 
 
@@ -106,4 +106,5 @@ def fault_of(text: str, mission: Mission, world: World) -> Fault:
     if fault.state is not None and fault.state not in states:
         hint = nearest(fault.state, states)
         raise UsageError(f"fault {text!r}: unknown state {fault.state!r}; {hint}")
+    refuse_foreign((fault,), world.FAULTS, world.VEHICLE)
     return fault

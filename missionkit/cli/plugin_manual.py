@@ -13,6 +13,7 @@ from missionkit.chart.plugin_catalogue import Catalogue, source
 from missionkit.chart.plugin_groups import GROUPS
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin
+from missionkit.sim.fault_injection import FREE_FLYER_KINDS
 from missionkit.sim.fault_injection import KINDS as FAULTS
 from missionkit.sim.fault_injection import Kind as Fault
 from missionkit.states.contract import StateKind
@@ -69,6 +70,8 @@ def overview(catalogue: Catalogue) -> str:
     lines += [f"  {kind.name:20} {kind.summary}" for kind in catalogue.kinds.values()]
     lines += ["", "faults of the simulator (missionkit run --fault)"]
     lines += [f"  {name:20} {_effect(fault)}" for name, fault in FAULTS.items()]
+    lines += ["", "faults of a simulated free flyer"]
+    lines += [f"  {name:20} {_effect(fault)}" for name, fault in FREE_FLYER_KINDS.items()]
     return "\n".join(lines)
 
 

@@ -25,7 +25,7 @@ from missionkit.messages import (
 )
 from missionkit.sim import kernel_layout
 from missionkit.sim.camera_feed import Feed
-from missionkit.sim.fault_injection import KINDS, Fault, Mishaps, refuse_foreign
+from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.obstacle_distance import ring
@@ -64,7 +64,7 @@ class SimulatedVehicle(SimulatedPort):
     def __init__(
         self, world: World, camera: Camera, seed: int, faults: Sequence[Fault] = ()
     ) -> None:
-        refuse_foreign(faults, KINDS, "a multicopter")
+        refuse_foreign(faults, world.FAULTS, world.VEHICLE)
         rngs = streams(seed)
         self.world = world
         self.track = TrueTrack()

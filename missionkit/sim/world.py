@@ -6,7 +6,8 @@ NED, m, with the origin at the take-off point; the ground is the plane down = 0.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -14,6 +15,7 @@ from pydantic import Field, model_validator
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
 from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
+from missionkit.sim.fault_injection import KINDS, Kind
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
     Frozen,
@@ -152,6 +154,9 @@ def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 
 
 class World(Frozen):
     """Everything the simulator needs to know beyond the mission file."""
+
+    VEHICLE: ClassVar[str] = "a multicopter"
+    FAULTS: ClassVar[Mapping[str, Kind]] = KINDS
 
     world: str = Field(description="name")
     ground: Ground = Ground()

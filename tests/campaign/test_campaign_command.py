@@ -105,6 +105,7 @@ def test_a_run_that_kills_its_worker_is_a_row_and_not_the_end(call, tmp_path):
         (["hop.yaml", "--vary", "height=2,low"], "height"),
         (["hop.yaml", "--fault", "gnss_lsot"], "did you mean 'gnss_lost'?"),
         (["hop.yaml", "--fault", "gnss_lost@idel"], "did you mean 'idle'?"),
+        (["hop.yaml", "--fault", "uwb_lost@3"], "a multicopter has no fault 'uwb_lost'"),
         (["hop.yaml", "--require", "0.99", "--better", "0.98"], "below --better"),
         (["hop.yaml", "--require", "1.0"], "below --better"),
         (["--resume", "nowhere"], "not the folder of a campaign"),

@@ -26,7 +26,7 @@ from missionkit.messages import (
     Wrench,
 )
 from missionkit.sim import kernel_layout
-from missionkit.sim.fault_injection import FREE_FLYER_KINDS, Fault, Mishaps, refuse_foreign
+from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
 from missionkit.sim.free_flyer import flyer_layout as at
 from missionkit.sim.free_flyer.feature_camera import FeatureCamera
 from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
@@ -60,7 +60,7 @@ class FreeFlyer(SimulatedPort):
     """
 
     def __init__(self, world: FreeFlyerWorld, seed: int, faults: Sequence[Fault] = ()) -> None:
-        refuse_foreign(faults, FREE_FLYER_KINDS, "a free flyer")
+        refuse_foreign(faults, world.FAULTS, world.VEHICLE)
         rngs = streams(seed, STREAMS)
         self.world = world
         self.track = TrueTrack()

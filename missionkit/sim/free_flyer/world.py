@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from missionkit.geometry import Transform, vec
+from missionkit.sim.fault_injection import FREE_FLYER_KINDS, Kind
 from missionkit.sim.free_flyer.body_model import FlyerSensors, FreeFlyerBody
 from missionkit.sim.free_flyer.docking_geometry import (
     NORMALS,
@@ -87,6 +88,9 @@ class Capture(Frozen):
 
 class FreeFlyerWorld(Frozen):
     """Everything the simulator of a free flyer needs beyond the mission file."""
+
+    VEHICLE: ClassVar[str] = "a free flyer"
+    FAULTS: ClassVar[Mapping[str, Kind]] = FREE_FLYER_KINDS
 
     world: str = Field(description="name")
     vehicle: FreeFlyerBody = Field(description="body and thrusters of the chaser")
