@@ -99,10 +99,16 @@ def _children() -> float:
 
 
 def _setpoints(autopilot: Autopilot) -> np.ndarray:
-    """Return when setpoints came (s, wall) between entering Offboard and leaving it."""
+    """Return when setpoints came (s, wall) between entering Offboard and leaving it.
+
+    Raises:
+        RuntimeError: it was never in Offboard, or never left it.
+    """
     modes = autopilot.ask(journal="mode", since=0.0)["notes"]
-    begin = next(note["wall"] for note in modes if note["which"] == "OFFBOARD")
-    end = next(note["wall"] for note in modes if note["wall"] > begin)
+    begin = next((note["wall"] for note in modes if note["which"] == "OFFBOARD"), None)
+    end = next((note["wall"] for note in modes if begin and note["wall"] > begin), None)
+    if begin is None or end is None:
+        raise RuntimeError(f"Offboard was not entered and left: {[it['which'] for it in modes]}")
     notes = autopilot.ask(journal="setpoint", since=0.0)["notes"]
     return np.array([note["wall"] for note in notes if begin <= note["wall"] <= end])
 
