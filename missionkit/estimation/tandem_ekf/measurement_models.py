@@ -47,7 +47,14 @@ from missionkit.estimation.tandem_ekf.state_layout import (
     VELOCITY,
     Z,
 )
-from missionkit.estimation.tandem_ekf.update import inject, innovation, squared, turn, update
+from missionkit.estimation.tandem_ekf.update import (
+    inject,
+    innovation,
+    squared,
+    turn,
+    update,
+    update_scalar,
+)
 from missionkit.geometry import Mat, Quat, Vec3
 from missionkit.jit import compiled
 
@@ -70,21 +77,21 @@ def fuse_range(x: Vec3, P: Mat, row: Vec3, settings: Vec3) -> None:
     A range that comes late by `lag` (s) is compared with where the radio was then.
     """
     lag = x[TIME] - row[AT]
-    u, H, r, R = np.empty(3), np.zeros((1, len(P))), np.empty(1), np.empty((1, 1))
+    work, far = np.zeros((4, len(P))), 0.0
     for i in range(3):
-        u[i] = x[i] - lag * x[VELOCITY + i] - row[SPOT + i]
-    far = math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+        work[0, i] = x[i] - lag * x[VELOCITY + i] - row[SPOT + i]
+        far += work[0, i] * work[0, i]
+    far = math.sqrt(far)
     if far < NEAREST:
         return
     for i in range(3):
-        H[0, i] = u[i] / far
-        H[0, D_VELOCITY + i] = -lag * H[0, i]
-    r[0] = row[Z] - far
-    R[0, 0] = settings[RANGE_VARIANCE] + delay_variance(lag, settings)
-    d, row[NIS], accepted = update(P, H, r, R, settings[GATE_1], settings)
+        work[0, i] /= far
+        work[0, D_VELOCITY + i] = -lag * work[0, i]
+    variance = settings[RANGE_VARIANCE] + delay_variance(lag, settings)
+    row[NIS], accepted = update_scalar(P, work, row[Z] - far, variance, settings[GATE_1], settings)
     if accepted:
         row[OUTCOME] = ACCEPTED
-        inject(x, P, d)
+        inject(x, P, work[3])
 
 
 @compiled

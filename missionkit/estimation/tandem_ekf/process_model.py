@@ -6,17 +6,12 @@ measures the turn rate, and the mother-ship does not turn.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from missionkit.estimation.error_state_ekf.state_layout import ACCEL, GAP, GYRO
-from missionkit.estimation.linear_algebra import (
-    exp,
-    multiply,
-    normalised,
-    rotate,
-    symmetrise,
-    transpose,
-)
+from missionkit.estimation.linear_algebra import symmetrise, transpose
 from missionkit.estimation.tandem_ekf.state_layout import (
     ACCEL_DENSITY,
     D_ANGLE,
@@ -36,6 +31,9 @@ from missionkit.estimation.tandem_ekf.state_layout import (
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 
+Triple = tuple[float, float, float]
+Quadruple = tuple[float, float, float, float]
+
 
 @compiled
 def cross(a: Vec3, b: Vec3) -> Vec3:
@@ -45,6 +43,45 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
     c[1] = a[2] * b[0] - a[0] * b[2]
     c[2] = a[0] * b[1] - a[1] * b[0]
     return c
+
+
+@compiled
+def crossed(a: Triple, b: Triple) -> Triple:
+    """Return a × b, of tuples: an array costs as much as all that a prediction computes."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def rotated(q: Quadruple, v: Triple) -> Triple:
+    """Return R(q) v, v + 2 w (n × v) + 2 n × (n × v) with q = (w, n)."""
+    n = (q[1], q[2], q[3])
+    t = crossed(n, v)
+    t = (2.0 * t[0], 2.0 * t[1], 2.0 * t[2])
+    k = crossed(n, t)
+    return v[0] + q[0] * t[0] + k[0], v[1] + q[0] * t[1] + k[1], v[2] + q[0] * t[2] + k[2]
+
+
+@compiled
+def exp_of(w: Triple, dt: float) -> Quadruple:
+    """Return Exp(w dt) of a turn rate w (rad/s) and a time (s)."""
+    half = 0.5 * dt
+    a, b, c = half * w[0], half * w[1], half * w[2]
+    angle = math.sqrt(a * a + b * b + c * c)
+    s = 1.0 - angle * angle / 6.0 if angle < 1e-6 else math.sin(angle) / angle
+    return math.cos(angle), s * a, s * b, s * c
+
+
+@compiled
+def turned_by(q: Quadruple, r: Quadruple) -> Quadruple:
+    """Return q ⊗ r at unit length."""
+    y = (
+        q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
+        q[0] * r[1] + q[1] * r[0] + q[2] * r[3] - q[3] * r[2],
+        q[0] * r[2] - q[1] * r[3] + q[2] * r[0] + q[3] * r[1],
+        q[0] * r[3] + q[1] * r[2] - q[2] * r[1] + q[3] * r[0],
+    )
+    n = 1.0 / math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+    return y[0] * n, y[1] * n, y[2] * n, y[3] * n
 
 
 @compiled
@@ -67,28 +104,26 @@ def move(x: Vec3, u: Vec3, dt: float, settings: Vec3, j: Mat) -> None:
 
     j (2, 3) is overwritten by j₀ and j₁.
     """
-    lever = settings[LEVER : LEVER + 3]
-    p0 = rotate(x[QUATERNION:RATE], lever)
-    c0 = rotate(x[QUATERNION:RATE], cross(x[RATE:FORCE], lever))
-    turn = np.empty(3)
+    arm = (settings[LEVER], settings[LEVER + 1], settings[LEVER + 2])
+    q0 = (x[QUATERNION], x[QUATERNION + 1], x[QUATERNION + 2], x[QUATERNION + 3])
+    p0 = rotated(q0, arm)
+    c0 = rotated(q0, crossed((x[RATE], x[RATE + 1], x[RATE + 2]), arm))
+    w = (u[GYRO], u[GYRO + 1], u[GYRO + 2])
+    half = exp_of(w, 0.5 * dt)
+    middle = turned_by(q0, half)
+    q1 = turned_by(middle, half)
+    push = rotated(middle, (u[ACCEL], u[ACCEL + 1], u[ACCEL + 2]))
+    p1 = rotated(q1, arm)
+    c1 = rotated(q1, crossed(w, arm))
     for i in range(3):
-        x[RATE + i] = u[GYRO + i]
-        x[FORCE + i] = u[ACCEL + i]
-        turn[i] = 0.5 * dt * u[GYRO + i]
-    half = exp(turn)
-    q = normalised(multiply(x[QUATERNION:RATE], half))
-    a = rotate(q, x[FORCE:TIME])
-    q = normalised(multiply(q, half))
-    p1 = rotate(q, lever)
-    c1 = rotate(q, cross(x[RATE:FORCE], lever))
-    for i in range(3):
-        push = settings[USE_FORCE] * dt * a[i]
-        j[0, i] = 0.5 * dt * push + p1[i] - p0[i] - dt * c0[i]
-        j[1, i] = push + c1[i] - c0[i]
+        x[RATE + i], x[FORCE + i] = w[i], u[ACCEL + i]
+        a = settings[USE_FORCE] * dt * push[i]
+        j[0, i] = 0.5 * dt * a + p1[i] - p0[i] - dt * c0[i]
+        j[1, i] = a + c1[i] - c0[i]
         x[PLACE + i] += dt * x[VELOCITY + i] + j[0, i]
         x[VELOCITY + i] += j[1, i]
     for i in range(4):
-        x[QUATERNION + i] = q[i]
+        x[QUATERNION + i] = q1[i]
     x[TIME] += dt
 
 

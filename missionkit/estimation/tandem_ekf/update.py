@@ -89,6 +89,63 @@ def update(
 
 
 @compiled
+def times_row(P: Mat, work: Mat, to: int) -> None:
+    """Put P Hᵀ into row `to` of work, of an H in its first row that sees δρ and δv alone."""
+    for c in range(len(P)):
+        total = 0.0
+        for k in range(6):
+            total += P[c, k] * work[0, k]
+        work[to, c] = total
+
+
+@compiled
+def less_outer(P: Mat, work: Mat, a: int, b: int) -> None:
+    """P := P - (row a)ᵀ (row b), of work."""
+    for c in range(len(P)):
+        for k in range(len(P)):
+            P[c, k] -= work[a, c] * work[b, k]
+
+
+@compiled
+def update_scalar(
+    P: Mat, work: Mat, residual: float, variance: float, gate: float, settings: Vec3
+) -> tuple[float, bool]:
+    """Correct as `update` does, by one number; return ε and the verdict.
+
+    `work` (4, n) has H in its first row; the correction is put into the last. With b = P Hᵀ,
+    (I - K H) P = P - K bᵀ, so that Joseph's form takes two products of vectors.
+
+    Args:
+        P: (n, n), changed unless the measurement is refused.
+        work: H, and room for b, K, and the correction d.
+        residual: measured less predicted.
+        variance: R.
+        gate: limit of ε.
+        settings: for α and β.
+    """
+    prior = 0.0
+    times_row(P, work, 1)
+    for k in range(6):
+        prior += work[0, k] * work[1, k]
+    nis = residual * residual / (prior + variance)
+    if not (prior >= 0.0 and 0.0 <= nis < gate):
+        return nis, False
+    if prior > settings[ALPHA] * variance:
+        variance += settings[BETA] * prior
+    for c in range(len(P)):
+        work[2, c] = work[1, c] / (prior + variance)
+    less_outer(P, work, 2, 1)
+    times_row(P, work, 3)
+    for c in range(len(P)):
+        work[3, c] -= variance * work[2, c]
+    less_outer(P, work, 3, 2)
+    symmetrise(P)
+    for c in range(len(P)):
+        work[3, c] = work[2, c] * residual
+    return nis, True
+
+
+@compiled
 def turn(x: Vec3, P: Mat, first: int, d: Vec3) -> None:
     """Fold δθ (3,), rad, into the quaternion and reset it: q := Exp(δθ) ⊗ q, P := G P Gᵀ.
 
