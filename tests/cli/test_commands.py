@@ -9,6 +9,7 @@ import pytest
 from missionkit import __version__, cli
 from missionkit.chart import plugin_catalogue
 from missionkit.chart.plugin_catalogue import builtin
+from missionkit.sim.fault_injection import FREE_FLYER_KINDS
 from missionkit.sim.fault_injection import KINDS as FAULTS
 
 
@@ -126,7 +127,7 @@ def test_every_plugin_kind_and_fault_is_listed(call):
     listed = call("plugins").stdout
     words = {line.split()[0] for line in listed.splitlines() if line.startswith("  ")}
     catalogue = builtin()
-    for names in (*catalogue.plugins.values(), catalogue.kinds, FAULTS):
+    for names in (*catalogue.plugins.values(), catalogue.kinds, FAULTS, FREE_FLYER_KINDS):
         assert words >= set(names)
 
 
