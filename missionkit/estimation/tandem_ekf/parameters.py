@@ -86,18 +86,18 @@ class FlyerEkf(Plugin):
 class TandemEkf(FlyerEkf):
     """Ranges, gyroscope and feature points of a free flyer, in two tandem Kalman filters.
 
-    For a vehicle without weight near a mother-ship whose radio anchors are known. The world's frame
-    is the mother-ship's (m, any handedness of use; right-handed). One filter has the radio's place
-    and velocity (ρ_ij, ρ̇_ij), the other the attitude error δq = q ⊗ q̂⁻¹ about a quaternion;
-    neither knows the other's covariance. Gyroscope and accelerometer carry both forward; ranges to
-    `anchors` correct the first, feature points of `targets` both. A measurement outside its
-    `gate` is refused; while the state is uncertain, measurements are underweighted. When most
-    ranges, or most frames, are refused, the estimate has diverged and says so.
+    For a vehicle without weight near a mother-ship whose radio anchors are known; the world's frame
+    is the mother-ship's. One filter has the radio's place and velocity (ρ_ij, ρ̇_ij), the other the
+    attitude error δq = q ⊗ q̂⁻¹ about a quaternion; neither knows the other's covariance.
+    Gyroscope and accelerometer carry both forward; ranges to `anchors` correct the first, feature
+    points of `targets` both. A measurement outside its `gate` is refused; while the state is
+    uncertain, measurements are underweighted. When most ranges, or most frames, are refused, the
+    estimate has diverged and says so.
 
         ρ̈_ij = ρ̈ + ω̇ × p + ω × (ω × p),  p = D P_1;   q̇ = ½ q ⊗ ω_gyro
         S = (1 + β) H P Hᵀ + R while tr H P Hᵀ > α tr R,  else H P Hᵀ + R;   K = P Hᵀ S⁻¹
 
-    `satellite_lost` and other guards of a fix see the last accepted range, those of vision the last
+    Guards that ask for a fix see the last accepted range, those that ask for vision the last
     accepted frame. The gyroscope has to be free of bias, as P3 assumes: the filter has no state
     for one.
 
