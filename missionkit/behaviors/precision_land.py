@@ -18,6 +18,7 @@ from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2,
 FOLLOW = 1.5  # 1/s, of an error of height
 LEAD = 0.2  # s, level, the vehicle answers so late
 SINKING = 0.4  # s, the same of its rate of descent
+FALLING = 0.7  # m/s, about the mean rate on the last stretch
 NEAR = 0.5  # m, level: the controller's own gains take it to the pad from here
 RISE = 0.5  # s, by which the speed asked for is ahead while it accelerates
 CLOSING = 2.4  # 1/s, of the level distance left
@@ -110,7 +111,7 @@ class PrecisionLand(Behavior):
             return Step(done=True, goal=goal, note="handing over", memory=on)
         if self.phase == "deviate":
             return self._looking(seen, target, (left, height), on, goal)
-        floor, note = self._floor(seen, target, left, height)
+        floor, note = self._floor(seen, target, height)
         rate = self._rate(seen, (left, height), on, floor)
         return self._towards(seen, target, rate, on, goal, note)
 
@@ -165,11 +166,9 @@ class PrecisionLand(Behavior):
     def _arrived(self, left: float, height: float) -> bool:
         return height <= self.hand_over and left <= 2.0 * self.aside
 
-    def _floor(
-        self, seen: Estimate, target: Target, left: float, height: float
-    ) -> tuple[float, str]:
+    def _floor(self, seen: Estimate, target: Target, height: float) -> tuple[float, str]:
         """Return the height (m) above the pad not to go below now, and why."""
-        lowest = 0.0 if left <= self.aside else self.hover
+        lowest = 0.0 if _missing(seen, target, height / FALLING) <= self.aside else self.hover
         if self.sigmas == 0.0 or self._in_view(seen, target):
             return lowest, ""
         if self.phase == "descend" and height <= self.dark:
@@ -234,6 +233,12 @@ class PrecisionLand(Behavior):
             velocity = vec(speed * north / left, speed * east / left, rate)
             guidance = Guidance(seen.position, top, velocity, yaw=on.yaw, avoid=False)
         return Step(guidance, goal=goal, note=note, memory=on)
+
+
+def _missing(seen: Estimate, target: Target, within: float) -> float:
+    """Return how far (m, level) from the pad it will be in so many seconds if it comes to rest."""
+    north, east, _ = (target.position - seen.position - 0.5 * within * seen.velocity).tolist()
+    return math.hypot(north, east)
 
 
 def _braking_speed(left: float, top: float, braking: float) -> float:

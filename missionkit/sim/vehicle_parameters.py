@@ -54,7 +54,8 @@ class Quadrotor(Frozen):
 
     @model_validator(mode="after")
     def _one_power(self) -> Self:
-        if self.rotors is not None and "hover_power" in self.model_fields_set:
+        usual = type(self).model_fields["hover_power"].default
+        if self.rotors is not None and self.hover_power != usual:
             raise ValueError("give either hover_power or rotors, whose own hover power follows")
         return self
 

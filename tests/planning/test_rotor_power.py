@@ -117,6 +117,8 @@ def quad(**changes):
 def test_power_is_given_once():
     assert quad().hovering == pytest.approx(142.0, abs=0.1)
     assert Quadrotor().hovering == 180.0
+    world = World(world="again", quadrotor=quad())
+    assert World.model_validate_json(world.model_dump_json()) == world
     with pytest.raises(ValidationError, match="either hover_power or rotors"):
         quad(hover_power=150.0)
 
