@@ -37,7 +37,7 @@ def gathered(orders: Sequence[Trouble], kept: Path | None, workers: int) -> dict
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly the precision task at the edges of its envelope and write up what came of it."""
+    """Fly the precision task at the edges of its envelope and write up the results."""
     parser = argparse.ArgumentParser(prog="python -m studies.envelope", description=main.__doc__)
     parser.add_argument("--seeds", type=int, default=30, help="flights of each group")
     parser.add_argument("--random", type=int, default=500, help="flights of the random search")

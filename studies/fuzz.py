@@ -1,8 +1,8 @@
-"""Whatever a mission file holds, it is refused or checked, at once: `python -m studies.fuzz`.
+"""Fuzzing of mission files, which must be checked or refused at once: `python -m studies.fuzz`.
 
-Broken documents of nine families go the way of `missionkit validate`: loading, contracts, proof,
-and the report in every format. Counted are exceptions that reach the user as a traceback; timed is
-each document.
+Broken documents of nine families are treated as by `missionkit validate`: loading, contracts,
+proof, and the report in every format. The study counts exceptions that reach the user as a
+traceback, and times each document.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from missionkit.errors import FileError, Problem
 from studies.fuzz_documents import FAMILIES, ROOT, document
 from studies.markdown import table
 
-LIMIT = 2.0  # s of CPU time, each document: what else the machine does does not count
+LIMIT = 2.0  # s of CPU time per document, so that other load does not count
 HANG = 60.0  # s after which a document is given up
 
 

@@ -43,7 +43,7 @@ class Survived(NamedTuple):
     outcome: str
     reason: str
     landed: bool
-    finished: bool  # the work itself came to its end
+    finished: bool  # the work itself was finished
     error: float | None  # m, on arrival
 
 

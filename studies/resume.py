@@ -114,7 +114,7 @@ def verdict(runs: Sequence[Survived], flights: Sequence[Whole]) -> str:
             f"- Killed and resumed: {landed} of {n} ended on the ground, unhurt.",
             f"- Success: {good} of {n} (at least {100.0 * low:.0f} % with 97.5 % confidence); "
             f"the same seeds without a kill: {undisturbed} of {n}.",
-            f"- The work itself came to its end in {sum(run.finished for run in runs)} of {n}.",
+            f"- The work itself was finished in {sum(run.finished for run in runs)} of {n}.",
         ]
     )
 

@@ -18,7 +18,7 @@ Cells = Mapping[tuple[str, str], Sequence[Run]]
 
 
 def outcomes(groups: Groups) -> str:
-    """Return how many flights of each group came to what, with Wilson's interval."""
+    """Return the number of flights per group and outcome, with Wilson's interval."""
     rows = []
     for name, runs in groups.items():
         good = sum(run.succeeded for run in runs)
@@ -70,7 +70,7 @@ def losses(runs: Iterable[Run]) -> str:
 
 
 def estimates(runs: Sequence[Run]) -> str:
-    """Return how far estimate and truth were apart in each state, and whether the filter knew.
+    """Return the errors of the estimate in each state, and how many the filter admitted.
 
     The last columns give the share of samples inside the region that holds 95 % of them if the
     filter's own standard deviation σ is right: ‖e‖² ≤ χ²₀.₉₅ σ², with 2 degrees of freedom for
@@ -92,7 +92,7 @@ def estimates(runs: Sequence[Run]) -> str:
 
 
 def faults(cells: Cells) -> str:
-    """Return, by fault and moment, how many flights came to each outcome, in their order."""
+    """Return the number of flights with each outcome, by fault and moment."""
     names = dict.fromkeys(name for name, _ in cells)
     moments = dict.fromkeys(moment for _, moment in cells)
     rows = [(f"`{n}`", *(_counts(cells.get((n, m), ())) for m in moments)) for n in names]
