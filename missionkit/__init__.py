@@ -9,6 +9,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from missionkit.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from missionkit.api.campaign import campaign as campaign
     from missionkit.api.flight import fly as fly
@@ -59,8 +61,6 @@ if TYPE_CHECKING:
     from missionkit.plugin_protocols import NamedInput as NamedInput
     from missionkit.plugin_protocols import Prior as Prior
     from missionkit.recorder.run_summary import Summary as Summary
-
-__version__ = "0.1.0"
 
 _HOMES = {  # module -> what it gives
     "api.campaign": ("campaign",),

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from missionkit import __version__
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import opened, sealed, write_surely
 from missionkit.recorder.value_codec import NotReadableError, written
+from missionkit.version import __version__
 
 FILE = "origin.json"
 SHOWN = 40  # lines of differences

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from missionkit import __version__
 from missionkit.campaigns.run_row import Case, RunOrder
 from missionkit.campaigns.variants import Axis, variants
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import write_surely
+from missionkit.version import __version__
 
 FILE = "campaign.json"
 

@@ -339,7 +339,7 @@ def missionkit(
 ) -> None:
     """Drone missions as YAML state charts: checked, rehearsed, flown."""
     if version:
-        from missionkit import __version__  # noqa: PLC0415
+        from missionkit.version import __version__  # noqa: PLC0415
 
         print(__version__)  # noqa: T201
         raise typer.Exit(ExitCode.SUCCESS)

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit import __version__
 from missionkit.api.campaign import cores, planned, reported, rule_of
 from missionkit.api.missions import assemble
 from missionkit.campaigns import dask_cluster, process_pool, run_journal
@@ -30,6 +29,7 @@ from missionkit.cli.overrides import overrides
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import ExitCode, UsageError
 from missionkit.recorder.run_folder import keep_mission, run_folder
+from missionkit.version import __version__
 
 RUNS = 100
 

@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from missionkit import __version__
 from missionkit.messages import Cycle
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.run_folder import write_whole
+from missionkit.version import __version__
 
 Outcome = Literal["success", "ended_safely", "crash"]
 

@@ -40,7 +40,7 @@ def test_importing_it_imports_nothing_heavy():
     script = "import json, sys, missionkit; print(json.dumps(sorted(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     loaded = {name for name in json.loads(run.stdout) if name.startswith("missionkit")}
-    assert loaded == {"missionkit"}
+    assert loaded == {"missionkit", "missionkit.version"}
     assert not {"numpy", "pydantic", "asyncio"} & set(json.loads(run.stdout))
 
 
