@@ -16,8 +16,8 @@ from missionkit.chart.checks import findings
 from missionkit.chart.load import load_model, parse
 from missionkit.chart.model import mission as model
 from missionkit.chart.model.field_descriptions import keys_of
-from missionkit.chart.model.mission import GROUP_KIND
 from missionkit.chart.model.state_contracts import unmet
+from missionkit.chart.model.state_definitions import GROUP_KIND
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.plugin_groups import GROUPS
 from missionkit.cli.app import app

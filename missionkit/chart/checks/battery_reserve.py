@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import PlannedLeg, legs
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Failsafe
+from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.errors import Level, Problem
 
 MARGIN = 2.0  # head wind, detours and flying harder than hovering

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart.model.mission import Mission, State
+from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.nearest_state import OTHER, FoundState, Nearest
 from missionkit.chart.model.state_contracts import due, nearest_in
+from missionkit.chart.model.state_definitions import State
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Level, Problem
 from missionkit.states.shared_failsafes import HOVER

@@ -8,7 +8,8 @@ from itertools import pairwise
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import PlannedLeg, Point3, legs
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Failsafe, Mission
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.errors import Level, Problem
 from missionkit.guards.geofence import InsideFence
 

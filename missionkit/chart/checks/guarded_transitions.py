@@ -11,7 +11,8 @@ from missionkit.chart.checks.guard_regions import GuardRegion, RegionReader
 from missionkit.chart.checks.interval_boxes import intersection, remains
 from missionkit.chart.checks.state_tree import StateTree
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Failsafe, Mission, Transition
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_definitions import Failsafe, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place
 from missionkit.guards.state_progress import TIME

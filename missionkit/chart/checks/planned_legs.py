@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
-from missionkit.chart.model.mission import State
+from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Place
 
 MOST_STARTS = 8  # goals that one state may be entered from

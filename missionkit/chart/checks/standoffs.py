@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import Point3
-from missionkit.chart.model.mission import State
+from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Level, Problem
 from missionkit.goal_pose import SLACK
 from missionkit.planning.potential_field import PotentialField

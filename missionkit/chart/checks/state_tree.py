@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Mission, Placed, around, firsts
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed, around, firsts
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.configuration import SAFETY
 from missionkit.errors import Place

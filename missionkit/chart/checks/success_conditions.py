@@ -10,8 +10,8 @@ from missionkit.chart.checks.planned_legs import Point3
 from missionkit.chart.checks.plugin_requirements import looked_for
 from missionkit.chart.checks.reachability import reachable
 from missionkit.chart.checks.standoffs import body_radius, reach_of
-from missionkit.chart.model.mission import State
 from missionkit.chart.model.mission_sections import Success
+from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Level, Place, Problem
 from missionkit.planning.potential_field import PotentialField
 

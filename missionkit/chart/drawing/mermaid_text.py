@@ -9,7 +9,8 @@ from typing import NamedTuple
 from missionkit.chart.drawing.chart_overlay import NO_NOTE, NOTHING, Overlay
 from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.model.guard_expressions import text
-from missionkit.chart.model.mission import Failsafe, Mission, Start, State, Transition
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_definitions import Failsafe, Start, State, Transition
 
 COLOURS = {
     "idle": "#e5e7eb",

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Mission, State, Transition
+from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.model_base import MissionPart
+from missionkit.chart.model.state_definitions import State, Transition
 from missionkit.errors import Place, Problem
 
 Way = tuple[str, int]  # a transition: its state's name, its number in the list

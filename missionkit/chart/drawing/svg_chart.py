@@ -29,7 +29,8 @@ from missionkit.chart.drawing.nested_layout import (
 )
 from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.drawing.svg_shapes import LINE, MARGIN
-from missionkit.chart.model.mission import Mission, State
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_definitions import State
 
 TOP = 66.0  # title
 LABEL_WIDTH = 26  # characters

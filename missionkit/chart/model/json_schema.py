@@ -14,9 +14,10 @@ from pydantic import BaseModel
 
 from missionkit.chart.model.guard_expressions import COMPARISONS
 from missionkit.chart.model.key_descriptions import described
-from missionkit.chart.model.mission import GROUP_KIND, SHAPES, Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.model_base import NAMED
 from missionkit.chart.model.plugin_references import NONE, needs_parameters
+from missionkit.chart.model.state_definitions import GROUP_KIND, SHAPES
 from missionkit.chart.plugin_catalogue import Catalogue, Plugins
 from missionkit.chart.plugin_groups import GROUPS
 from missionkit.chart.text.parameter_expansion import PATTERN

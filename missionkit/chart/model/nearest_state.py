@@ -15,7 +15,9 @@ from typing import NamedTuple
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Raise
-from missionkit.chart.model.mission import Mission, Placed, Transition, around
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed, around
+from missionkit.chart.model.state_definitions import Transition
 from missionkit.chart.model.traversal import actions_of
 from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 

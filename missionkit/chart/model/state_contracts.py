@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 
 from missionkit.behaviors.hold import Hold
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.mission import Mission, Placed, State, Transition, firsts
+from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.nearest_state import Nearest
+from missionkit.chart.model.placed_states import Placed, firsts
+from missionkit.chart.model.state_definitions import State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place, Problem
 from missionkit.states.contract import Failsafe

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart.model.mission import Mission, Placed, Start, State, around
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed, around
+from missionkit.chart.model.state_definitions import Start, State
 from missionkit.errors import Place, Problem
 
 Tree = dict[str, Placed]

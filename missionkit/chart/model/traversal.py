@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 from missionkit.chart.model.actions import Act
 from missionkit.chart.model.guard_expressions import Expression
-from missionkit.chart.model.mission import Mission, Start
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.state_definitions import Start
 
 
 def actions_of(mission: Mission) -> Iterator[Act]:

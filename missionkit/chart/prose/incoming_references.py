@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign
-from missionkit.chart.model.mission import Mission, Placed, Start, Transition
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed
+from missionkit.chart.model.state_definitions import Start, Transition
 from missionkit.chart.prose.phrases import action, listed
 
 FAILSAFE = "by the failsafe"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from missionkit.chart.model.mission import Failsafe, Mission
+from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.incoming_references import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
-from missionkit.chart.model.mission import Transition
+from missionkit.chart.model.state_definitions import Transition
 
 DONE = "done"
 OWN = "its behaviour is done"

@@ -9,7 +9,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from missionkit.chart.model.guard_expressions import use_text
-from missionkit.chart.model.mission import GROUP_KIND, Mission, Placed, State, Transition
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed
+from missionkit.chart.model.state_definitions import GROUP_KIND, State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.incoming_references import Told
 from missionkit.chart.prose.phrases import OWN, actions, guard, listed, reason

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
-from missionkit.chart.model.mission import GROUP_KIND, Failsafe, Mission, Placed, around, firsts
-from missionkit.chart.model.mission import Start as StartModel
-from missionkit.chart.model.mission import State as StateModel
-from missionkit.chart.model.mission import Transition as TransitionModel
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.model.placed_states import Placed, around, firsts
 from missionkit.chart.model.state_contracts import fulfilled
+from missionkit.chart.model.state_definitions import GROUP_KIND, Failsafe
+from missionkit.chart.model.state_definitions import Start as StartModel
+from missionkit.chart.model.state_definitions import State as StateModel
+from missionkit.chart.model.state_definitions import Transition as TransitionModel
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.compiled_chart import (
     ROOT,
