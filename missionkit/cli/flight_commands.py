@@ -1,0 +1,105 @@
+"""The command that flies a mission, and its options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from missionkit.cli.command_options import Json, Plugins, Settings, System
+from missionkit.errors import UsageError
+
+
+def run(
+    mission: Annotated[
+        Path | None, typer.Argument(help="mission file", metavar="MISSION.yaml")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(min=0, help="seed of everything random in the simulator")
+    ] = 0,
+    settings: Settings = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[=VALUE][@WHEN][+DURATION]",
+            help="something that goes wrong, such as gnss_lost@20+5 or marker_hidden@visual+6",
+        ),
+    ] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="MAVLink, such as udpin://0.0.0.0:14540"),
+    ] = None,
+    system: System = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(metavar="SOURCE", help="with --vehicle: device number, file, URL, rendered"),
+    ] = None,
+    share: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WHAT", help="with --vehicle: tell it pose, or target=NAME"),
+    ] = None,
+    event: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME@SECONDS", help="an event from the operator, such as go@12.5"),
+    ] = None,
+    plugin: Plugins = None,
+    speed: Annotated[
+        float | None, typer.Option(min=0.01, help="times real time; as fast as possible if absent")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
+    resume: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN", help="folder of a run that was killed: go on with it"),
+    ] = None,
+    gap: Annotated[
+        float, typer.Option(min=0.0, help="s that the simulated vehicle flew alone before --resume")
+    ] = 1.0,
+    *,
+    force: Annotated[
+        bool, typer.Option("--force", help="resume although the mission was changed")
+    ] = False,
+    anyway: Annotated[
+        bool,
+        typer.Option(
+            "--anyway", help="take off although a failsafe or the pre-flight report says no"
+        ),
+    ] = False,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="no live view, only log lines")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Fly a mission in the simulator; Ctrl-C lands."""
+    from missionkit.cli import run_command as command  # noqa: PLC0415
+    from missionkit.cli.run_options import RunOptions  # noqa: PLC0415
+
+    if mission is None and resume is None:
+        raise UsageError("name the mission file to fly, or --resume RUN")
+    if camera is not None and vehicle is None:
+        raise UsageError("--camera is for --vehicle: the simulator draws what the camera would see")
+    if system is not None and vehicle is None:
+        raise UsageError("--system is for --vehicle: the simulator has one vehicle")
+    if share and vehicle is None:
+        raise UsageError("--share is for --vehicle: nobody else is there to be told")
+    order = RunOptions(
+        mission or Path(),
+        tuple(settings or ()),
+        tuple(plugin or ()),
+        seed,
+        tuple(fault or ()),
+        speed,
+        out,
+        headless=headless,
+        as_json=as_json,
+        vehicle=vehicle,
+        system=system,
+        source=camera,
+        share=tuple(share or ()),
+        events=tuple(event or ()),
+        resume=resume,
+        gap=gap,
+        force=force,
+        anyway=anyway,
+    )
+    raise typer.Exit(command.run(order))
