@@ -10,7 +10,7 @@ from missionkit.control.hold_point import HoldPoint
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Range, Scan, VehicleStatus
 from missionkit.perception.vision_pipeline import VisionMemory
-from missionkit.planning.potential_field import FieldMemory
+from missionkit.planning.scan_memory import FieldMemory
 
 
 class SensorState(NamedTuple):

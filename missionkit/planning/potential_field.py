@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -12,9 +12,9 @@ from pydantic import Field
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, Guidance, Points
 from missionkit.planning import firas
+from missionkit.planning.approach_distance import kept_distances
 from missionkit.planning.avoidance_planner import AvoidancePlanner
-from missionkit.planning.boundary_following import BoundaryProgress, follow, shorter_side
-from missionkit.planning.firas import Distances
+from missionkit.planning.boundary_escape import Escape, past, progressed
 from missionkit.planning.obstacle_braking import (
     STILL,
     NearbyObstacles,
@@ -22,35 +22,16 @@ from missionkit.planning.obstacle_braking import (
     admissible_speed,
     backed_off,
     braked,
-    free_path,
     stopping_distance,
     within_sight,
 )
+from missionkit.planning.scan_memory import FieldMemory, finite, nearby
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
 
-OWN = 1.2  # m, around a work: what stands there is what it hangs on
-ROOM = 0.2  # m, that a vehicle at its goal may still move towards what it works on
-LEAST_GAP = 0.1  # m, kept from the object of a task, whatever the goal
 FIRM = 3.0  # times the excess over the admissible speed that the last check takes off
 RETREAT = 6.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
 BLIND = 0.5  # m/s, enough to hold a place against the wind
-
-
-class FieldMemory(NamedTuple):
-    """Memory of the potential field between steps."""
-
-    points: Points | None = None  # (N, 3), m, NED, of the last scan
-    scanned_at: float = -math.inf  # s, when it was measured
-    sight: float = math.inf  # m, how far it saw
-    goal: tuple[float, float, float] | None = None  # m, NED
-    progress: BoundaryProgress = BoundaryProgress()
-
-    def clear(self) -> FieldMemory:
-        """Return the memory when nothing is near: no escape, no waiting for progress."""
-        if self.progress.since == math.inf:
-            return self
-        return self._replace(progress=BoundaryProgress(self.progress.best))
 
 
 class PotentialField(Plugin):
@@ -123,7 +104,7 @@ class PotentialField(Plugin):
         """
         if not math.isfinite(_length(goal) + _length(wanted)):
             return np.zeros(3), memory
-        memory = self._aimed(self.noted(memory, seen), goal)
+        memory = self.noted(memory, seen).aimed(goal)
         seeing = within_sight(wanted, self.fastest(memory, seen.now))
         around = self._near(memory, seen, wanted)
         if around is None:
@@ -133,9 +114,11 @@ class PotentialField(Plugin):
         slowed = braked(seeing, seen.velocity, around, self.stopping)
         push = slowed + fade * self.repulsion(around) - wanted
         hindered = _length(push) > 0.3 * _length(wanted) > STILL
-        progress = self._progress(memory.progress, seen, goal, around, hindered=hindered)
+        how = self._escape
+        progress = progressed(memory.progress, seen, goal, around, how, hindered=hindered)
         if progress.side:
-            push = self._past(around, seen, progress.side, wanted) - wanted
+            climb = float(wanted[2])
+            push = past(around, seen, progress.side, climb, self.body_radius, how) - wanted
         if not math.isfinite(_length(push)):
             return np.zeros(3), memory
         return push, memory._replace(progress=progress)
@@ -166,7 +149,7 @@ class PotentialField(Plugin):
         if seen.obstacles is None or at is None or at <= memory.scanned_at:
             return memory
         return memory._replace(
-            points=_finite(seen.obstacles), scanned_at=at, sight=self._sight(seen.scan_range)
+            points=finite(seen.obstacles), scanned_at=at, sight=self._sight(seen.scan_range)
         )
 
     def blind(self, memory: FieldMemory, now: float) -> bool:
@@ -195,21 +178,12 @@ class PotentialField(Plugin):
         around = self._near(memory, seen, velocity)
         if around is None:
             return velocity
-        if guidance is not None and guidance.work is not None:
-            around = around._replace(keep=self._kept(memory, guidance.work, guidance.position))
+        if guidance is not None and guidance.work is not None and memory.points is not None:
+            full, body, goal = self.stopping.width, self.body_radius, guidance.position
+            keep = kept_distances(memory.points, guidance.work, goal, body, full)
+            around = around._replace(keep=keep)
         slowed = braked(velocity, seen.velocity, around, self.stopping, FIRM)
         return backed_off(slowed, around, self.stopping, RETREAT)
-
-    def _kept(self, memory: FieldMemory, work: Vec3, goal: Vec3) -> Distances:
-        """Return what is to be kept (N,), m, of each point near a work and its goal."""
-        points, full = memory.points, self.stopping.width
-        if points is None:
-            return np.empty(0)
-        own = np.hypot(points[:, 0] - work[0], points[:, 1] - work[1]) <= OWN
-        apart = np.hypot(points[:, 0] - goal[0], points[:, 1] - goal[1])
-        asked = apart[own].min() - ROOM if own.any() else full
-        least = min(full, max(self.body_radius + LEAST_GAP, float(asked)))
-        return np.where(own, least, full)
 
     def _sight(self, scan_range: float) -> float:
         return scan_range if self.sight is None else min(self.sight, scan_range)
@@ -228,78 +202,30 @@ class PotentialField(Plugin):
             math.radians(self.ray_deg),
         )
 
-    def _aimed(self, memory: FieldMemory, goal: Vec3) -> FieldMemory:
-        """Restart with a new goal."""
-        x, y, z = goal.tolist()
-        if memory.goal is None or math.dist(memory.goal, (x, y, z)) > 1.0:
-            return memory._replace(goal=(x, y, z), progress=BoundaryProgress())
-        return memory
+    @cached_property
+    def _escape(self) -> Escape:
+        return Escape(
+            self.step_size,
+            self.patience,
+            self.longest,
+            self.keep,
+            self.escape_speed,
+            self.stopping,
+        )
 
     def _near(self, memory: FieldMemory, seen: Estimate, velocity: Vec3) -> NearbyObstacles | None:
         """Return the scan around the vehicle, or None if at this velocity it does not matter."""
         points = memory.points
         if points is None or not len(points) or seen.now - memory.scanned_at > self.max_age:
             return None
-        away = seen.position - points
-        squared = np.vecdot(away, away)
         how = self.stopping
         stop = stopping_distance(max(_length(velocity), _length(seen.velocity)), how)
         reach = max(self.radius + self.body_radius, how.width + stop)
-        reach = math.hypot(reach, self.column)
-        if not squared[squared.argmin()] <= reach * reach:
-            return None
-        z = away[:, 2]
-        away[:, 2] = z - np.minimum(self.column, np.maximum(-self.column, z))
-        return NearbyObstacles(away, np.vecdot(away, away))
-
-    def _progress(
-        self,
-        last: BoundaryProgress,
-        seen: Estimate,
-        goal: Vec3,
-        around: NearbyObstacles,
-        *,
-        hindered: bool,
-    ) -> BoundaryProgress:
-        to_goal = goal - seen.position
-        distance = _length(to_goal)
-        if last.since == math.inf:
-            last = last._replace(since=seen.now)
-        if last.side:
-            farther = distance > last.best - self.step_size
-            patient = seen.now - last.since < self.longest
-            away = (farther and patient) or self._blocked(around, to_goal, distance)
-            return last if away else BoundaryProgress(distance, seen.now)
-        if distance < last.best - self.step_size:
-            return BoundaryProgress(distance, seen.now)
-        if not hindered or distance < self.step_size:
-            return last._replace(since=seen.now)
-        if seen.now - last.since < self.patience:
-            return last
-        passage = 2.0 * self.stopping.width
-        return last._replace(side=shorter_side(around.away, to_goal, seen.velocity, passage))
-
-    def _blocked(self, around: NearbyObstacles, to_goal: Vec3, distance: float) -> bool:
-        how = self.stopping
-        free = free_path(around, to_goal / distance, how)
-        return free < min(distance, stopping_distance(self.escape_speed, how))
-
-    def _past(self, around: NearbyObstacles, seen: Estimate, side: int, wanted: Vec3) -> Vec3:
-        i = int(around.squared.argmin())
-        gap = math.sqrt(around.squared[i]) - self.body_radius
-        along = follow(around.away[i], gap, self.keep, self.escape_speed, side)
-        along[2] = wanted[2]
-        return braked(along, seen.velocity, around, self.stopping)
+        return nearby(points, seen.position, math.hypot(reach, self.column), self.column)
 
 
 def _length(v: Vec3) -> float:
     return math.hypot(*v.tolist())
-
-
-def _finite(points: Points) -> Points:
-    if math.isfinite(points.sum()):
-        return points
-    return points[np.isfinite(points).all(axis=1)]
 
 
 def brake_of(planner: AvoidancePlanner) -> PotentialField:

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from missionkit.geometry import norm, vec
 from missionkit.planning.boundary_following import BoundaryProgress
-from missionkit.planning.potential_field import BLIND, FieldMemory, PotentialField
+from missionkit.planning.potential_field import BLIND, PotentialField
+from missionkit.planning.scan_memory import FieldMemory
 
 FIELD = PotentialField()
 GOAL = vec(40, 0, -3)

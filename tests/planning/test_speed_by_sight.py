@@ -10,13 +10,14 @@ from flat_world import RANGE, Box, estimate, fly
 
 from missionkit.geometry import norm, vec
 from missionkit.messages import Guidance
+from missionkit.planning.approach_distance import LEAST_GAP
 from missionkit.planning.obstacle_braking import (
     NearbyObstacles,
     Stopping,
     backed_off,
     stopping_distance,
 )
-from missionkit.planning.potential_field import BLIND, LEAST_GAP, PotentialField
+from missionkit.planning.potential_field import BLIND, PotentialField
 
 FIELD = PotentialField()
 GOAL, HERE = vec(60, 0, -3), vec(0, 0, -3)
