@@ -5,14 +5,13 @@ Imported late: it compiles kernels.
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
-from missionkit.geometry import Vec3, norm, to_matrix, vec, yaw_of
+from missionkit.geometry import to_matrix, vec, yaw_of
 from missionkit.messages import (
     NO_CYCLE,
     Action,
@@ -23,7 +22,7 @@ from missionkit.messages import (
     Scan,
     VehicleStatus,
 )
-from missionkit.sim import kernel_layout
+from missionkit.sim import disturbances, kernel_layout
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
@@ -42,7 +41,6 @@ if TYPE_CHECKING:
 
 STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
-TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
 
 
 class SimulatedVehicle(SimulatedPort):
@@ -169,8 +167,13 @@ class SimulatedVehicle(SimulatedPort):
     def _fly(self, stop: int) -> None:
         plant = self._plant
         first = plant.step // kernel_layout.IMU_EVERY + 1
-        self._mislead()
-        rows = plant.advance(stop, self._extra_wind())
+        faults = self._mishaps
+        plant.mislead(
+            disturbances.velocity_bias(faults, self.now),
+            disturbances.control_period(faults, self.now),
+        )
+        wind = vec(*self.world.wind.mean)
+        rows = plant.advance(stop, disturbances.extra_wind(faults, wind, self.now))
         period = kernel_layout.IMU_EVERY / kernel_layout.RATE
         biased = self._mishaps.since("imu_biased", self.now)
         if biased is not None:
@@ -195,23 +198,6 @@ class SimulatedVehicle(SimulatedPort):
             memory[kernel_layout.ENERGY],
         )
         self.track.add(self.now, self._plant.state[:13], rest)
-
-    def _extra_wind(self) -> Vec3 | None:
-        gust = self._mishaps.since("wind_gust", self.now)
-        if gust is None:
-            return None
-        mean = vec(*self.world.wind.mean)
-        size = norm(mean)
-        along = mean / size if size > 0.0 else vec(1.0, 0.0, 0.0)
-        return gust[0] * along
-
-    def _mislead(self) -> None:
-        """Let faults have their way with the inner autopilot."""
-        bias = self._mishaps.since("velocity_bias", self.now)
-        slow = self._mishaps.since("control_slow", self.now)
-        self._plant.mislead(
-            vec(0.0, 0.0, 0.0) if bias is None else turning(*bias), 0.0 if slow is None else slow[0]
-        )
 
     def _obey(self) -> None:
         while self._orders and self._orders[0][0] <= self._plant.step:
@@ -248,9 +234,7 @@ class SimulatedVehicle(SimulatedPort):
         lost = self._mishaps.without_fixes(now) is not None
         self._plant.memory[kernel_layout.GNSS_OK] = self._aiding
         if self._gnss.beat.due(step):
-            jump = self._mishaps.since("gnss_jump", now) or (0.0, 0.0)
-            drift = self._mishaps.since("gnss_drift", now) or (0.0, 0.0)
-            offset = vec(jump[0] + drift[0] * drift[1], 0.0, 0.0)
+            offset = disturbances.satellite_offset(self._mishaps, now)
             fix = self._gnss.measure(now, self._plant.state, offset)
             if not lost:
                 self._fixes.append(fix)
@@ -298,10 +282,3 @@ class SimulatedVehicle(SimulatedPort):
         thrusts = self._plant.state[13:17].clip(0.0)
         hover = quad.mass * kernel_layout.GRAVITY / 4.0
         return quad.hover_power * float(((thrusts / hover) ** 1.5).mean())
-
-
-def turning(size: float, age: float) -> Vec3:
-    """Return the bias (3,), m/s, NED, of the autopilot's own velocity at its `age` (s)."""
-    size *= min(1.0, age / ONSET)
-    angle = 2.0 * math.pi * age / TURN
-    return vec(size * math.cos(angle), size * math.sin(angle), 0.0)
