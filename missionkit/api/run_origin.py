@@ -34,6 +34,13 @@ class Origin(NamedTuple):
     version: str
 
 
+class Origins(NamedTuple):
+    """What a run stands on now, and what the run that it resumes stood on."""
+
+    now: Origin
+    before: Origin | None = None
+
+
 def origin_of(
     mission: Mission,
     path: Path,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from missionkit.api.run_origin import Origin
+from missionkit.api.run_origin import Origins
 from missionkit.api.simulation import fault_of
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
@@ -21,19 +21,19 @@ from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
 
 
 def run_in_simulator(
-    order: RunOptions, mission: Mission, catalogue: Catalogue, before: Origin | None
+    order: RunOptions, mission: Mission, catalogue: Catalogue, origins: Origins
 ) -> ExitCode:
-    """Fly the mission in the simulator; `before` is what a resumed run has flown.
+    """Fly the mission in the simulator; `origins` say what it stands on.
 
     Raises:
         FileError: the world cannot be used.
-        UsageError: an option does not fit, or the mission was changed.
+        UsageError: an option does not fit, or there is no checkpoint to resume from.
     """
     ready = _staged(order, mission, catalogue)
     with folder_of(
         order,
         mission,
-        before,
+        origins,
         f"seed{order.seed}",
         lambda path, stamp: since(path, order.gap, stamp),
     ) as (folder, past):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from missionkit.api.run_origin import Origin
+from missionkit.api.run_origin import Origins
 from missionkit.api.vehicle_checkpoints import (
     Before,
     Saving,
@@ -33,13 +33,13 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 
 
 def run_on_vehicle(
-    order: RunOptions, mission: Mission, catalogue: Catalogue, origin: Origin | None
+    order: RunOptions, mission: Mission, catalogue: Catalogue, origins: Origins
 ) -> ExitCode:
-    """Fly the mission with the vehicle at an address; `origin` is that of a resumed run.
+    """Fly the mission with the vehicle at an address; `origins` say what it stands on.
 
     Raises:
         FileError: the world, or the video used as camera, cannot be read.
-        UsageError: an option does not fit, the mission was changed, or the address is none.
+        UsageError: an option does not fit, there is no checkpoint, or the address is none.
         NotFitError: the pre-flight report speaks against flying.
         VehicleError: the vehicle could not be reached.
     """
@@ -58,7 +58,7 @@ def run_on_vehicle(
         share=share_of(order.share, mission),
         system=order.system,
     )
-    with folder_of(order, mission, origin, "vehicle", before) as (folder, past):
+    with folder_of(order, mission, origins, "vehicle", before) as (folder, past):
         flight = Ready(mission, world, plan, vehicle, folder, past)
         return guarded(order, folder.path, lambda: _flown(order, flight))
 

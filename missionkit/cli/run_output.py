@@ -10,11 +10,9 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from missionkit.api.flight_log import with_reports
 from missionkit.api.run_origin import (
-    Origin,
-    check_same,
+    Origins,
     forget_origin,
     keep_origin,
-    origin_of,
     stamp,
 )
 from missionkit.chart.model.mission import Mission
@@ -113,7 +111,7 @@ class Folder(NamedTuple):
 def folder_of(
     order: RunOptions,
     mission: Mission,
-    before: Origin | None,
+    origins: Origins,
     label: str,
     found: Callable[[Path, str], P],
 ) -> Iterator[tuple[Folder, P | None]]:
@@ -122,27 +120,18 @@ def folder_of(
     Args:
         order: of the command line.
         mission: that is flown.
-        before: what a resumed run was started from.
+        origins: of the run, and of the one it resumes.
         label: ends the name of a new folder.
         found: reads the checkpoint of a folder, given the stamp of the mission as it is now.
 
     Raises:
-        UsageError: another process flies this run, the mission was changed, or there is no
-            checkpoint to resume from.
+        UsageError: another process flies this run, or there is no checkpoint to resume from.
     """
-    origin = origin_of(
-        mission,
-        order.mission,
-        settings=order.settings,
-        plugins=order.plugins,
-        seed=order.seed,
-        faults=order.faults,
-    )
+    origin, before = origins
     path = order.resume or run_folder(order.out, mission.name, label)
     with held(path):
         past = None
         if before is not None:
-            check_same(before, origin, path, force=order.force)
             past = found(path, stamp(origin))
             for wrong in past.loaded.wrong:
                 print(printable(wrong), file=sys.stderr)  # noqa: T201

@@ -20,6 +20,7 @@ INT8, INT16 = mavlink.MAV_PARAM_TYPE_INT8, mavlink.MAV_PARAM_TYPE_INT16
 INT32, REAL32 = mavlink.MAV_PARAM_TYPE_INT32, mavlink.MAV_PARAM_TYPE_REAL32
 
 PX4: dict[str, float] = {  # an int is an INT32
+    "BAT1_SOURCE": 0,
     "BAT_CRIT_THR": 0.07,
     "BAT_EMERGEN_THR": 0.05,
     "BAT_LOW_THR": 0.15,
@@ -73,6 +74,7 @@ ARDUPILOT: dict[str, float] = {  # an int is an INT16
     "BATT_LOW_MAH": 0.0,
     "BATT_LOW_TIMER": 10,
     "BATT_LOW_VOLT": 10.5,
+    "BATT_MONITOR": 4,
     "DISARM_DELAY": 10,
     "EK3_SRC1_VELXY": 3,
     "FENCE_ACTION": 1,

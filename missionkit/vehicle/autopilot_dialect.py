@@ -11,8 +11,11 @@ from typing import NamedTuple
 
 from missionkit.vehicle.failsafe_parameters import (
     ARDUPILOT_FAILSAFES,
+    ARDUPILOT_THRESHOLDS,
     PX4_FAILSAFES,
+    PX4_THRESHOLDS,
     FailsafeParameter,
+    FailsafeThresholds,
 )
 
 AUTOPILOT_ARDUPILOT = 3  # MAV_AUTOPILOT
@@ -41,6 +44,7 @@ class Dialect(NamedTuple):
     checks_present: bool  # whether SYS_STATUS names its arming checks among what is there
     loss: tuple[str, float]  # parameter for the time (s) without setpoints, and its default
     failsafes: tuple[FailsafeParameter, ...]
+    thresholds: tuple[FailsafeThresholds, ...]
     intervals: Mapping[int, float]  # message id -> Hz
     sphere: float  # m, radius of the earth in its simulators
     target_frame: int  # MAV_FRAME in which it takes LANDING_TARGET
@@ -110,6 +114,7 @@ PX4 = Dialect(
     checks_present=False,
     loss=("COM_OF_LOSS_T", 1.0),
     failsafes=PX4_FAILSAFES,
+    thresholds=PX4_THRESHOLDS,
     intervals=INTERVALS,
     sphere=6371000.0,  # CONSTANTS_RADIUS_OF_EARTH
     target_frame=LOCAL_NED,
@@ -150,6 +155,7 @@ ARDUPILOT = Dialect(
     checks_present=True,
     loss=("GUID_TIMEOUT", 3.0),
     failsafes=ARDUPILOT_FAILSAFES,
+    thresholds=ARDUPILOT_THRESHOLDS,
     intervals=SCALED,  # few of its versions know HIGHRES_IMU
     sphere=6378100.0,  # RADIUS_OF_EARTH, as in LOCATION_SCALING_FACTOR
     target_frame=BODY_FRD,

@@ -5,6 +5,8 @@ Sources: PX4 parameter reference (Commander, Battery, Circuit Breaker); ArduCopt
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -41,6 +43,25 @@ class FailsafeParameter(NamedTuple):
         if value in self.fatal:
             return FailsafeLevel.BAD, f"it stops the rotors in the air; {self.remedy}"
         return self.level, f"{self.otherwise}; {self.remedy}"
+
+
+class FailsafeThresholds(NamedTuple):
+    """Thresholds of one failsafe, of which one at least must be above zero for it to act."""
+
+    parameters: tuple[str, ...]
+    otherwise: str  # what happens if all are zero
+    remedy: str
+
+    def judge(self, values: Mapping[str, float | None]) -> tuple[FailsafeLevel, str]:
+        """Return how good the values are, and what to say about them."""
+        known = {name: value for name in self.parameters if (value := values.get(name)) is not None}
+        if any(value > 0.0 for value in known.values()):
+            return FailsafeLevel.GOOD, ", ".join(f"{name} {it:g}" for name, it in known.items())
+        if len(known) < len(self.parameters):
+            return FailsafeLevel.WARNING, "could not be read: look at it by hand"
+        every = "is 0" if len(known) == 1 else "are both 0"
+        says = f"{' and '.join(known)} {every}: {self.otherwise}; {self.remedy}"
+        return FailsafeLevel.WARNING, says
 
 
 PX4_FAILSAFES = (
@@ -89,6 +110,26 @@ PX4_FAILSAFES = (
         UNATTENDED,
         "set 3 (return, then land)",
         safe=3,
+    ),
+    FailsafeParameter(
+        "BAT1_SOURCE",
+        0,
+        math.inf,
+        FailsafeLevel.WARNING,
+        f"the battery is not measured, COM_LOW_BAT_ACT has no effect: {UNATTENDED}",
+        "set 0 (power module), or the source that the vehicle has",
+    ),
+)
+PX4_THRESHOLDS = (
+    FailsafeThresholds(
+        ("BAT_CRIT_THR",),
+        "a battery never counts as critical, COM_LOW_BAT_ACT waits for an emergency",
+        "set 0.07 or more",
+    ),
+    FailsafeThresholds(
+        ("BAT_EMERGEN_THR",),
+        "a battery is never an emergency, so nothing lands a vehicle that cannot return",
+        "set 0.05 or more, below BAT_CRIT_THR",
     ),
 )
 
@@ -146,11 +187,32 @@ ARDUPILOT_FAILSAFES = (
         safe=1,
     ),
     FailsafeParameter(
+        "BATT_MONITOR",
+        1,
+        math.inf,
+        FailsafeLevel.WARNING,
+        "the battery is not measured, BATT_FS_LOW_ACT and BATT_FS_CRT_ACT have no effect: "
+        f"{UNATTENDED}",
+        "set the kind of the battery monitor, such as 4 (voltage and current)",
+    ),
+    FailsafeParameter(
         "FENCE_ENABLE",
         1,
         1,
         FailsafeLevel.WARNING,
         "no fence holds the vehicle should everything else fail",
         "set 1, with FENCE_RADIUS and FENCE_ALT_MAX",
+    ),
+)
+ARDUPILOT_THRESHOLDS = (
+    FailsafeThresholds(
+        ("BATT_LOW_VOLT", "BATT_LOW_MAH"),
+        "no battery counts as low, BATT_FS_LOW_ACT has no effect",
+        "set BATT_LOW_VOLT (V) to suit the cells, or BATT_LOW_MAH",
+    ),
+    FailsafeThresholds(
+        ("BATT_CRT_VOLT", "BATT_CRT_MAH"),
+        "no battery counts as critical, BATT_FS_CRT_ACT has no effect",
+        "set BATT_CRT_VOLT (V) below BATT_LOW_VOLT, or BATT_CRT_MAH",
     ),
 )

@@ -205,6 +205,23 @@ def test_a_changed_file_is_refused_with_its_differences(
     assert (folder / "mission-2.yaml").read_bytes() == (tmp_path / "stay.yaml").read_bytes()
 
 
+@pytest.mark.parametrize("vehicle", [(), ("--vehicle", "udpin://127.0.0.1:14999")])
+def test_a_changed_mission_is_refused_before_anything_is_compiled(
+    call, killed, stay, monkeypatch, vehicle
+):
+    folder = killed()
+    stay.write_text(STAY.replace("stay: 6", "stay: 7"))
+
+    def compiling(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("missionkit.rehearsal.warm_up", compiling)
+    monkeypatch.setattr("missionkit.engine.prepared_mission.warm_up", compiling)
+    result = call("run", "--resume", str(folder), *vehicle)
+    assert result.exit_code == 2
+    assert "the mission was changed since" in result.stderr
+
+
 def test_a_changed_mission_that_dies_at_once_is_still_a_changed_one(
     call, killed, stay, monkeypatch
 ):

@@ -45,7 +45,8 @@ def test_what_is_written_is_judged_safe_and_exists(dialect):
         if failsafe.safe is not None:
             assert failsafe.judge(failsafe.safe)[0] is FailsafeLevel.GOOD
     table = TABLES[dialect.name.lower()]
-    assert [it.parameter for it in dialect.failsafes if it.parameter not in table] == []
+    names = {name for it in dialect.thresholds for name in it.parameters}
+    assert {*names, *(it.parameter for it in dialect.failsafes)} <= table.keys()
     defaults = {change.parameter for change in proposed(dialect, table)}
     assert ("GUID_TIMEOUT" in defaults) == (dialect is ARDUPILOT)
 

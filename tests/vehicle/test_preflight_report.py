@@ -15,7 +15,8 @@ from missionkit.vehicle.telemetry.earth_origin import Origin
 
 SAFE = {
     "COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "NAV_DLL_ACT": 2.0,
-    "COM_DL_LOSS_T": 10.0, "COM_LOW_BAT_ACT": 3.0,
+    "COM_DL_LOSS_T": 10.0, "COM_LOW_BAT_ACT": 3.0, "BAT1_SOURCE": 0.0,
+    "BAT_CRIT_THR": 0.07, "BAT_EMERGEN_THR": 0.05,
 }  # fmt: skip
 GOOD = Findings(
     armed=False,
@@ -114,6 +115,38 @@ def test_ardupilots_defaults_are_warned_about():
     levels = {check.what: check.level for check in judged("A", ARDUPILOT, found).checks}
     assert levels["GUID_TIMEOUT"] is FailsafeLevel.WARNING
     assert levels["FS_EKF_ACTION"] is FailsafeLevel.BAD
+
+
+LOW, CRITICAL = ("BATT_LOW_VOLT", "BATT_LOW_MAH"), ("BATT_CRT_VOLT", "BATT_CRT_MAH")
+ACTING = {
+    "BATT_FS_LOW_ACT": 2.0, "BATT_FS_CRT_ACT": 1.0, "BATT_MONITOR": 4.0,
+    "BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0, "BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 200.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("dialect", "values", "what", "says"),
+    [
+        (ARDUPILOT, {"BATT_MONITOR": 0.0}, "BATT_MONITOR", "BATT_FS_LOW_ACT and BATT_FS_CRT_ACT"),
+        (ARDUPILOT, dict.fromkeys(LOW, 0.0), LOW[0], "BATT_LOW_VOLT and BATT_LOW_MAH are both 0"),
+        (ARDUPILOT, dict.fromkeys(CRITICAL, 0.0), CRITICAL[0], "BATT_FS_CRT_ACT has no effect"),
+        (ARDUPILOT, dict.fromkeys(LOW), LOW[0], "could not be read"),
+        (PX4, {"BAT1_SOURCE": -1.0}, "BAT1_SOURCE", "COM_LOW_BAT_ACT has no effect"),
+        (PX4, {"BAT_CRIT_THR": 0.0}, "BAT_CRIT_THR", "never counts as critical"),
+        (PX4, {"BAT_EMERGEN_THR": 0.0}, "BAT_EMERGEN_THR", "never an emergency"),
+    ],
+)
+def test_a_battery_failsafe_that_cannot_act_is_warned_about(dialect, values, what, says):
+    def check(parameters):
+        report = judged("A", dialect, GOOD._replace(parameters=parameters))
+        (found,) = [it for it in report.checks if it.what == what]
+        return found
+
+    acting = {**SAFE, **ACTING}
+    assert check(acting).level is FailsafeLevel.GOOD
+    found = check({**acting, **values})
+    assert found.level is FailsafeLevel.WARNING
+    assert says in found.says
 
 
 class Keeper:

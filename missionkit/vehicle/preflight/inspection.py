@@ -106,11 +106,11 @@ def _is_told(cache: Cache, name: str) -> bool:
 
 
 def parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
-    """Read what the failsafes depend on; if the autopilot does not answer once, ask no more."""
-    values: dict[str, float | None] = {}
-    for failsafe in vehicle.dialect.failsafes:
-        values[failsafe.parameter] = vehicle.link.parameter(failsafe.parameter)
-    return values
+    """Read what the failsafes depend on; None: the autopilot did not answer."""
+    dialect = vehicle.dialect
+    names = [it.parameter for it in dialect.failsafes]
+    names += [name for it in dialect.thresholds for name in it.parameters]
+    return {name: vehicle.link.parameter(name) for name in names}
 
 
 def _found(

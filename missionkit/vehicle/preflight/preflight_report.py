@@ -103,6 +103,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> PreflightReport:
         Check("obstacles", *sensor_checks.obstacles(found.rings)),
         Check("ground", *sensor_checks.ground(found.flow, found.ranges)),
         *_parameters(dialect, found),
+        *_thresholds(dialect, found),
         *_north(found),
         *_clock(found),
     )
@@ -183,6 +184,10 @@ def _parameters(dialect: Dialect, found: Findings) -> list[Check]:
         level, why = failsafe.judge(value)
         checks.append(Check(failsafe.parameter, level, f"{value:g}{': ' if why else ''}{why}"))
     return checks
+
+
+def _thresholds(dialect: Dialect, found: Findings) -> list[Check]:
+    return [Check(it.parameters[0], *it.judge(found.parameters)) for it in dialect.thresholds]
 
 
 def _north(found: Findings) -> list[Check]:
