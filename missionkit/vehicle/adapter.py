@@ -9,7 +9,6 @@ streamer's and the commander's. None of the last three waits for the first.
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -26,16 +25,17 @@ from missionkit.vehicle.command.estimate_sharing import NOTHING, Share, Sharing
 from missionkit.vehicle.command.setpoint_stream import Streamer
 from missionkit.vehicle.command.velocity_correction import Correction
 from missionkit.vehicle.connected_vehicle import ConnectedVehicle
+from missionkit.vehicle.event_notes import EventNotes
 from missionkit.vehicle.guardian.policy import USUAL, Patience
+from missionkit.vehicle.identification import identified
 from missionkit.vehicle.link.clocks import MissionClock, wall
-from missionkit.vehicle.link.connection import Link, listed
+from missionkit.vehicle.link.connection import Link
 from missionkit.vehicle.link.guardian_client import Guardian
 from missionkit.vehicle.link.link_address import Address
 from missionkit.vehicle.link.link_lock import LinkLock
-from missionkit.vehicle.link.message_cache import Cache, Message
+from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
 from missionkit.vehicle.link.message_rates import NAMES, QUEUED, Streams
-from missionkit.vehicle.link.vehicle_type import unfit
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
 from missionkit.vehicle.telemetry.reported_pose import Pose, reported_pose
@@ -89,10 +89,8 @@ class MavsdkVehicle:
         self._guard = guard
         self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
-        self._check = MessageCheck(self.cache, self.note, self.remark, pace)
-        self._events: list[str] = []
-        self._remarks: list[str] = []
-        self._noting = threading.Lock()
+        self._notes = EventNotes()
+        self._check = MessageCheck(self.cache, self._notes.note, self._notes.remark, pace)
         self._now = 0.0
         self._correction = Correction()
         self._reliance = Reliance(relies_on)
@@ -185,8 +183,7 @@ class MavsdkVehicle:
             self._camera.start(self)
         self.tend()
         self._take_reports(parts)
-        with self._noting:
-            events, self._events = tuple(self._events), []
+        events = self._notes.take_events()
         frame = self._camera.latest(min(until, parts.observer.moved_until))
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
@@ -236,7 +233,7 @@ class MavsdkVehicle:
         if not authority.ours and self._guardian is not None:
             self._guardian.given()
         if authority.resume():
-            self.note(CONTROL_RESUMED)
+            self._notes.note(CONTROL_RESUMED)
 
     async def call(self, function: Callable[..., T], *args: Any) -> T:
         """Run a blocking function of the link without stopping the event loop."""
@@ -266,12 +263,14 @@ class MavsdkVehicle:
         begun = wall()
         await self.hear("HEARTBEAT", self._words_within)
         await asyncio.sleep(max(0.0, CENSUS / self._pace - (wall() - begun)))
-        beat = await self._identified(link)
+        beat = await identified(
+            link, self.cache, self.address, self._system, self._words_within, self.call
+        )
         dialect = None if beat is None else dialect_of(int(beat["autopilot"]))
         if dialect is None:
             raise VehicleError(f"{self.address.url}: the autopilot is silent")
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
-        said = self.note, self.remark, self._check
+        said = self._notes.note, self._notes.remark, self._check
         self._parts = ConnectedVehicle(
             link, dialect, self.cache, self._clock, *said, self._pace, idle
         )
@@ -280,35 +279,11 @@ class MavsdkVehicle:
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
         self._parts.start()
 
-    async def _identified(self, link: Link) -> Message | None:
-        """Return a heartbeat of a vehicle that missionkit flies, None if it is silent.
-
-        Raises:
-            VehicleError: it flies no such vehicle, or there are several and none was named.
-        """
-        systems = await link.systems()
-        if self._system is None and len(systems) > 1:
-            raise VehicleError(
-                f"{self.address.url}: several vehicles share this link: {listed(systems)}; "
-                f"name yours, such as --system {min(systems)}"
-            )
-        beat = self.cache.latest("HEARTBEAT")
-        if beat is not None and unfit(beat.fields):  # one packet alone is not trusted
-            await self.call(
-                self.cache.wait,
-                lambda: self.cache.latest("HEARTBEAT") is not beat,
-                self._words_within,
-            )
-            beat = self.cache.latest("HEARTBEAT")
-        if beat is not None and (why := unfit(beat.fields)):
-            raise VehicleError(f"{self.address.url}: system {link.system_id} is not flown: {why}")
-        return beat
-
     def _be_guarded(self) -> None:
         if self._guard is not None:
             descriptor, overruled = self._lock.descriptor, self._overruled
             self._guardian = Guardian(
-                self.address, descriptor, self._pace, self._guard, overruled, self.note
+                self.address, descriptor, self._pace, self._guard, overruled, self._notes.note
             )
 
     def _overruled(self) -> None:
@@ -327,23 +302,15 @@ class MavsdkVehicle:
             if report.result.outcome is CommandOutcome.ABANDONED or report.result.good:
                 continue
             ending = "refused" if report.result.outcome is CommandOutcome.REFUSED else "unconfirmed"
-            self.note(f"{report.wish[0]}_{ending}")
+            self._notes.note(f"{report.wish[0]}_{ending}")
 
     def note(self, event: str) -> None:
         """Keep an event for the next observation."""
-        with self._noting:
-            self._events.append(event)
-
-    def remark(self, sentence: str) -> None:
-        """Keep a sentence for the record."""
-        with self._noting:
-            self._remarks.append(sentence)
+        self._notes.note(event)
 
     def take_remarks(self) -> tuple[str, ...]:
         """Return what is to be recorded since the last call, a sentence each."""
-        with self._noting:
-            remarks, self._remarks = tuple(self._remarks), []
-        return remarks
+        return self._notes.take_remarks()
 
     def pose(self) -> Pose | None:
         """Return where the vehicle says it is."""
