@@ -29,6 +29,7 @@ PARTS = {
     ),
     "What plug-ins answer": (
         *("Verdict", "Region", "Quantity", "Interval", "Step", "Guidance", "HalfSpace", "Action"),
+        "Wrench",
     ),
     "What observers see": ("Record", "Fired", "Command", "Mode", "Observation"),
 }
@@ -373,6 +374,11 @@ EXAMPLES = {
         >>> from missionkit.geometry import vec
         >>> missionkit.HalfSpace(vec(0.0, 0.0, -20.0), vec(0.0, 0.0, 1.0)).normal.tolist()
         [0.0, 0.0, 1.0]
+    """,
+    "Wrench": """
+        >>> from missionkit.geometry import vec
+        >>> missionkit.Wrench(vec(0.05, 0.0, 0.0), vec(0.0, 0.0, 0.001)).torque.tolist()
+        [0.0, 0.0, 0.001]
     """,
     "Action": """
         >>> [action.value for action in missionkit.Action]

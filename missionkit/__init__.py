@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from missionkit.messages import Target as Target
     from missionkit.messages import VehicleStatus as VehicleStatus
     from missionkit.messages import Verdict as Verdict
+    from missionkit.messages import Wrench as Wrench
     from missionkit.messages.region import Interval as Interval
     from missionkit.messages.region import Quantity as Quantity
     from missionkit.messages.region import Region as Region
@@ -86,7 +87,7 @@ _HOMES = {  # module -> what it gives
             "Occupancy",
             "Record",
         ),
-        *("Sighting", "Step", "Target", "VehicleStatus", "Verdict"),
+        *("Sighting", "Step", "Target", "VehicleStatus", "Verdict", "Wrench"),
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
     "plugin": ("Behavior", "CompositeGuard", "Detector", "Guard", "Plugin", "WindowGuard"),

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.chart.checks.geofence_violations import outside
-from missionkit.chart.load import load_model
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.plugin_catalogue import Catalogue
@@ -44,15 +43,15 @@ from missionkit.sim.fault_injection import Fault
 from missionkit.sim.flight_grading import (
     Grade,
     Visit,
-    grade,
     in_flight,
     judge_visit,
     landed_at,
 )
-from missionkit.sim.simulated_vehicle import SimulatedVehicle
+from missionkit.sim.simulators import Simulated, graded, simulated
 from missionkit.sim.vehicle_snapshot import Snapshot, restore, taken
-from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import Marker, World
+from missionkit.sim.world_files import AnyWorld, load_world
+from missionkit.states import VEHICLES
 
 
 class Stage(NamedTuple):
@@ -60,8 +59,8 @@ class Stage(NamedTuple):
 
     mission: Mission
     plan: PreparedMission
-    world: World
-    vehicle: SimulatedVehicle
+    world: AnyWorld
+    vehicle: Simulated
 
 
 class Rehearsal(NamedTuple):
@@ -104,21 +103,40 @@ class Again(NamedTuple):
         return self.kept.course.memory.now + self.gap
 
 
-def world_of(mission: Mission, folder: Path) -> World:
+def world_of(mission: Mission, folder: Path) -> AnyWorld:
     """Return the world a mission names, or an empty one.
 
     Raises:
-        FileError: the world file cannot be used.
+        FileError: the world file cannot be used, or is that of another kind of vehicle.
+        UsageError: there is none, and the kind of vehicle needs one.
     """
-    return (
-        World(world="empty") if mission.world is None else load_model(folder / mission.world, World)
-    )
+    kind = mission.vehicle.use
+    if mission.world is None:
+        if kind != "sim":
+            raise UsageError(f"a mission of a {kind} needs a world: add `world: worlds/NAME.yaml`")
+        return World(world="empty")
+    return load_world(folder / mission.world, kind, mission.place("world"))
+
+
+def world_over_mavlink(mission: Mission, folder: Path) -> World:
+    """Return the world of a mission that is flown over MAVLink, for the camera that is drawn.
+
+    Raises:
+        FileError: the world file cannot be used.
+        UsageError: no autopilot flies this kind of vehicle.
+    """
+    kind = VEHICLES[mission.vehicle.use]
+    if not kind.over_mavlink:
+        raise UsageError(f"a {kind.name} flies in the simulator only: leave its address out")
+    world = world_of(mission, folder)
+    assert isinstance(world, World)  # noqa: S101 - of what an autopilot flies
+    return world
 
 
 def stage(
     mission: Mission,
     catalogue: Catalogue,
-    world: World,
+    world: AnyWorld,
     seed: int,
     faults: Sequence[Fault] = (),
 ) -> Stage:
@@ -127,13 +145,13 @@ def stage(
     Raises:
         UsageError: the vehicle would start off the mission's map or in one of its walls.
     """
-    wrong = "" if mission.known is None else mission.known.unfit_start(world.start)
-    if wrong:
+    known = mission.known
+    wrong = "" if known is None or not isinstance(world, World) else known.unfit_start(world.start)
+    if wrong and isinstance(world, World):
         north, east = world.start
         raise UsageError(f"world {world.world!r}: it starts at ({north:g}, {east:g}), {wrong}")
-    warm_up(corners=mission.camera.use == "corners")
-    plan = prepare(mission, catalogue)
-    return Stage(mission, plan, world, SimulatedVehicle(world, mission.camera, seed, faults))
+    vehicle = simulated(world, mission.camera, seed, faults)
+    return Stage(mission, prepare(mission, catalogue), world, vehicle)
 
 
 def rehearse(
@@ -230,7 +248,7 @@ def _graded(ready: Stage, flown: FlownFlight, seen: _Witness) -> Rehearsal:
         if one.visit is not None and one.target is not None
     }
     place = passage.landing
-    graded = grade(rows)._replace(
+    result = graded(ready.vehicle)._replace(
         visit=next((visit for visit in visits.values() if visit is not None), None),
         estimate_error=seen.estimate_error,
         outside_fence=outside(ready.mission, in_flight(rows)),
@@ -247,16 +265,25 @@ def _graded(ready: Stage, flown: FlownFlight, seen: _Witness) -> Rehearsal:
     }
     truth = TruthSummary(
         errors,
-        graded.clearance,
-        graded.touched_at,
+        result.clearance,
+        result.touched_at,
         seen.estimate_error,
-        graded.outside_fence or 0.0,
-        graded.landing_error,
+        result.outside_fence or 0.0,
+        result.landing_error,
+        *_docking(result),
     )
     found = conditions(wanted, passage, truth)
-    wrong = flaws(wanted, passage, truth)
-    met = graded.landed and all(it.met for it in found)
-    return Rehearsal(flown, graded._replace(succeeded=met), found, wrong, passage)
+    wrong = flaws(wanted, passage, truth, VEHICLES[ready.mission.vehicle.use])
+    met = result.landed and all(it.met for it in found)
+    return Rehearsal(flown, result._replace(succeeded=met), found, wrong, passage)
+
+
+def _docking(result: Grade) -> tuple[bool, tuple[float, float] | None]:
+    """Return whether a free flyer docked, and how far (m, deg) from the docked pose."""
+    it = result.docking
+    if it is None:
+        return False, None
+    return it.docked, (it.position_error, math.degrees(it.attitude_error))
 
 
 def _visit(
@@ -270,6 +297,8 @@ def _visit(
 
 def _true_marker(ready: Stage, target: str) -> Marker | None:
     """Return where the target's first marker really hangs."""
+    if not isinstance(ready.world, World):
+        return None
     for use in ready.mission.perception:
         detector = use.plugin
         if isinstance(detector, Aruco) and detector.target == target:

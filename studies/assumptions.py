@@ -23,7 +23,7 @@ def assumptions(mission: Mission, world: World) -> Iterator[tuple[str, str]]:
     for use in mission.perception:
         yield use.plugin.kind, numbers(use.plugin)
     yield "navigation", numbers(mission.navigation.plugin)
-    for name, part in mission.control:
+    for name, part in mission.control.plugin:
         if isinstance(part, BaseModel):
             yield f"control: {name}", numbers(part)
     if mission.avoid is not None:

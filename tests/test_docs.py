@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load_model, parse
 from missionkit.chart.model import mission as model
+from missionkit.chart.model import state_definitions
 from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.model.state_definitions import GROUP_KIND
@@ -109,9 +110,9 @@ def test_links_lead_somewhere(path):
         (MISSION, "The whole file", model.Mission),
         (MISSION, "Camera", Camera),
         (MISSION, "Map", KnownMap),
-        (MISSION, "States", model.State),
-        (MISSION, "Transitions", model.Transition),
-        (MISSION, "Failsafes", model.Failsafe),
+        (MISSION, "States", state_definitions.State),
+        (MISSION, "Transitions", state_definitions.Transition),
+        (MISSION, "Failsafes", state_definitions.Failsafe),
         (MISSION, "Success", model.Success),
         (SIMULATOR, "The world file", World),
         (SIMULATOR, "Wind", world.Wind),
@@ -151,7 +152,7 @@ def test_the_tables_of_sensors_are_complete(heading, sensors):
 @pytest.mark.parametrize(
     "part",
     [
-        *(model.TargetPlace, model.Invariant, model.Settings, Aruco, Mount),
+        *(model.TargetPlace, state_definitions.Invariant, model.Settings, Aruco, Mount),
         *(Control, Gains, YawLaw, Limits, MapFile, Weight),
     ],
 )
@@ -177,7 +178,7 @@ def test_every_plugin_has_its_row(group):
     for kind, plugin in sorted(builtin().group(group).items()):
         given = [f"`{key}` {default}" for key, default in defaults(plugin.model_fields)]
         parameters = ", ".join(given).replace(" required", "") or "—"
-        if group in {"navigators", "planners"}:
+        if group in {"navigators", "planners", "controllers"}:
             parameters = "many"
         summary = (inspect.getdoc(plugin) or "").partition("\n")[0]
         wanted.append([f"`{kind}`", parameters, summary])

@@ -24,7 +24,7 @@ from missionkit.recorder.run_folder import held
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.value_codec import is_plain
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal import world_over_mavlink
 from missionkit.vehicle.adapter import MavsdkVehicle
 
 
@@ -79,7 +79,7 @@ def fly(
         'success'
     """
     model, root = mission.model, mission.path.parent
-    world = world_of(model, root)
+    world = world_over_mavlink(model, root)
     plan = prepare(model, mission.catalogue)._replace(arm_anyway=anyway)
     vehicle = vehicle_of(
         address,

@@ -20,6 +20,7 @@ from missionkit.rehearsal import rehearse as fly_simulated
 from missionkit.rehearsal import stage, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault, refuse_foreign
 from missionkit.sim.world import World
+from missionkit.sim.world_files import AnyWorld
 
 
 def rehearse(
@@ -91,14 +92,14 @@ def rehearse(
     )
 
 
-def fault_of(text: str, mission: Mission, world: World) -> Fault:
+def fault_of(text: str, mission: Mission, world: AnyWorld) -> Fault:
     """Read a fault that this mission in this world can have.
 
     Raises:
         UsageError: it cannot.
     """
     fault = parse_fault(text)
-    markers = {marker.id for marker in world.markers}
+    markers = {marker.id for marker in world.markers} if isinstance(world, World) else set()
     if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
         hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
         raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from pydantic import BaseModel
 
 from missionkit.api.missions import NOTHING, LoadedMission, as_yaml, assemble
-from missionkit.chart.load import load, load_model
+from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import FileError, Problem
 
 if TYPE_CHECKING:
-    from missionkit.sim.world import World
+    from missionkit.sim.world_files import AnyWorld
 
 
 def validate(
@@ -73,7 +73,7 @@ def checked(
 
 
 def problems_of(
-    mission: Mission, catalogue: Catalogue, world: World | None = None
+    mission: Mission, catalogue: Catalogue, world: AnyWorld | None = None
 ) -> list[Problem]:
     """Return what is wrong with the chart of a mission, in the order of its files.
 
@@ -84,8 +84,7 @@ def problems_of(
     """
     from missionkit.chart.checks import findings  # noqa: PLC0415 - heavy
 
-    endurance = None if world is None else _endurance(world)
-    sight = None if world is None else world.sensors.scan.range
+    endurance, sight = (None, None) if world is None else _limits(world)
     found = {
         *unmet(mission, catalogue),
         *findings(mission, catalogue, endurance=endurance, sight=sight),
@@ -98,18 +97,26 @@ def _order(problem: Problem) -> tuple[str, int, int, str, str]:
     return place.file, place.line, place.column, problem.code, problem.message
 
 
-def _world_of(path: Path, mission: Mission) -> tuple[World | None, Sequence[Problem]]:
+def _world_of(path: Path, mission: Mission) -> tuple[AnyWorld | None, Sequence[Problem]]:
     if mission.world is None:
         return None, ()
-    from missionkit.sim.world import World  # noqa: PLC0415 - heavy
+    from missionkit.sim.world_files import load_world  # noqa: PLC0415 - heavy
 
+    place = mission.place("world")
     try:
-        return load_model(path.parent / mission.world, World), ()
+        return load_world(path.parent / mission.world, mission.vehicle.use, place), ()
     except FileError as error:
         return None, error.problems
 
 
-def _endurance(world: World) -> float:
-    """Return how long (s) the simulated vehicle hovers on the battery it starts with."""
+def _limits(world: AnyWorld) -> tuple[float | None, float | None]:
+    """Return how long (s) a vehicle hovers on its battery, and how far (m) its scanner sees.
+
+    None: it does not hover, it has no scanner.
+    """
+    from missionkit.sim.world import World  # noqa: PLC0415 - heavy
+
+    if not isinstance(world, World):
+        return None, None
     joules = 3600.0 * world.battery.capacity * world.battery.charge
-    return joules / world.quadrotor.hovering
+    return joules / world.quadrotor.hovering, world.sensors.scan.range

@@ -1,5 +1,6 @@
 """Behaviours: what a state does, as guidance for the controller or a request to the autopilot."""
 
+from missionkit.behaviors.docking import DOCKING
 from missionkit.behaviors.follow_path import FollowPath
 from missionkit.behaviors.go_to import GoTo
 from missionkit.behaviors.hold import Hold
@@ -10,4 +11,4 @@ from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
-ALL = (FollowPath, GoTo, Hold, Inject, Land, PrecisionLand, Servo, Spiral, TakeOff)
+ALL = (*DOCKING, FollowPath, GoTo, Hold, Inject, Land, PrecisionLand, Servo, Spiral, TakeOff)

@@ -27,7 +27,7 @@ from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault
 from missionkit.sim.flight_grading import Grade
-from missionkit.sim.world import World
+from missionkit.sim.world_files import AnyWorld
 
 
 class Loaded(NamedTuple):
@@ -35,7 +35,7 @@ class Loaded(NamedTuple):
 
     mission: Mission
     catalogue: Catalogue
-    world: World
+    world: AnyWorld
     faults: tuple[Fault, ...]
 
 

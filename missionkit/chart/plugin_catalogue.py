@@ -19,8 +19,10 @@ from missionkit.chart.plugin_groups import GROUPS
 from missionkit.errors import UsageError
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
-from missionkit.states import KINDS
+from missionkit.states import VEHICLES
 from missionkit.states.contract import StateKind
+from missionkit.states.multicopter import MULTICOPTER
+from missionkit.states.vehicle_kind import VehicleKind
 
 Plugins = Mapping[str, type[Plugin]]
 
@@ -30,8 +32,18 @@ class Catalogue:
     """Plug-in classes and state kinds by the name that mission files use."""
 
     plugins: Mapping[str, Plugins]  # by group
-    kinds: Mapping[str, StateKind]
+    vehicle: VehicleKind = MULTICOPTER  # what the mission is for
     broken: Mapping[tuple[str, str], str] = field(default_factory=dict)  # group, name -> why
+
+    @property
+    def kinds(self) -> Mapping[str, StateKind]:
+        """The kinds of state of the vehicle."""
+        return self.vehicle.kinds
+
+    def flying(self, vehicle: object) -> Catalogue:
+        """Return the catalogue for missions of a kind of vehicle, by its name."""
+        known = VEHICLES.get(str(vehicle), MULTICOPTER)
+        return self if known is self.vehicle else replace(self, vehicle=known)
 
     def group(self, name: str) -> Plugins:
         """Return the plug-ins of one of `GROUPS`."""
@@ -112,7 +124,6 @@ def builtin() -> Catalogue:
             name: {plugin.kind: plugin for plugin in group.builtin}
             for name, group in GROUPS.items()
         },
-        kinds=KINDS,
     )
 
 

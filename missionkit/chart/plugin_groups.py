@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from missionkit.behaviors import ALL as BEHAVIORS
+from missionkit.control.controller import Control
+from missionkit.control.controller_protocol import ControllerProtocol
+from missionkit.control.lqr import Lqr
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import NavigatorParameters
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
 from missionkit.guards import ALL as GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.avoidance_planner import AvoidancePlanner
@@ -41,9 +45,10 @@ GROUPS: Mapping[str, PluginGroup] = {
     "navigators": PluginGroup(
         "navigator",
         (NavigatorParameters,),
-        builtin=(FlowKalman, VisualInertialEkf),
-        bases=(FlowKalman, VisualInertialEkf),
+        builtin=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
+        bases=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
     ),
     "detectors": PluginGroup("detector", (DetectorProtocol,), (Aruco,), bases=(Aruco,)),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
+    "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
 }

@@ -27,7 +27,7 @@ from missionkit.recorder.record_sinks import background
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.value_codec import is_plain
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal import world_over_mavlink
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 
@@ -45,7 +45,7 @@ def run_on_vehicle(
     """
     if order.faults:
         raise UsageError("--fault is for the built-in simulator, not for --vehicle")
-    world = world_of(mission, order.mission.parent)
+    world = world_over_mavlink(mission, order.mission.parent)
     plan = prepare(mission, catalogue)._replace(arm_anyway=order.anyway)
     vehicle = vehicle_of(
         str(order.vehicle),

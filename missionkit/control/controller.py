@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from missionkit.control import half_space, pid
 from missionkit.control.pid import Gains, PidMemory, Tracking
@@ -20,6 +19,7 @@ from missionkit.control.velocity_smoothing import alpha_at, smoothed
 from missionkit.control.yaw_law import YawLaw, YawMemory
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, Guidance, HalfSpace, Mode, Setpoint
+from missionkit.plugin import Plugin
 from missionkit.units import Fraction
 
 LONGEST_STEP = 0.2  # s; after a longer gap the acceleration limit must not allow a leap
@@ -36,7 +36,7 @@ class ControlMemory(NamedTuple):
     pushed: bool = False  # avoidance was at work
 
 
-class Control(BaseModel):
+class Control(Plugin):
     """Velocity and yaw rate from guidance.
 
     u = PID_m(p_desired - p) + α_ff v_ref, at most the guidance's speed; plus the potential
@@ -50,7 +50,8 @@ class Control(BaseModel):
     Sources: P1 sections 3.2, 3.3, 4.2 and 6.2.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    kind: ClassVar[str] = "velocity_pid"
+    setpoint: ClassVar[str] = "velocity"
 
     gps: Gains = Gains()
     visual: Gains = Gains(kp=(3.0, 2.0), ki=(1.0, 1.0), kd=(0.8, 0.25))

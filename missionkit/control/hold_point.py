@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from missionkit.control.velocity_limits import Limits
-from missionkit.geometry import Vec3, norm
+from missionkit.geometry import Quat, Vec3, norm
 from missionkit.messages import Estimate, Guidance
 
 LAG = 0.3  # s, the vehicle answers so late
@@ -17,6 +17,7 @@ class HoldPoint(NamedTuple):
 
     position: Vec3  # (3,), m, NED
     yaw: float  # rad
+    attitude: Quat | None = None  # (4,), body to world, of a vehicle that turns about any axis
 
 
 def place(seen: Estimate, limits: Limits) -> HoldPoint:
@@ -36,4 +37,4 @@ def known(seen: Estimate) -> bool:
 
 def guidance_to(held: HoldPoint) -> Guidance:
     """Return what leads back to the place and keeps the heading."""
-    return Guidance(held.position, SPEED, yaw=held.yaw)
+    return Guidance(held.position, SPEED, yaw=held.yaw, attitude=held.attitude)

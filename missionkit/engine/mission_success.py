@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from missionkit.chart.model.mission_sections import Success
 from missionkit.engine.flight_history import FlightHistory
+from missionkit.states.multicopter import MULTICOPTER
+from missionkit.states.vehicle_kind import VehicleKind
 
-ESTIMATE_LIMIT = 3.0  # m, of the estimate from the truth in flight
-LANDING_LIMIT = 5.0  # m, of the landing from the place where it meant to land
 FENCE_LIMIT = 0.0  # m, outside a fence of the mission's failsafes
 
 
@@ -31,6 +31,8 @@ class TruthSummary(NamedTuple):
     estimate_error: float = 0.0  # m, largest in flight
     outside_fence: float = 0.0  # m
     landing_error: float | None = None  # m, from where it meant to land
+    docked: bool = False  # a free flyer, at the end
+    docking_error: tuple[float, float] | None = None  # m, deg, from the docked pose at the end
 
 
 def conditions(
@@ -47,10 +49,20 @@ def conditions(
 
 
 def flaws(
-    wanted: tuple[Success, ...], passage: FlightHistory, truth: TruthSummary | None
+    wanted: tuple[Success, ...],
+    passage: FlightHistory,
+    truth: TruthSummary | None,
+    vehicle: VehicleKind = MULTICOPTER,
 ) -> tuple[str, ...]:
-    """Return what makes a flight no success, whatever its conditions say."""
-    found = [] if truth is None else list(_by_truth(truth))
+    """Return what makes a flight no success, whatever its conditions say.
+
+    Args:
+        wanted: the mission's `success`.
+        passage: what the flight went through.
+        truth: of a simulated flight; None: unknown.
+        vehicle: sets how far estimate and end may be off.
+    """
+    found = [] if truth is None else list(_by_truth(truth, vehicle))
     if passage.lost:
         found.append(f"did not know where it was as it began to land: {passage.lost}")
     ended = passage.ended_by
@@ -64,20 +76,20 @@ def flaws(
     return tuple(found)
 
 
-def _by_truth(truth: TruthSummary) -> Iterator[str]:
+def _by_truth(truth: TruthSummary, vehicle: VehicleKind) -> Iterator[str]:
     if truth.touched_at is not None:
         yield f"touched the ground at {truth.touched_at:.1f} s, outside landing and take-off"
     if truth.outside_fence > FENCE_LIMIT:
         yield f"left its fence by {truth.outside_fence:.1f} m, in truth"
-    if truth.estimate_error > ESTIMATE_LIMIT:
+    if truth.estimate_error > vehicle.estimate_limit:
         yield (
             f"the estimate was up to {truth.estimate_error:.1f} m off, more than "
-            f"{ESTIMATE_LIMIT:g} m"
+            f"{vehicle.estimate_limit:g} m"
         )
-    if truth.landing_error is not None and truth.landing_error > LANDING_LIMIT:
+    if truth.landing_error is not None and truth.landing_error > vehicle.ending_limit:
         yield (
             f"landed {truth.landing_error:.1f} m from where it meant to, more than "
-            f"{LANDING_LIMIT:g} m"
+            f"{vehicle.ending_limit:g} m"
         )
 
 
@@ -90,6 +102,8 @@ def _conditions(
         at = passage.finished.get(one.done)
         figure = "never" if at is None else f"at {at:.1f} s"
         yield Condition(f"{one.done} finished", at is not None, figure)
+    if one.docked is not None:
+        yield _docked(one, truth)
     if one.clearance is not None:
         says = f"{one.clearance:g} m clear of obstacles"
         if truth is None:
@@ -100,6 +114,17 @@ def _conditions(
         count = len(passage.failsafes)
         says = f"at most {one.failsafes} failsafes taken"
         yield Condition(says, count <= one.failsafes, str(count))
+
+
+def _docked(one: Success, truth: TruthSummary | None) -> Condition:
+    says = f"docked to {one.docked}, within {one.position:g} m and {one.attitude_deg:g} deg"
+    if truth is None:
+        return Condition(says, None, "only a simulator knows")
+    if not truth.docked or truth.docking_error is None:
+        return Condition(says, met=False, figure="not docked")
+    error, turned = truth.docking_error
+    near = error <= one.position and turned <= one.attitude_deg
+    return Condition(says, near, f"{100.0 * error:.2f} cm, {turned:.2f} deg")
 
 
 def _visit(

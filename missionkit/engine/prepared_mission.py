@@ -19,6 +19,7 @@ from missionkit.engine.control_law import ControlLaw
 from missionkit.engine.flight_state import BehaviorState, FlightMemory, SensorState
 from missionkit.engine.ground_floor import floor_of
 from missionkit.engine.velocity_law import VelocityLaw
+from missionkit.engine.wrench_law import WrenchLaw
 from missionkit.errors import UsageError
 from missionkit.estimation.builder import build
 from missionkit.estimation.navigator import Navigator
@@ -82,10 +83,14 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
 
 
 def _law(mission: Mission, chart: Chart) -> ControlLaw:
+    period = 1.0 / mission.settings.rate
+    control = mission.velocity_control
+    if control is None:
+        return WrenchLaw(mission.control.plugin, period)
     avoid, surveyed = mission.avoid, {name: it.position[2] for name, it in mission.targets.items()}
     return VelocityLaw(
-        mission.control,
-        1.0 / mission.settings.rate,
+        control,
+        period,
         None if avoid is None else _planner(avoid),
         None if avoid is None else brake_of(avoid.plugin),
         floor_of([state.behavior for state in chart.states.values()], surveyed),

@@ -52,6 +52,7 @@ def _guides(guidance: object) -> bool:
         and (guidance.work is None or _vector(guidance.work))
         and _number(guidance.yaw)
         and _number(guidance.final_yaw)
+        and _turned(guidance.attitude)
     )
 
 
@@ -77,6 +78,14 @@ def _text_or_none(text: object) -> bool:
 
 def _number(number: object) -> bool:
     return number is None or (isinstance(number, Real) and math.isfinite(number))
+
+
+def _turned(attitude: object) -> bool:
+    if attitude is None:
+        return True
+    if not (isinstance(attitude, np.ndarray) and attitude.shape == (4,)):
+        return False
+    return abs(math.hypot(*attitude.tolist()) - 1.0) < 1e-6
 
 
 def _vector(vector: object) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from missionkit.geometry import Mat, Transform, Vec3, from_euler, rotate, vec, wrap, yaw_of
+from missionkit.sim.free_flyer.docking_grading import DockingGrade
 from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.kernel_layout import TAKE_OFF
 from missionkit.sim.world import Marker
@@ -56,12 +57,15 @@ class Grade(NamedTuple):
     estimate_error: float | None = None  # m, largest distance of the estimate in flight
     outside_fence: float | None = None  # m, farthest; None: no failsafe keeps a fence
     landing_error: float | None = None  # m, level, from where it meant to land
+    docking: DockingGrade | None = None  # of a free flyer
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain values for a report; what is not finite or not known is None."""
         visit = None if self.visit is None else self.visit._asdict()
         clearance = self.clearance if math.isfinite(self.clearance) else None
-        return {**self._asdict(), "visit": visit, "clearance": clearance}
+        found = {**self._asdict(), "visit": visit, "clearance": clearance}
+        docking = found.pop("docking")
+        return found if docking is None else {**found, "docking": docking.as_dict()}
 
 
 def true_goal(marker: Marker, standoff: tuple[float, float, float]) -> Transform:

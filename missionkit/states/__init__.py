@@ -1,23 +1,14 @@
-"""The kinds of state a mission is made of, each with its contract."""
+"""The kinds of vehicle and of state a mission is made of, each with its contract."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
 from missionkit.states.contract import StateKind
-from missionkit.states.custom import CUSTOM
-from missionkit.states.gps import GPS
-from missionkit.states.hover import HOVER_STATE
-from missionkit.states.idle import IDLE
-from missionkit.states.land import LAND
-from missionkit.states.logic import LOGIC
-from missionkit.states.returning import RETURN
-from missionkit.states.search import SEARCH
-from missionkit.states.task import TASK
-from missionkit.states.visual import VISUAL
+from missionkit.states.free_flyer import FREE_FLYER
+from missionkit.states.multicopter import MULTICOPTER
+from missionkit.states.vehicle_kind import VehicleKind
 
-KINDS: Mapping[str, StateKind] = MappingProxyType(
-    {
-        kind.name: kind
-        for kind in (IDLE, GPS, VISUAL, SEARCH, TASK, RETURN, LAND, HOVER_STATE, CUSTOM, LOGIC)
-    }
+VEHICLES: Mapping[str, VehicleKind] = MappingProxyType(
+    {kind.name: kind for kind in (MULTICOPTER, FREE_FLYER)}
 )
+KINDS: Mapping[str, StateKind] = MULTICOPTER.kinds

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from missionkit import Guidance, Step, Verdict
+from missionkit import Guidance, Step, Verdict, Wrench
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 
@@ -105,3 +105,18 @@ class Carefree(BaseModel):
 
     def step(self, memory: None, seen: Any, goal: Any, wanted: Any) -> tuple[Any, None]:
         return np.zeros(3), None
+
+
+class Drifting(BaseModel):
+    """A controller that never thrusts."""
+
+    model_config = CONFIG
+    kind: ClassVar[str] = "drifting"
+
+    def begin(self) -> None:
+        return None
+
+    def step(
+        self, memory: None, mode: Any, guidance: Any, seen: Any, dt: float
+    ) -> tuple[Wrench, None]:
+        return Wrench(np.zeros(3), np.zeros(3)), None

@@ -22,6 +22,7 @@ FOUND = {
     "navigators": {"plain"},
     "detectors": {"blind"},
     "planners": {"carefree"},
+    "controllers": {"drifting"},
 }
 MISSION = """\
 navigation: plain

@@ -39,7 +39,6 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     plugin_requirements.problems_of,
     landing_guarantee.problems_of,
     geofence_violations.problems_of,
-    implausible_goals.problems_of,
     standoffs.problems_of,
     success_conditions.problems_of,
 )
@@ -60,8 +59,11 @@ def findings(
         endurance: time (s) that the vehicle hovers on a full battery, if that is known.
         sight: how far (m) the scanner sees obstacles, if that is known.
     """
+    catalogue = catalogue.flying(mission.vehicle.use)
     chart = AnalysedChart(fulfilled(mission, catalogue), catalogue)
     found = [problem for check in CHECKS for problem in check(chart)]
+    if catalogue.vehicle.over_ground:
+        found += implausible_goals.problems_of(chart)
     found += default_failsafes.problems_of(mission, catalogue)
     if endurance is not None:
         found += battery_reserve.problems_of(chart, endurance)

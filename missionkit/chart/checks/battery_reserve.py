@@ -26,14 +26,15 @@ def problems_of(chart: AnalysedChart, endurance: float) -> Iterator[Problem]:
         endurance: time (s) that the vehicle hovers on a full battery.
     """
     leg = max(legs(chart), key=_distance, default=None)
-    if leg is None:
+    control = chart.mission.velocity_control
+    if leg is None or control is None:
         return
     for failsafe in chart.mission.failsafes:
         floor = _floor(chart, failsafe)
         kind = chart.tree.states[failsafe.to].state.kind
         if floor is None or kind != "return":
             continue
-        seconds = _way_home(chart, failsafe, leg)
+        seconds = _way_home(chart, failsafe, leg, control.limits.descent)
         needed = MARGIN * seconds / endurance
         if needed > floor:
             yield Problem(
@@ -52,12 +53,12 @@ def _distance(leg: PlannedLeg) -> float:
     return math.hypot(leg.end[0], leg.end[1])
 
 
-def _way_home(chart: AnalysedChart, failsafe: Failsafe, leg: PlannedLeg) -> float:
+def _way_home(chart: AnalysedChart, failsafe: Failsafe, leg: PlannedLeg, descent: float) -> float:
     behavior = chart.tree.states[failsafe.to].state.behavior
     plugin = None if behavior is None else behavior.plugin
     speed = max(float(getattr(plugin, "speed", SLOWEST)), SLOWEST)
     height = max(-leg.end[2], float(getattr(plugin, "height", None) or 0.0))
-    return _distance(leg) / speed + height / chart.mission.control.limits.descent
+    return _distance(leg) / speed + height / descent
 
 
 def _floor(chart: AnalysedChart, failsafe: Failsafe) -> float | None:

@@ -51,6 +51,7 @@ Option = tuple[Out, ...]
 
 def escapes(mission: Mission, catalogue: Catalogue) -> tuple[Escape, ...]:
     """Return for each danger and each flying state how soon it comes to land or return."""
+    catalogue = catalogue.flying(mission.vehicle.use)
     chart = AnalysedChart(fulfilled(mission, catalogue), catalogue)
     return tuple(escape for danger in losses(chart) for escape in _played(chart, danger))
 

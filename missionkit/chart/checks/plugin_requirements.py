@@ -40,10 +40,10 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
 
 
 def looked_for(chart: AnalysedChart) -> frozenset[str]:
-    """Return the targets that a detector of the mission looks for."""
-    return frozenset(
-        str(getattr(detector.plugin, "target", "")) for detector in chart.mission.perception
-    )
+    """Return the targets that a detector of the mission, or its navigator, looks for."""
+    mission = chart.mission
+    detected = (str(getattr(detector.plugin, "target", "")) for detector in mission.perception)
+    return frozenset((*detected, *getattr(mission.navigation.plugin, "targets", ())))
 
 
 def _guards(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:

@@ -17,10 +17,10 @@ def problems_of(chart: AnalysedChart, sight: float) -> Iterator[Problem]:
         chart: the mission's.
         sight: how far (m) the scanner sees.
     """
-    avoid = chart.mission.avoid
-    if avoid is None or not isinstance(avoid.plugin, PotentialField):
+    avoid, control = chart.mission.avoid, chart.mission.velocity_control
+    if avoid is None or control is None or not isinstance(avoid.plugin, PotentialField):
         return
-    field, limits = avoid.plugin, chart.mission.control.limits
+    field, limits = avoid.plugin, control.limits
     seen = sight if field.sight is None else min(sight, field.sight)
     top = field.admissible(seen)
     for name, state, _ in chart.tree.states.values():

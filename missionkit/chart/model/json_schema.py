@@ -29,6 +29,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _PARAMETER = "#/$defs/parameter"
 _META = ("description", "default", "unit")
 _NAMED = frozenset({"properties", "patternProperties", "$defs"})
+DEFAULTED = frozenset({"controllers"})  # groups whose `use` the kind of vehicle may say
 _SCALARS = frozenset({"number", "integer", "boolean"})
 
 
@@ -46,7 +47,7 @@ def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
         for kind, plugin in sorted(catalogue.group(group).items()):
             used = plugin.model_json_schema()
             definitions |= used.pop("$defs", {})
-            definitions[f"{group}.{kind}"] = _use(kind, used)
+            definitions[f"{group}.{kind}"] = _use(kind, used, needed=group not in DEFAULTED)
         definitions[group] = _any_plugin(group, catalogue.group(group))
     definitions["guards"] = _guard(definitions["guards"])
     definitions["State"] = _with_default_behavior(definitions["State"], catalogue)
@@ -71,10 +72,10 @@ def dumps(schema: Schema) -> str:
     return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
 
 
-def _use(kind: str, schema: Schema) -> Schema:
+def _use(kind: str, schema: Schema, *, needed: bool) -> Schema:
     fields = {key: _target(key, it) for key, it in schema.get("properties", {}).items()}
     properties = {"use": {"const": kind}, **fields}
-    required = ["use", *schema.get("required", [])]
+    required = [*(["use"] if needed else []), *schema.get("required", [])]
     return {**schema, "properties": properties, "required": required}
 
 

@@ -10,6 +10,8 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
+    ValidationInfo,
+    model_validator,
 )
 
 from missionkit.chart.model.guard_expressions import Use
@@ -29,12 +31,16 @@ from missionkit.chart.model.model_base import (
     OneOrMore,
     Plain,
     Short,
+    scope_of,
 )
 from missionkit.chart.model.placed_states import Placed, walk
 from missionkit.chart.model.plugin_references import Reference
 from missionkit.chart.model.state_definitions import Begins, Failsafe, State
 from missionkit.chart.model.variables import Variable
+from missionkit.chart.text.located_data import Table, Text
+from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
+from missionkit.control.controller_protocol import ControllerProtocol
 from missionkit.messages import Occupancy
 from missionkit.perception.camera_section import Camera
 from missionkit.planning.avoidance_planner import AvoidancePlanner
@@ -76,7 +82,9 @@ class Mission(MissionPart):
     avoid: Annotated[Use[AvoidancePlanner] | None, Reference("planners", optional=True)] = Field(
         default=_use("potential_field"), validate_default=True
     )
-    control: Annotated[Control, Plain] = Control()
+    control: Annotated[Use[ControllerProtocol], Reference("controllers")] = Field(
+        default=_use("velocity_pid"), validate_default=True
+    )
     variables: dict[GuardName, Annotated[Variable, Short("a value", _SCALAR)]] = Field(
         default={}, description="what the chart remembers"
     )
@@ -90,6 +98,44 @@ class Mission(MissionPart):
 
     _included: tuple[Path, ...] = PrivateAttr(default=())
     _known: Occupancy | None = PrivateAttr(default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sections(cls, data: object, info: ValidationInfo) -> object:
+        """Name the plug-ins that the kind of vehicle flies with where the file does not."""
+        if not isinstance(data, Table):
+            return data
+        vehicle = scope_of(info).catalogue.vehicle
+        for section, kind in vehicle.sections.items():
+            if section not in data and cls.model_fields[section].default != _use(kind):
+                data = data.extended(section, Text(kind, data.place), data.place)
+        control = data.get("control")
+        if isinstance(control, Table) and "use" not in control:
+            word = Text(vehicle.sections["control"], control.place)
+            data = data.extended(
+                "control", control.extended("use", word, control.place), data.place_of("control")
+            )
+        return data
+
+    @model_validator(mode="after")
+    def _flown(self, info: ValidationInfo) -> Self:
+        vehicle = scope_of(info).catalogue.vehicle
+        gives = getattr(self.control.plugin, "setpoint", "wrench")
+        if gives != vehicle.setpoint:
+            raise sentences(
+                sentence(
+                    f"controller {self.control.kind!r} gives a {gives}, but vehicle "
+                    f"{vehicle.name!r} flies a {vehicle.setpoint}",
+                    "control",
+                )
+            )
+        return self
+
+    @property
+    def velocity_control(self) -> Control | None:
+        """The controller of a vehicle that flies velocities, None for another vehicle."""
+        controller = self.control.plugin
+        return controller if isinstance(controller, Control) else None
 
     @property
     def included(self) -> tuple[Path, ...]:

@@ -15,9 +15,11 @@ Place3 = Annotated[Point, Field(strict=False)]
 
 
 class Vehicle(MissionPart):
-    """The simulated vehicle; `--vehicle` replaces it."""
+    """The kind of vehicle, simulated; `--vehicle` replaces a multicopter by a real one."""
 
-    use: Literal["sim"] = "sim"
+    use: Literal["sim", "free_flyer"] = Field(
+        default="sim", description="sim: a multicopter; free_flyer: a satellite with thrusters"
+    )
 
 
 class TargetPlace(MissionPart):
@@ -46,6 +48,10 @@ class Success(MissionPart):
     position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
     done: StateName | None = Field(default=None, description="its behaviour must have finished")
+    docked: TargetName | None = Field(
+        default=None, description="that it ends docked to, within 'position' and 'attitude_deg'"
+    )
+    attitude_deg: Degrees = Field(default=5.0, gt=0, description="largest error when docked")
     clearance: Metres | None = Field(
         default=None, ge=0, description="least distance of its surface from obstacles in flight"
     )
@@ -53,12 +59,17 @@ class Success(MissionPart):
 
     @model_validator(mode="after")
     def _asks_for_something(self) -> Self:
-        if (self.visit, self.done, self.clearance, self.failsafes) == (None, None, None, None):
-            wanted = "'visit', 'done', 'clearance', 'failsafes'"
+        asked = (self.visit, self.done, self.docked, self.clearance, self.failsafes)
+        if asked == (None,) * len(asked):
+            wanted = "'visit', 'done', 'docked', 'clearance', 'failsafes'"
             raise sentences(sentence(f"needs at least one of {wanted}"))
-        goal = {"target", "standoff", "position", "yaw_deg"} & self.model_fields_set
+        goal = {"target", "standoff", "yaw_deg"} & self.model_fields_set
+        if self.visit is None and self.docked is None:
+            goal |= {"position"} & self.model_fields_set
         if self.visit is None and goal:
             raise sentences(sentence(f"'{min(goal)}' needs 'visit': the state it is measured in"))
+        if self.docked is None and "attitude_deg" in self.model_fields_set:
+            raise sentences(sentence("'attitude_deg' needs 'docked': the target"))
         return self
 
 

@@ -57,7 +57,9 @@ class Scope:
             _names(data.get(key)) for key in ("targets", "guards", "variables")
         )
         states = _states(data.get("states"))
-        return cls(catalogue, states, targets, guards, variables, folder)
+        vehicle = data.get("vehicle")
+        kind = vehicle.get("use") if isinstance(vehicle, Mapping) else vehicle
+        return cls(catalogue.flying(kind), states, targets, guards, variables, folder)
 
 
 class _Unreadable(frozenset[str]):

@@ -28,6 +28,7 @@ HOME_KINDS = ("return", "land")
 
 def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
     """Return the mission with the default failsafes and the exits of invariants written out."""
+    catalogue = catalogue.flying(mission.vehicle.use)
     nearest = nearest_in(mission, catalogue)
     hovers = _hovers(mission, catalogue, nearest)
     work = _Work(catalogue, nearest, {scope: name for scope, (name, _) in hovers.items()})
@@ -39,7 +40,8 @@ def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
 
 def nearest_in(mission: Mission, catalogue: Catalogue) -> Nearest:
     """Return which states of a mission are near to each other."""
-    flying = frozenset(name for name, kind in catalogue.kinds.items() if kind.flying)
+    kinds = catalogue.flying(mission.vehicle.use).kinds
+    flying = frozenset(name for name, kind in kinds.items() if kind.flying)
     return Nearest(mission, flying)
 
 
@@ -182,6 +184,7 @@ def unmet(mission: Mission, catalogue: Catalogue) -> list[Problem]:
     Every mission needs a state of kind land; from every state the kinds that its contract names
     must be reachable by the mission's transitions, failsafes and default failsafes.
     """
+    catalogue = catalogue.flying(mission.vehicle.use)
     if "land" not in firsts(mission.by_name()):
         return [Problem(mission.place("states"), "no state of kind 'land': where would it end?")]
     ways = _Ways(fulfilled(mission, catalogue), catalogue)

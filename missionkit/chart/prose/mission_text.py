@@ -38,6 +38,7 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
         mission: as its file says it; what the contracts of its kinds add is marked as added.
         catalogue: the kinds of state.
     """
+    catalogue = catalogue.flying(mission.vehicle.use)
     full = fulfilled(mission, catalogue)
     chart = ExplainedChart(mission, full, catalogue, entrances(full))
     yield from _whole(chart)

@@ -37,7 +37,7 @@ def compile_mission(mission: Mission, catalogue: Catalogue) -> Chart:
     them needs it, a hover state.
     """
     mission = fulfilled(mission, catalogue)
-    return _Compiler(mission, catalogue).chart()
+    return _Compiler(mission, catalogue.flying(mission.vehicle.use)).chart()
 
 
 class _Compiler:

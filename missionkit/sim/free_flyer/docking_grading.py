@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from missionkit.docking_geometry import pose_error
 from missionkit.geometry import Mat
-from missionkit.sim.free_flyer.docking_geometry import pose_error
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from missionkit.sim.ground_truth import TrueState
 

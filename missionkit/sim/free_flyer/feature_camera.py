@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from missionkit.docking_geometry import NORMALS, face_rotation, turned
 from missionkit.geometry import Mat, Vec3, rotate, to_matrix, vec
 from missionkit.messages import Features
-from missionkit.sim.free_flyer.docking_geometry import NORMALS, face_rotation, turned
 from missionkit.sim.free_flyer.world import DockingTarget, FreeFlyerWorld
 from missionkit.sim.random_blocks import Normals
 from missionkit.sim.sensors import Beat

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
+from missionkit.docking_geometry import pose_error, turned
 from missionkit.geometry import Mat, Vec3, exp, multiply, norm, normalised
 from missionkit.messages import Action, Wrench
 from missionkit.sim.free_flyer import flyer_layout as at
-from missionkit.sim.free_flyer.docking_geometry import pose_error, turned
 from missionkit.sim.free_flyer.flyer_steps import fly
 from missionkit.sim.free_flyer.nozzle_allocation import NOZZLES, thrusts_for
 from missionkit.sim.free_flyer.world import FreeFlyerWorld

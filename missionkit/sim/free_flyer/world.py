@@ -12,18 +12,12 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from missionkit.docking_geometry import NORMALS, Berth, Corridor, Face, berth_at, turned
 from missionkit.geometry import Transform, vec
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS, Kind
 from missionkit.sim.free_flyer.body_model import FlyerSensors, FreeFlyerBody
-from missionkit.sim.free_flyer.docking_geometry import (
-    NORMALS,
-    Berth,
-    Corridor,
-    Face,
-    berth_at,
-    turned,
-)
 from missionkit.sim.vehicle_parameters import BatteryModel, Frozen
+from missionkit.sim.world import Marker, Sphere
 from missionkit.units import Degrees, DegreesPerSecond, Metres, MetresPerSecond, Point
 
 Angles = tuple[Degrees, Degrees, Degrees]
@@ -114,6 +108,17 @@ class FreeFlyerWorld(Frozen):
                 f"the chaser starts {gap:g} m from the target, where {least:g} m are kept out"
             )
         return self
+
+    @property
+    def obstacles(self) -> tuple[Sphere, ...]:
+        """The target, for pictures."""
+        half = 0.5 * self.target.size
+        return (Sphere(use="sphere", at=self.target.position, radius=half),)
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        """None: the target carries features."""
+        return ()
 
     @property
     def touching(self) -> float:

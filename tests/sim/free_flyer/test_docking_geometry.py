@@ -7,8 +7,8 @@ import pytest
 from docking import WORLD, changed
 from pydantic import ValidationError
 
+from missionkit.docking_geometry import NORMALS, face_rotation, pose_error, turned
 from missionkit.geometry import exp, rotate, to_matrix
-from missionkit.sim.free_flyer.docking_geometry import NORMALS, face_rotation, pose_error, turned
 
 DOWN = np.array([0.0, 0.0, 1.0])
 

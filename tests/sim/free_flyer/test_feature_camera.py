@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from docking import Hand, perfect
 
+from missionkit.docking_geometry import NORMALS
 from missionkit.geometry import to_matrix, vec
 from missionkit.messages import Command, Features
-from missionkit.sim.free_flyer.docking_geometry import NORMALS
 from missionkit.sim.free_flyer.feature_camera import features_of
 
 ON = Command(payload="camera")

@@ -1,0 +1,80 @@
+"""Free flyer: a small satellite that flies by thrusters and docks (P3).
+
+Its kinds of state are the multicopter's by name. They differ where a velocity of centimetres per
+second takes longer, where nothing lands, and where docking asks for millimetres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+from missionkit.geometry import norm
+from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.states.contract import Failsafe, Invariant
+from missionkit.states.custom import CUSTOM
+from missionkit.states.gps import GPS
+from missionkit.states.hover import HOVER_STATE
+from missionkit.states.idle import IDLE
+from missionkit.states.land import LAND
+from missionkit.states.logic import LOGIC
+from missionkit.states.returning import RETURN
+from missionkit.states.search import SEARCH
+from missionkit.states.task import TASK
+from missionkit.states.vehicle_kind import VehicleKind
+from missionkit.states.visual import VISUAL
+
+POSITION = 0.02  # m from the docked place, in `task`
+SLIPPED_FOR = 2.0  # s
+TURNING_LIMIT = 300.0  # s, half a turn at a degree per second, and the way
+
+
+def _docked(seen: Estimate, _: str | None) -> Verdict:
+    if seen.goal is None:
+        return Verdict.unknown("the behaviour has no goal yet")
+    error = norm(seen.position - seen.goal.position)
+    far = f"{100.0 * error:.1f} cm from the docked place, more than {100.0 * POSITION:g} cm"
+    return Verdict.at_most(error, POSITION, far if error > POSITION else "")
+
+
+_KINDS = (
+    replace(IDLE, summary="Thrusters off, or holding."),
+    replace(GPS, summary="Flying by radio ranges, towards the target or in front of it."),
+    replace(VISUAL, summary="Flying in on the features that the camera sees."),
+    replace(
+        SEARCH,
+        summary="Turning until the camera looks at the target.",
+        failsafes=(
+            Failsafe("search-timeout", "elapsed", {"longer_than": TURNING_LIMIT}, "return"),
+        ),
+    ),
+    replace(
+        TASK,
+        summary="At the docked place, within its tolerance.",
+        invariant=Invariant("‖e_p‖ ≤ 2 cm", _docked, tolerated=SLIPPED_FOR, to_kind="visual"),
+        failsafes=(),
+    ),
+    replace(RETURN, summary="Backing off."),
+    replace(
+        LAND,
+        summary="Docked, or clear of the target and at rest; thrusters off.",
+        mode=Mode.GPS,
+        default_behavior=None,
+    ),
+    HOVER_STATE,
+    CUSTOM,
+    LOGIC,
+)
+
+FREE_FLYER = VehicleKind(
+    name="free_flyer",
+    summary="A small satellite with thrusters that docks; in the simulator only.",
+    ended="docked or holding clear",
+    setpoint="wrench",
+    sections=MappingProxyType({"navigation": "tandem_ekf", "avoid": "none", "control": "lqr"}),
+    kinds=MappingProxyType({kind.name: kind for kind in _KINDS}),
+    estimate_limit=0.3,
+    ending_limit=1.0,
+    over_mavlink=False,
+    over_ground=False,
+)
