@@ -23,7 +23,7 @@ from missionkit.planning.obstacle_braking import (
 )
 
 
-class Escape(NamedTuple):
+class EscapeLimits(NamedTuple):
     """How an obstacle is left behind."""
 
     step_size: float  # m nearer to the goal that count as progress
@@ -39,7 +39,7 @@ def progressed(
     seen: Estimate,
     goal: Vec3,
     around: NearbyObstacles,
-    how: Escape,
+    how: EscapeLimits,
     *,
     hindered: bool,
 ) -> BoundaryProgress:
@@ -73,7 +73,12 @@ def progressed(
 
 
 def past(
-    around: NearbyObstacles, seen: Estimate, side: int, climb: float, body: float, how: Escape
+    around: NearbyObstacles,
+    seen: Estimate,
+    side: int,
+    climb: float,
+    body: float,
+    how: EscapeLimits,
 ) -> Vec3:
     """Return the velocity (3,), m/s, NED, along the boundary, braked before other obstacles.
 
@@ -92,6 +97,6 @@ def past(
     return braked(along, seen.velocity, around, how.stopping)
 
 
-def _blocked(around: NearbyObstacles, to_goal: Vec3, distance: float, how: Escape) -> bool:
+def _blocked(around: NearbyObstacles, to_goal: Vec3, distance: float, how: EscapeLimits) -> bool:
     free = free_path(around, to_goal / distance, how.stopping)
     return free < min(distance, stopping_distance(how.speed, how.stopping))

@@ -14,7 +14,7 @@ from missionkit.messages import Estimate, Guidance, Points
 from missionkit.planning import firas
 from missionkit.planning.approach_distance import kept_distances
 from missionkit.planning.avoidance_planner import AvoidancePlanner
-from missionkit.planning.boundary_escape import Escape, past, progressed
+from missionkit.planning.boundary_escape import EscapeLimits, past, progressed
 from missionkit.planning.obstacle_braking import (
     STILL,
     NearbyObstacles,
@@ -203,8 +203,8 @@ class PotentialField(Plugin):
         )
 
     @cached_property
-    def _escape(self) -> Escape:
-        return Escape(
+    def _escape(self) -> EscapeLimits:
+        return EscapeLimits(
             self.step_size,
             self.patience,
             self.longest,
