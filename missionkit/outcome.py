@@ -23,12 +23,12 @@ def outcome(result: Rehearsal) -> Outcome:
     return "ended_safely" if result.grade.landed or never_left else "crash"
 
 
-def reason(result: Rehearsal, *, asked: bool = False) -> str:
+def reason(result: Rehearsal, *, landing_requested: bool = False) -> str:
     """Return why it ended so.
 
     Args:
         result: of a flight.
-        asked: the operator requested a landing.
+        landing_requested: the operator requested a landing.
     """
     grade = result.grade
     if result.succeeded:
@@ -38,9 +38,9 @@ def reason(result: Rehearsal, *, asked: bool = False) -> str:
     if result.flown.end is not FlightEnd.LANDED:
         return result.flown.says
     if result.flown.aborted:
-        return aborted(asked=asked)
+        return aborted(landing_requested=landing_requested)
     if result.flaws:
-        return f"no success: {result.flaws[0]}"
+        return f"not a success: {result.flaws[0]}"
     return missing(result.conditions)
 
 
@@ -48,9 +48,9 @@ def succeeded(passage: FlightHistory) -> str:
     """Return how a success came about: as planned, or past failsafes, which are named."""
     if not passage.failsafes:
         return "flown as planned"
-    times = Counter(failsafe.said for failsafe in passage.failsafes)
-    named = [said if count == 1 else f"{said} ({count} times)" for said, count in times.items()]
-    return f"all that was asked for was done, past these failsafes: {'; '.join(named)}"
+    times = Counter(failsafe.label for failsafe in passage.failsafes)
+    named = [label if count == 1 else f"{label} ({count} times)" for label, count in times.items()]
+    return f"flown as planned, despite these failsafes: {'; '.join(named)}"
 
 
 def missing(found: Sequence[Condition]) -> str:
@@ -59,13 +59,13 @@ def missing(found: Sequence[Condition]) -> str:
     for it in unmet:
         if it.never:
             return unreached(it.never)
-    told = "; ".join(f"{it.says}: {it.figure}" for it in unmet)
-    return f"landed, but not as asked for: {told}" if told else ""
+    unmet_text = "; ".join(f"{it.says}: {it.figure}" for it in unmet)
+    return f"landed, but conditions were not met: {unmet_text}" if unmet_text else ""
 
 
-def aborted(*, asked: bool) -> str:
+def aborted(*, landing_requested: bool) -> str:
     """Return why a flight ended that was ordered to land."""
-    return f"landed because {'the operator asked for it' if asked else 'time ran out'}"
+    return f"landed because {'the operator requested it' if landing_requested else 'time ran out'}"
 
 
 def unreached(visit: str) -> str:

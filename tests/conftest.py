@@ -11,13 +11,13 @@ from missionkit.messages import Estimate
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let golden files be written anew."""
-    parser.addoption("--update-refs", action="store_true", help="write golden files anew")
+    """Let golden files be rewritten."""
+    parser.addoption("--update-refs", action="store_true", help="write golden files")
 
 
 @pytest.fixture
 def update_refs(request: pytest.FixtureRequest) -> bool:
-    """Whether golden files are to be written anew."""
+    """Whether golden files are to be rewritten."""
     return bool(request.config.getoption("--update-refs"))
 
 

@@ -156,12 +156,12 @@ def test_the_tables_of_sensors_are_complete(heading, sensors):
         *(Control, Gains, YawLaw, Limits, MapFile, Weight),
     ],
 )
-def test_keys_without_a_table_are_told_too(part):
+def test_keys_without_a_table_are_documented_too(part):
     assert [key for key in keys_of(part) if not re.search(rf"`{key}`|\b{key}:", MISSION)] == []
 
 
 @pytest.mark.parametrize("kind", builtin().kinds.values(), ids=lambda kind: kind.name)
-def test_the_table_of_kinds_tells_their_contracts(kind):
+def test_the_table_of_kinds_shows_their_contracts(kind):
     rows = {row[0].strip("`"): row[1:] for row in table(MISSION, "Kinds of state")}
     mode, behavior, reach, holds, added = rows[kind.name]
     needed = "—" if kind.name == GROUP_KIND else "required"

@@ -54,7 +54,7 @@ def test_it_passes_both_walls_with_half_a_metre_and_reaches_the_goal(variant):
     assert flight.problems() == []
 
 
-def test_no_faster_than_half_a_metre_a_second_is_ever_asked_for():
+def test_no_more_than_half_a_metre_a_second_is_ever_commanded():
     asked = [
         np.linalg.norm(record.command.setpoint.velocity[:2])
         for record in known().records
@@ -76,14 +76,14 @@ def test_diagonals_save_a_fifth_of_the_way():
 POLE = Box(use="box", min=(0.2, 2.4), max=(0.5, 2.7), height=3.0)
 
 
-def test_a_pole_that_is_not_on_the_map_is_gone_round():
+def test_an_unmapped_pole_is_avoided():
     flight = known("modified", 1, POLE)
     assert flight.result.succeeded
     assert events(flight).count("path.planned") >= 2
     assert in_the_air(flight)[:, 19].min() > 0.4
 
 
-def test_a_closed_door_ends_on_the_ground_unhurt():
+def test_a_closed_door_ends_safely_on_the_ground():
     wall = Box(use="box", min=(5.4, -2.0), max=(5.6, 2.1), height=3.0)
     flight = known("modified", 1, wall)
     assert "path.none" in events(flight)

@@ -9,7 +9,7 @@ import pytest
 from studies import known_map
 
 
-def test_the_page_tells_what_the_flights_gave(tmp_path, capsys):
+def test_the_page_shows_the_results_of_the_flights(tmp_path, capsys):
     known_map.main(["--seeds", "1", "--workers", "1", "--out", str(tmp_path)])
     page = (tmp_path / "known_map.md").read_text()
     assert capsys.readouterr().out.strip() in page

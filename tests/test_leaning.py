@@ -13,7 +13,7 @@ from studies.watch import Watch
 STEADY = (1.5, 1.0, 0.0)  # m/s
 
 
-def test_small_markers_are_seen_at_arms_length_however_it_leans() -> None:
+def test_small_markers_are_seen_at_arms_length_at_any_tilt() -> None:
     ready = precise_stage()
     mission, world = knowing_noise(ready.mission), sih(ready.world, STEADY, 0.0)
     mission, world = with_small_markers(mission, world)

@@ -52,10 +52,10 @@ def flight(text, *faults):
     return flown(ready)
 
 
-def test_a_target_below_the_ground_is_no_success_and_ends_on_the_ground():
+def test_a_target_below_the_ground_fails_and_ends_on_the_ground():
     low = flight(BELOW)
     assert outcome(low.result) == "ended_safely"
-    assert reason(low.result).startswith("no success: touched the ground at ")
+    assert reason(low.result).startswith("not a success: touched the ground at ")
     assert low.went()[-1] == ("down", "failsafe ground touched")
     touched = low.result.grade.touched_at
     heard = [r.now for r in low.records if "ground_touched" in r.estimate.events]
@@ -74,7 +74,7 @@ def test_landing_and_taking_off_touch_nothing():
     assert whole.result.grade.estimate_error < 2.0
 
 
-def test_several_conditions_are_each_told_with_their_figure():
+def test_several_conditions_are_each_listed_with_their_figure():
     text = ROUND + "success: [{visit: one}, {visit: finished}, {visit: work}, {failsafes: 0}]\n"
     met = flight(text).result
     assert met.succeeded
@@ -98,7 +98,7 @@ def test_entered_is_not_done():
     ]
     assert flight_.conditions[2].figure == "never"
     assert not flight_.succeeded
-    assert reason(flight_) == "landed, but not as asked for: one finished: never"
+    assert reason(flight_) == "landed, but conditions were not met: one finished: never"
 
 
 def test_a_transition_on_done_alone_says_that_a_behaviour_finished():
@@ -111,11 +111,11 @@ def test_a_success_past_failsafes_names_them():
     taken = (TakenFailsafe(3.0, "when disturbed", default=True),) * 2
     assert succeeded(FlightHistory()) == "flown as planned"
     assert succeeded(FlightHistory(failsafes=taken)) == (
-        "all that was asked for was done, past these failsafes: when disturbed (2 times)"
+        "flown as planned, despite these failsafes: when disturbed (2 times)"
     )
 
 
-def test_one_of_several_that_is_not_met_is_no_success():
+def test_one_unmet_condition_of_several_is_not_a_success():
     text = ROUND.replace("{to: two, after: 1}", "{to: finished, after: 1}")
     missed = flight(text + "success: [{visit: one}, {visit: two, clearance: 1.0}]\n").result
     assert not missed.succeeded
@@ -130,7 +130,7 @@ def test_a_mission_that_says_nothing_of_success_has_none_if_a_failsafe_landed_it
     silent = flight(failsafe + ROUND.replace("after: 1}", "after: 9}"), sag).result
     assert silent.grade.landed
     assert outcome(silent) == "ended_safely"
-    assert reason(silent).startswith("no success: failsafe low ended it at ")
+    assert reason(silent).startswith("not a success: failsafe low ended it at ")
     said = failsafe + ROUND.replace("{to: finished, after: 1}", "{to: finished, after: 9}")
     assert flight(said + "success: {visit: one}\n", sag).result.succeeded
 
@@ -146,7 +146,7 @@ def test_a_mission_that_says_nothing_of_success_has_none_if_a_failsafe_landed_it
         ("3", "success"),
     ],
 )
-def test_what_success_cannot_be_is_said(success, says):
+def test_impossible_success_conditions_are_reported(success, says):
     with pytest.raises(FileError) as error:
         short(ROUND + f"success: {success}\n")
     assert says in str(error.value)
@@ -156,7 +156,7 @@ def test_what_success_cannot_be_is_said(success, says):
 GOOD = TruthSummary({}, clearance=0.8)
 FLAWED = {
     "touched the ground at 9.0 s": GOOD._replace(touched_at=9.0),
-    "left its fence by 2.0 m, in truth": GOOD._replace(outside_fence=2.0),
+    "left its fence by 2.0 m (ground truth)": GOOD._replace(outside_fence=2.0),
     "the estimate was up to 30.0 m off": GOOD._replace(estimate_error=30.0),
     "landed 36.0 m from where it meant to": GOOD._replace(landing_error=36.0),
 }
@@ -170,14 +170,14 @@ def test_what_no_success_survives(says):
     assert found.startswith(says)
 
 
-def test_landing_without_knowing_where_is_no_success():
+def test_landing_without_a_position_is_not_a_success():
     """The work was done; then fixes jumped, and the mission's failsafe landed it somewhere."""
     lost = FlightHistory(lost="GNSS jumped 20 m")
     (found,) = flaws((Success(clearance=0.5),), lost, GOOD)
-    assert found == "did not know where it was as it began to land: GNSS jumped 20 m"
+    assert found == "did not know its position when it began to land: GNSS jumped 20 m"
 
 
-def test_a_passage_that_is_too_near_is_no_success():
+def test_passing_too_close_is_not_a_success():
     for wanted, met in ((0.5, True), (0.81, False)):
         (found,) = conditions((Success(clearance=wanted),), FlightHistory(), GOOD)
         assert (found.met, found.figure) == (met, "0.80 m")
@@ -220,7 +220,7 @@ def test_a_failsafe_ends_a_flight_unless_the_plan_is_taken_up_again(way, ended_b
     passage = FlightHistory()
     for n, (source, to, why) in enumerate(way):
         passage = after(passage, Fired(source, to, why, (), ()), float(n), chart)
-    assert ("" if passage.ended_by is None else passage.ended_by.said) == ended_by
+    assert ("" if passage.ended_by is None else passage.ended_by.label) == ended_by
     assert len(passage.failsafes) == taken
     default = FlightHistory(
         ended_by=TakenFailsafe(1.0, "unreachable, when goal unreachable", default=True)

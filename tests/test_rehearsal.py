@@ -100,7 +100,7 @@ def test_a_lost_link_lands_where_it_is():
     assert flight.result.grade.landed
 
 
-def test_without_satellites_the_flight_ends_on_the_ground_unhurt():
+def test_without_satellites_the_flight_ends_safely_on_the_ground():
     flight = precise("gnss_lost@15")
     assert flight.result.grade.landed
     assert not flight.result.grade.crashed

@@ -81,7 +81,7 @@ def test_a_loss_is_timed_from_the_last_sighting_and_from_the_end_of_the_cover(re
     assert list(losses_of([run])) == [Loss(2.05, 40.5 - 39.0)]
 
 
-def test_losses_count_only_what_was_covered(results):
+def test_losses_count_only_covered_time(results):
     assert not list(losses_of(results.nominal))
 
 
@@ -91,7 +91,7 @@ def test_a_lasting_fault_prevents_success_and_the_reason_is_given(results):
     assert (run.outcome, why(run)) == (Outcome.SAFE, "never reached the task")
 
 
-def test_success_without_the_injection_is_told_apart(results):
+def test_success_without_the_injection_is_distinguished(results):
     run = results.nominal[0]
     lost = tuple(change for change in run.changes if change.to != "return")
     assert run._replace(changes=lost).outcome is Outcome.UNFINISHED
@@ -108,7 +108,7 @@ def test_the_page_holds_every_table_and_the_pictures_are_drawn(results, tmp_path
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_miss_is_told_with_its_seed_and_transitions(results):
+def test_a_miss_is_listed_with_its_seed_and_transitions(results):
     run = results.nominal[1]
     missed = run._replace(succeeded=False)
     text = precision_task.page(Results([missed], [], {}), "")

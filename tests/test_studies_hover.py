@@ -46,7 +46,7 @@ def test_white_noise_sums_up_to_the_floor():
     assert hover.white(0, 0.1, 60.0) == pytest.approx(np.sqrt(0.006017 * 0.1 * 60.0), rel=0.1)
 
 
-def test_the_page_tells_the_spreads_and_what_was_assumed(tmp_path):
+def test_the_page_shows_the_spreads_and_the_assumptions(tmp_path):
     hover.write(HOVERS, 300.0, tmp_path, "the command")
     text = (tmp_path / "hover.md").read_text()
     (row,) = [

@@ -10,7 +10,7 @@ WHOLE = [Whole(1900, True)] * 200
 
 
 def of(seed: int, **changes: object) -> Survived:
-    says = "resumed after 2.1 s: in the air, in gps; the chart goes on"
+    says = "resumed after 2.1 s: in the air, in gps; the chart continues"
     run = Survived(
         *(Kill(seed, 400, 1.0), "gps", 19.5, says, "success", "flown as planned"),
         landed=True,
@@ -29,14 +29,14 @@ def test_moments_are_spread_over_the_flight_and_come_from_the_seed():
     assert [moment.seed for moment in moments] == list(range(200))
 
 
-def test_the_page_tells_every_flight_that_did_not_succeed():
+def test_the_page_lists_every_flight_that_did_not_succeed():
     runs = [of(0), of(1, outcome="crash", reason="hit an obstacle or the ground", landed=False)]
     text = page(runs, WHOLE[:2], Cost((0.001, 0.003, 0.002), 62_000, 1900), "the command")
     assert "1 of 2 ended on the ground, unhurt" in text
     assert "the same seeds without a kill: 2 of 2" in text
     assert "- seed 1, killed at 20.00 s in gps: hit an obstacle or the ground" in text
     assert "took 2.0 ms (median), 3.0 ms at most" in text
-    assert "| gps       | in the air, in gps; the chart goes on | 2 " in text
+    assert "| gps       | in the air, in gps; the chart continues | 2 " in text
     assert "$" not in text
 
 
@@ -46,7 +46,7 @@ def test_checkpoints_are_timed():
     assert 10_000 < spent.size < 500_000
 
 
-def test_a_flight_is_killed_and_goes_on(tmp_path):
+def test_a_killed_flight_continues(tmp_path):
     run = survived(copied(tmp_path, "corners"), Kill(1, 200, 1.0))
     assert (run.outcome, run.landed, run.finished) == ("success", True, True)
     assert 8.9 <= run.saved_at <= 11.5

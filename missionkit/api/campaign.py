@@ -85,7 +85,7 @@ def campaign(
     """
     root = Path(folder)
     if (root / FILE).exists():
-        raise UsageError(f"{root}: holds a campaign already: name another folder")
+        raise UsageError(f"{root}: already holds a campaign: choose another folder")
     axes = tuple((name, tuple(as_yaml({name: it})[name] for it in vary[name])) for name in vary)
     plan = planned(
         mission.path,
@@ -185,9 +185,9 @@ def rule_of(
     """
     rule = Rule(width=width, require=require, better=better)
     if require is not None and not require < rule.hoped < 1.0:
-        raise UsageError("--require has to be below --better, and both below 1")
+        raise UsageError("--require must be below --better, and both below 1")
     if require is None and better is not None:
-        raise UsageError("--better says nothing without --require")
+        raise UsageError("--better needs --require")
     return rule
 
 
@@ -200,7 +200,7 @@ def reported(folder: Path) -> Analysis:
     plan = found(folder)
     rows = counted(run_journal.read(folder), plan)
     if not rows:
-        raise UsageError(f"{folder}: no run has ended yet")
+        raise UsageError(f"{folder}: no run has finished yet")
     run_journal.write(folder, rows)
     analysis = analysed(plan, rows)
     write_summary(folder, analysis)
@@ -218,7 +218,7 @@ def _files(mission: LoadedMission) -> tuple[Path, ...]:
     if classes:
         raise UsageError(
             f"a campaign cannot use the class {classes[0]}: its workers load plug-ins from files "
-            "or installed packages; put it into a file and load the mission with that"
+            "or installed packages; put it in a file and load the mission with that file"
         )
     return tuple(it for it in mission.plugins if isinstance(it, Path))
 

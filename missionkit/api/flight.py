@@ -116,12 +116,12 @@ def fly(
                     look_first=not anyway,
                 )
             )
-        asked, wanted = operator.wants_down, model.success
+        landing_requested, wanted = operator.wants_down, model.success
         summary = summarise(
             book.track,
             mission=mission.name,
             outcome=outcome_of(flown, log.passage, wanted),
-            reason=reason_of(flown, log.passage, wanted, asked=asked),
+            reason=reason_of(flown, log.passage, wanted, landing_requested=landing_requested),
             conditions=[it[:3] for it in conditions(wanted, log.passage, None)],
             parameters=model.params,
             record_hash=book.digest,

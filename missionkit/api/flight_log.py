@@ -19,7 +19,7 @@ from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.plot import draw
 from missionkit.recorder.record_sinks import CHECKPOINTS, RECORD, Sinks, contained
 from missionkit.recorder.run_folder import keep_mission
-from missionkit.recorder.run_summary import Summary, said, write_summary
+from missionkit.recorder.run_summary import Summary, outcome_text, write_summary
 from missionkit.recorder.scenery import Scenery
 from missionkit.sim.ground_truth import TrueState
 
@@ -57,7 +57,7 @@ class Logbook:
         if self.folder is not None:
             self.folder.mkdir(parents=True, exist_ok=True)
             if (self.folder / FILE).exists():
-                raise UsageError(f"{self.folder}: holds a flight record already: name a new one")
+                raise UsageError(f"{self.folder}: already holds a flight record: choose another name")
             keep_mission(self.folder, mission)
             self.recorder = FlightRecorder(
                 self.folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record
@@ -114,7 +114,7 @@ class Logbook:
             contained(CHECKPOINTS, checkpoints.forget, reports)()
         summary = with_reports(summary, reports.all)
         if self.folder is not None:
-            title = f"{summary.mission}: {said(summary.outcome)}"
+            title = f"{summary.mission}: {outcome_text(summary.outcome)}"
             contained("track.png", draw, reports)(
                 self.folder / "track.png", self.track, self._scenery, title, summary.reason
             )

@@ -110,7 +110,7 @@ def found_origin(folder: Path) -> Origin:
     except (ValueError, NotReadableError) as error:
         raise UsageError(f"{path}: cannot be used: {error}") from error
     if not isinstance(origin, Origin):
-        raise UsageError(f"{path}: cannot be used: it says nothing of a run")
+        raise UsageError(f"{path}: cannot be used: it does not describe a run")
     return origin
 
 
@@ -122,10 +122,10 @@ def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> Non
     """
     lines = list(differences(before, now))
     if before.targets != now.targets:
-        raise UsageError("the targets are not those of the run, which the filter was built for")
+        raise UsageError("the targets differ from those of the run, for which the filter was built")
     if lines and not force:
-        more = [f"... {len(lines) - SHOWN} lines more"] if len(lines) > SHOWN else []
-        head = f"{folder}: the mission was changed since; --force goes on with it as it is now"
+        more = [f"... {len(lines) - SHOWN} more lines"] if len(lines) > SHOWN else []
+        head = f"{folder}: the mission has changed since; --force resumes with it as it is now"
         raise UsageError("\n".join([head, *lines[:SHOWN], *more]))
 
 

@@ -81,7 +81,7 @@ def rehearse(
             log.track,
             mission=mission.name,
             outcome=outcome(result),
-            reason=reason(result, asked=operator.wants_down),
+            reason=reason(result, landing_requested=operator.wants_down),
             seed=seed,
             faults=faults,
             parameters=model.params,

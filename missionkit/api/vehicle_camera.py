@@ -58,7 +58,9 @@ def camera_of(
     if section.use == "none":
         return NoCamera()
     if world is None:
-        raise UsageError("a drawn camera needs a world: name one in the mission, or give a source")
+        raise UsageError(
+            "a rendered camera needs a world: name one in the mission, or give a camera source"
+        )
     return Rendered(painter_of(section, world, seed), section.rate, speed)
 
 
@@ -71,7 +73,7 @@ def source_of(mission: Mission, folder: Path) -> int | str:
     """
     source = mission.camera.source
     if source is None:
-        raise UsageError(f"the camera of mission {mission.name!r} is no device: name a SOURCE")
+        raise UsageError(f"the camera of mission {mission.name!r} is not a device: give a SOURCE")
     try:
         return found(source, folder)
     except ValueError as error:

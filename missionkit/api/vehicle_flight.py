@@ -30,7 +30,7 @@ from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import become_fit
 from missionkit.vehicle.telemetry.required_inputs import FIX, FLOW, SCAN
 
-NOTED = "what is noted of a tick"
+NOTED = "an observer"
 
 
 def vehicle_of(
@@ -140,7 +140,7 @@ def fly_vehicle(
         VehicleError: the vehicle could not be reached, or must not be commanded.
     """
     reports, operator = reports or Reports(), operator or Operator()
-    tell = contained("what the vehicle is told", vehicle.tell, reports)
+    tell = contained("sharing the estimate with the autopilot", vehicle.tell, reports)
 
     async def flight() -> FlownFlight:
         if look_first:

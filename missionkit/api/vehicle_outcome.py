@@ -44,7 +44,7 @@ def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Obser
         vehicle: that is flown.
     """
 
-    def told(record: Record, seen: Observation) -> None:
+    def relay(record: Record, seen: Observation) -> None:
         more = tuple(f"vehicle: {remark}" for remark in vehicle.take_remarks())
         if wrong := vehicle.camera_problem:
             more += (f"camera: {wrong}",)
@@ -53,33 +53,48 @@ def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Obser
         for observer in observers:
             observer(record, seen)
 
-    return told
+    return relay
 
 
 def outcome_of(flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...]) -> Outcome:
-    """Return how a flight ended, by the vehicle's own account."""
+    """Return how a flight ended, as reported by the vehicle."""
     if flown.end in {FlightEnd.SILENT, FlightEnd.OUT_OF_TIME}:
         return "crash"
-    return "ended_safely" if _missed(flown, passage, wanted, asked=False) else "success"
+    return "ended_safely" if _missed(flown, passage, wanted, landing_requested=False) else "success"
 
 
 def reason_of(
-    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
+    flown: FlownFlight,
+    passage: FlightHistory,
+    wanted: tuple[Success, ...],
+    *,
+    landing_requested: bool,
 ) -> str:
-    """Return the reason of the outcome in a sentence; `asked`: the operator requested a landing."""
-    missed = _missed(flown, passage, wanted, asked=asked)
-    return missed or f"{succeeded(passage)}, by the vehicle's own account"
+    """Return the reason of the outcome in a sentence.
+
+    Args:
+        flown: result of the flight loop.
+        passage: what happened in flight.
+        wanted: conditions of success.
+        landing_requested: the operator requested a landing.
+    """
+    missed = _missed(flown, passage, wanted, landing_requested=landing_requested)
+    return missed or f"{succeeded(passage)}, as reported by the vehicle"
 
 
 def _missed(
-    flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...], *, asked: bool
+    flown: FlownFlight,
+    passage: FlightHistory,
+    wanted: tuple[Success, ...],
+    *,
+    landing_requested: bool,
 ) -> str:
     """Say what success lacks; how near the goal was, only a simulator's truth can tell."""
     if flown.end is not FlightEnd.LANDED:
         return flown.says
     if flown.aborted:
-        return aborted(asked=asked)
+        return aborted(landing_requested=landing_requested)
     wrong = flaws(wanted, passage, None)
     if wrong:
-        return f"no success: {wrong[0]}"
+        return f"not a success: {wrong[0]}"
     return missing(conditions(wanted, passage, None))

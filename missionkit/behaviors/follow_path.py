@@ -90,7 +90,11 @@ class FollowPath(Behavior):
         on: OnPath = memory
         goal = self._goal(seen)
         if goal is None or seen.map is None:
-            lacking = "there is no map" if seen.map is None else f"{self.target} is not known"
+            lacking = (
+                "there is no map"
+                if seen.map is None
+                else f"the position of {self.target} is unknown"
+            )
             return Step(note=lacking, memory=on)
         towards = Goal(vec(*goal, on.down), None, seen.now)
         events: tuple[str, ...] = ()
@@ -136,8 +140,8 @@ class FollowPath(Behavior):
             return f"its target {self.target!r} is outside the map"
         if known.gap(goal) < self._radius(0.0):
             return (
-                f"its target {self.target!r} is {known.gap(goal):.2f} m from a wall, and "
-                f"{self._radius(0.0):.2f} m are to be kept"
+                f"its target {self.target!r} is {known.gap(goal):.2f} m from a wall, less than the "
+                f"{self._radius(0.0):.2f} m to keep"
             )
         return ""
 

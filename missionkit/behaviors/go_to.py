@@ -44,9 +44,9 @@ class GoTo(Behavior):
         down, turning = memory or self.begin(seen)  # None: begin failed
         goal = self._goal(seen, down)
         if goal is None:
-            return Step(note=f"where {self.target} is, is not known", memory=memory)
+            return Step(note=f"the position of {self.target} is unknown", memory=memory)
         if turning and _receding(seen, goal):
-            note = "coming to rest before it turns round"
+            note = "stopping before turning back"
             return Step(stop=True, note=note, goal=goal, memory=memory)
         near = norm(goal.position - seen.position) <= self.within
         done = near and norm(seen.velocity) < 0.5

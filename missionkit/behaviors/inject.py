@@ -70,7 +70,7 @@ class Inject(Behavior):
         out, right, up = self.standoff
         goal = goal_of(target, (out - here.depth, right, up), seen.now)
         if goal is None:
-            return Step(note=f"how {self.target} is turned is not known", memory=at_rest)
+            return Step(note=f"the orientation of {self.target} is unknown", memory=at_rest)
         progress = self._advance(here, norm(seen.position - goal.position), seen.now)
         velocity = None if waiting else self._velocity(target, here)
         return Step(

@@ -46,7 +46,7 @@ class Land(Behavior):
         if status is not None and not status.in_air and not status.armed:
             return Step(done=True, memory=memory)
         if memory is not None and self._moving(seen, since=memory):
-            return Step(stop=True, note="coming to rest before landing", memory=memory)
+            return Step(stop=True, note="stopping before landing", memory=memory)
         if memory is not None and (away := self._retreat(seen, since=memory)) is not None:
             return Step(stop=True, retreat=away, note="making room to land", memory=memory)
         return Step(action=Action.LAND)

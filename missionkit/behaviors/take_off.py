@@ -53,7 +53,7 @@ class TakeOff(Behavior):
             return _by_hand(seen)
         if status is None or not status.armed:
             if status is None or not status.ready:
-                return Step(note="waiting for the vehicle's own checks")
+                return Step(note="waiting for the vehicle's arming checks")
             return Step(action=Action.ARM, note="arming")
         return self._climb(seen, memory or Climb(), status)
 
@@ -83,7 +83,7 @@ class TakeOff(Behavior):
         over = climb.over
         if over is None or mode != STEERED:
             over = vec(float(seen.position[0]), float(seen.position[1]), -self.height)
-        note = f"the climb was cut short: finishing it, {-float(seen.position[2]):.1f} m"
+        note = f"the climb was interrupted: continuing it, {-float(seen.position[2]):.1f} m"
         guidance = Guidance(over, SPEED)
         return Step(guidance, note=note, memory=climb._replace(over=over), takes_over=True)
 
@@ -107,7 +107,7 @@ def _lost(seen: Estimate) -> str:
     if not seen.health.aligned:
         return "waiting for the estimate to align"
     if not seen.health.placed:
-        return "waiting for a position: none has been accepted lately"
+        return "waiting for a position fix: none was accepted recently"
     if seen.health.diverged:
         return "waiting for the estimate: it has diverged"
     return ""
@@ -120,4 +120,4 @@ def _by_hand(seen: Estimate) -> Step:
     if CONTROL_RESUMED in seen.events:
         return Step(done=True)
     height = -float(seen.position[2])
-    return Step(note=f"a pilot flies, {height:.1f} m up: waiting for control")
+    return Step(note=f"a pilot is flying, {height:.1f} m up: waiting for control")

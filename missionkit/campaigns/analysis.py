@@ -73,9 +73,11 @@ def analysed(campaign: Campaign, rows: Sequence[Row]) -> Analysis:
     rng = np.random.default_rng(campaign.seed)
     settings = variants(campaign.vary)
     groups = [tuple(row for row in rows if row.variant == v) for v in range(len(settings))]
-    told = tuple(_variant(campaign, v, settings[v], group, rng) for v, group in enumerate(groups))
-    comparisons = tuple(_comparison(told[0], other, rng) for other in told[1:])
-    return Analysis(campaign, tuple(rows), told, comparisons, worst(rows))
+    summaries = tuple(
+        _variant(campaign, v, settings[v], group, rng) for v, group in enumerate(groups)
+    )
+    comparisons = tuple(_comparison(summaries[0], other, rng) for other in summaries[1:])
+    return Analysis(campaign, tuple(rows), summaries, comparisons, worst(rows))
 
 
 def _variant(
@@ -164,13 +166,13 @@ def command(campaign: Campaign, row: Row) -> str:
 
 def conditions_of(variant: Variant) -> dict[str, dict[str, int]]:
     """Return for each condition of success how many flights met it, of those that say."""
-    told: dict[str, dict[str, int]] = {}
+    summaries: dict[str, dict[str, int]] = {}
     for row in variant.rows:
         for name, met in row.conditions.items():
-            count = told.setdefault(name, {"met": 0, "flights": 0})
+            count = summaries.setdefault(name, {"met": 0, "flights": 0})
             count["flights"] += 1
             count["met"] += met is True
-    return told
+    return summaries
 
 
 def broken(rows: Iterable[Row]) -> int:

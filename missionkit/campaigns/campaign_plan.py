@@ -100,7 +100,7 @@ def found(folder: Path) -> Campaign:
     """
     path = folder / FILE
     if not path.is_file():
-        raise UsageError(f"{folder}: holds no {FILE}: not the folder of a campaign")
+        raise UsageError(f"{folder}: holds no {FILE}: not a campaign folder")
     try:
         return Campaign.model_validate_json(path.read_text(encoding="utf-8"))
     except (ValidationError, UnicodeDecodeError) as error:

@@ -28,42 +28,42 @@ from missionkit.recorder.run_folder import write_whole
 FILE = "report.html"
 NOTES = (
     "Every flight was simulated: wind, sensor noise and the faults named above, nothing else. "
-    "What the simulator does not know, this page does not know.",
+    "What the simulator does not model, this page cannot show.",
     "Bounds hold with 95 % confidence: Wilson's interval for rates, percentile bootstrap for "
-    "medians and quantiles. A run that hung or broke counts as not succeeded.",
-    "A campaign that stopped by itself did so on what it saw; its interval is then a little too "
-    "narrow. A requirement decided by the sequential test keeps its risk.",
-    "The chain forgets how a state was reached. Where it and the runs counted beside it differ, "
-    "the way there matters.",
+    "medians and quantiles. A run that hung or broke counts as a failure.",
+    "A campaign that stopped early stopped because of its own results, so its interval is a "
+    "little too narrow. A requirement decided by the sequential test keeps its risk.",
+    "The Markov chain ignores how a state was reached. Where it differs from the runs counted "
+    "beside it, the way there matters.",
 )
 
 
-def write_report(folder: Path, said: Analysis) -> Path:
+def write_report(folder: Path, results: Analysis) -> Path:
     """Write `report.html`, whole or not at all, and return its path."""
-    charts = [drawable(said.campaign, variant) for variant in said.variants]
-    write_whole(folder / FILE, page(said, charts))
+    charts = [drawable(results.campaign, variant) for variant in results.variants]
+    write_whole(folder / FILE, page(results, charts))
     return folder / FILE
 
 
-def page(said: Analysis, charts: Sequence[Drawable]) -> str:
+def page(results: Analysis, charts: Sequence[Drawable]) -> str:
     """Return the report as one HTML document.
 
     Args:
-        said: what it tells.
+        results: analysed campaign.
         charts: of the variants, one each.
     """
-    campaign = said.campaign
-    seeds = f"seeds {campaign.seed} to {max((row.seed for row in said.rows), default=0)}"
-    sub = f"{len(said.rows)} simulated flights, {seeds}; missionkit {campaign.missionkit}"
+    campaign = results.campaign
+    seeds = f"seeds {campaign.seed} to {max((row.seed for row in results.rows), default=0)}"
+    sub = f"{len(results.rows)} simulated flights, {seeds}; missionkit {campaign.missionkit}"
     parts = [
-        *_verdict(said, charts),
-        *_flown(said, charts),
-        *_comparisons(said),
-        *_numbers(said, charts),
+        *_verdict(results, charts),
+        *_flown(results, charts),
+        *_comparisons(results),
+        *_numbers(results, charts),
     ]
-    body = "\n".join([*parts, *_worst(said), *_notes()])
+    body = "\n".join([*parts, *_worst(results), *_notes()])
     title = f"{campaign.name}: campaign"
-    colour = max(map(_alarm, said.variants)).colour
+    colour = max(map(_alarm, results.variants)).colour
     return PAGE.substitute(title=escape(title), sub=escape(sub), colour=colour, body=body)
 
 
@@ -88,23 +88,23 @@ def _alarm(variant: Variant) -> _Alarm:
     return _Alarm.SOME if undecided else _Alarm.NONE
 
 
-def _verdict(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
+def _verdict(results: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
     yield '<div class="verdict">'
-    for variant, chart in zip(said.variants, charts, strict=True):
-        if len(said.variants) > 1:
+    for variant, chart in zip(results.variants, charts, strict=True):
+        if len(results.variants) > 1:
             yield f"<h3>{escape(variant.name)}</h3>"
         good = sum(row.succeeded for row in variant.rows)
         rate = f"{percent(variant.success.value)} of {len(variant.rows)} flights succeeded"
         yield f'<p class="big">{rate}, {between(variant.success, percent)}</p>'
         yield f"<p>{good} of {len(variant.rows)}. {_hurt(variant)}{_broken(variant)}</p>"
         if variant.decision is not None:
-            yield f"<p>{_required(said, variant)}</p>"
+            yield f"<p>{_required(results, variant)}</p>"
         yield f"<p>{never(variant, chart)}</p>"
     yield "</div>"
-    goal = said.campaign.rule.require
-    yield figure(svg_plots.rates([(it.name, it.success) for it in said.variants], goal),
+    goal = results.campaign.rule.require
+    yield figure(svg_plots.rates([(it.name, it.success) for it in results.variants], goal),
                  "Success rate: dot and 95 % interval" + _dashed(goal))  # fmt: skip
-    for variant in said.variants[:1]:
+    for variant in results.variants[:1]:
         drawn = svg_plots.running([row.succeeded for row in variant.rows], goal)
         yield figure(drawn, f"How the rate settled, run by run ({variant.name})")
 
@@ -117,18 +117,18 @@ def _hurt(variant: Variant) -> str:
     crashes, n = variant.outcomes.get("crash", 0), len(variant.rows)
     rate = wilson(crashes, n)
     if crashes == 0:
-        return f"No crash; up to {percent(rate.high)} could still crash unseen. "
+        return f"No crash; up to {percent(rate.high)} of flights may still crash. "
     many = "1 crash" if crashes == 1 else f"{crashes} crashes"
     return f'<b class="bad">{many}: {percent(rate.value)}, {between(rate, percent)}.</b> '
 
 
 def _broken(variant: Variant) -> str:
     count = broken(variant.rows)
-    return f'<b class="bad">{count} runs gave no flight.</b>' if count else ""
+    return f'<b class="bad">{count} runs produced no flight.</b>' if count else ""
 
 
-def _required(said: Analysis, variant: Variant) -> str:
-    rule, decided = said.campaign.rule, variant.decision
+def _required(results: Analysis, variant: Variant) -> str:
+    rule, decided = results.campaign.rule, variant.decision
     if decided is None or rule.require is None:
         return ""
     wanted = f"Required: success above {percent(rule.require)}"
@@ -143,9 +143,9 @@ def _required(said: Analysis, variant: Variant) -> str:
     }[decided.verdict]
 
 
-def _flown(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
-    campaign = said.campaign
-    first = next((row for row in said.rows if row.parameters), None)
+def _flown(results: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
+    campaign = results.campaign
+    first = next((row for row in results.rows if row.parameters), None)
     shown = {} if first is None else first.parameters
     axes = dict(campaign.vary)
     varied = "; ".join(f"{name}: {', '.join(values)}" for name, values in axes.items())
@@ -163,19 +163,20 @@ def _flown(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
     yield table((), rows)
 
 
-def _comparisons(said: Analysis) -> Iterator[str]:
-    if not said.comparisons:
+def _comparisons(results: Analysis) -> Iterator[str]:
+    if not results.comparisons:
         return
-    yield f"<h2>Against {escape(said.variants[0].name)}, seed by seed</h2>"
+    yield f"<h2>Compared with {escape(results.variants[0].name)}, seed by seed</h2>"
     yield (
-        '<p class="small soft">The same wind, noise and faults for every variant: what differs '
-        "is the variant. p: probability of so uneven a split if nothing differed (McNemar).</p>"
+        '<p class="small soft">Every variant flies with the same wind, noise and faults, so only '
+        "the variant differs. p: probability of a split this uneven if the variants were equal "
+        "(McNemar).</p>"
     )
     heads = ("variant", "+gain in success", "+only it", "+only the first", "+p")
-    yield table(heads, [_comparison(each) for each in said.comparisons])
-    names = [name for name, _ in said.comparisons[0].changes]
-    columns = ("median change of", *(f"+{escape(each.name)}" for each in said.comparisons))
-    yield table(columns, [(title_of(name), *_changes(said, name)) for name in names])
+    yield table(heads, [_comparison(each) for each in results.comparisons])
+    names = [name for name, _ in results.comparisons[0].changes]
+    columns = ("median change of", *(f"+{escape(each.name)}" for each in results.comparisons))
+    yield table(columns, [(title_of(name), *_changes(results, name)) for name in names])
 
 
 def _comparison(each: Comparison) -> tuple[str, ...]:
@@ -185,20 +186,20 @@ def _comparison(each: Comparison) -> tuple[str, ...]:
     return escape(each.name), gain, *counts
 
 
-def _changes(said: Analysis, name: str) -> Iterator[str]:
-    for each in said.comparisons:
+def _changes(results: Analysis, name: str) -> Iterator[str]:
+    for each in results.comparisons:
         change = dict(each.changes).get(name, Interval(float("nan"), 0.0, 0.0))
         sure = "" if change.low <= 0.0 <= change.high else "<b>{}</b>"
-        told = (
+        cell = (
             f"{number(change.value, name, sign=True)}, {between(change, lambda v: number(v, name))}"
         )
-        yield sure.format(told) if sure else told
+        yield sure.format(cell) if sure else cell
 
 
-def _numbers(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
-    for at, (variant, chart) in enumerate(zip(said.variants, charts, strict=True)):
+def _numbers(results: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
+    for at, (variant, chart) in enumerate(zip(results.variants, charts, strict=True)):
         section = variant_section(variant, chart, f"v{at}-")
-        if len(said.variants) == 1:
+        if len(results.variants) == 1:
             yield from section
         else:
             yield f"<details><summary>{escape(variant.name)}</summary>"
@@ -206,11 +207,9 @@ def _numbers(said: Analysis, charts: Sequence[Drawable]) -> Iterator[str]:
             yield "</details>"
 
 
-def _worst(said: Analysis) -> Iterator[str]:
-    yield "<h2>The runs to look at</h2>"
-    yield (
-        '<p class="small soft">The worst first. The command flies a run again, with its record.</p>'
-    )
+def _worst(results: Analysis) -> Iterator[str]:
+    yield "<h2>Runs worth a look</h2>"
+    yield ('<p class="small soft">Worst first. The command repeats a run and records it.</p>')
     heads = ("+run", "variant", "outcome", "reason and command")
     yield table(
         heads,
@@ -220,9 +219,9 @@ def _worst(said: Analysis) -> Iterator[str]:
                 escape(name_of(row.settings)),
                 row.outcome.replace("_", " "),
                 f"{escape(row.reason)}{_where(row)}"
-                f"<br><code>{escape(command(said.campaign, row))}</code>",
+                f"<br><code>{escape(command(results.campaign, row))}</code>",
             )
-            for row in said.worst
+            for row in results.worst
         ],
     )
 

@@ -23,9 +23,9 @@ from missionkit.recorder.run_folder import write_whole
 FILE = "summary.json"
 
 
-def summed_up(said: Analysis) -> dict[str, Any]:
+def summed_up(results: Analysis) -> dict[str, Any]:
     """Return an analysis as plain values; what is not known is None."""
-    campaign = said.campaign
+    campaign = results.campaign
     return {
         "missionkit": campaign.missionkit,
         "mission": campaign.name,
@@ -33,9 +33,9 @@ def summed_up(said: Analysis) -> dict[str, Any]:
         "seed": campaign.seed,
         "settings": campaign.settings,
         "faults": list(campaign.faults),
-        "runs": len(said.rows),
-        "variants": [_variant(variant) for variant in said.variants],
-        "comparisons": [_comparison(each) for each in said.comparisons],
+        "runs": len(results.rows),
+        "variants": [_variant(variant) for variant in results.variants],
+        "comparisons": [_comparison(each) for each in results.comparisons],
         "worst": [
             {
                 "run": row.number,
@@ -43,14 +43,14 @@ def summed_up(said: Analysis) -> dict[str, Any]:
                 "reason": row.reason,
                 "command": command(campaign, row),
             }
-            for row in said.worst
+            for row in results.worst
         ],
     }
 
 
-def write_summary(folder: Path, said: Analysis) -> Path:
+def write_summary(folder: Path, results: Analysis) -> Path:
     """Write `summary.json`, whole or not at all, and return its path."""
-    write_whole(folder / FILE, json.dumps(summed_up(said), indent=2) + "\n")
+    write_whole(folder / FILE, json.dumps(summed_up(results), indent=2) + "\n")
     return folder / FILE
 
 

@@ -22,10 +22,10 @@ from missionkit.chart.drawing.chart_overlay import (
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
 NEVER = "never taken"
 LEGEND = (
-    "On an arrow: how often it was taken, and by which share of the visits to its state. Dashed: "
-    "no arrow of the chart, such as failsafes. Round boxes: how flights ended. Pale: never flown.",
-    "In a state: the share of flights that were in it, how long a visit lasts, how long it is from "
-    "there to the end, which share of those flights succeeded; the chain's word where it differs.",
+    "On an arrow: how often it was taken, and the share of visits to its state. Dashed: not a "
+    "transition of the chart, such as failsafes. Round boxes: how flights end. Pale: never flown.",
+    "In a state: the share of flights that visited it, the length of a visit, the time from there "
+    "to the end, the share of those flights that succeeded; the chain's figure where it differs.",
 )
 
 
@@ -79,12 +79,12 @@ def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> Note:
         return Note(("never reached",), pale=True)
     ended = counts.outcomes[name]
     dwell = f"{counts.seconds[name] / visits:.1f} s a visit"
-    said = _chances(ended["success"] / runs, ended["crash"] / runs)
-    lines = [f"in {percent(runs / counts.flights)} of flights", dwell, said]
+    counted_chances = _chances(ended["success"] / runs, ended["crash"] / runs)
+    lines = [f"in {percent(runs / counts.flights)} of flights", dwell, counted_chances]
     if chain is not None:
         lines[1] += f", {chain.left:.0f} s to the end"
         by_chain = _chances(chain.success, chain.crash)
-        lines += [] if by_chain == said else [f"chain: {by_chain}"]
+        lines += [] if by_chain == counted_chances else [f"chain: {by_chain}"]
     return Note(tuple(lines))
 
 

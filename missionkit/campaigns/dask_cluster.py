@@ -77,8 +77,8 @@ def _rows(
 def _gone(address: str, error: BaseException) -> VehicleError:
     why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     return VehicleError(
-        f"the Dask cluster at {address} has gone ({why}); the runs that have ended are kept: "
-        "the same command goes on with the others"
+        f"lost the Dask cluster at {address} ({why}); finished runs are kept: "
+        "repeat the command to fly the rest"
     )
 
 
@@ -123,7 +123,7 @@ def _row(future: Any, case: Case) -> Row:
     what = type(error).__name__
     died = what == "KilledWorker"  # its own words differ from run to run
     why = "every worker that flew it died" if died else f"{what}: {error}"
-    return unflown(case, "lost", f"the cluster gave it up: {why}")
+    return unflown(case, "lost", f"the cluster gave up on it: {why}")
 
 
 def _stop(client: Any, future: Any) -> None:

@@ -55,7 +55,7 @@ def flown_chart(campaign: Campaign, settings: Mapping[str, str]) -> Charted:
         mission, catalogue, _, _ = loaded(campaign.order(Path()), settings)
         same = digest_of(mission, path, plugins) == campaign.digest
     except (MissionkitError, OSError) as error:
-        raise UsageError(f"it cannot be read any more: {error}") from error
+        raise UsageError(f"it can no longer be read: {error}") from error
     if not same:
-        raise UsageError(f"{path}: it or a file it uses was changed since the campaign was flown")
+        raise UsageError(f"{path}: it or a file it uses has changed since the campaign was flown")
     return charted(mission, catalogue)

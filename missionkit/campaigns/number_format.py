@@ -14,7 +14,7 @@ UNITS = {
     "armed": ("time armed", "s", 1.0, 1),
     "energy": ("energy", "kJ", 1e-3, 2),
     "position_error": ("distance from the goal on arrival", "cm", 100.0, 1),
-    "yaw_error": ("error of heading on arrival", "deg", 180.0 / math.pi, 2),
+    "yaw_error": ("heading error on arrival", "deg", 180.0 / math.pi, 2),
     "worst_error": ("farthest from the goal", "cm", 100.0, 1),
     "worst_sideways": ("farthest sideways", "cm", 100.0, 1),
 }

@@ -27,8 +27,8 @@ CAMERAS = {
     "none": "none",
     "rendered": "rendered images, in which the markers had to be found",
     "device": "rendered images in place of the device's",
-    "corners": "corners: the markers were given to the detector without an image; what light, "
-    "blur and background do to detection was not flown",
+    "corners": "corners: the detector was given the markers without an image; the effect of light, "
+    "blur and background on detection was not simulated",
 }
 KINDS = ("state", "transition", "failsafe")
 
@@ -36,7 +36,7 @@ KINDS = ("state", "transition", "failsafe")
 def drawable(campaign: Campaign, variant: Variant) -> Drawable:
     """Return the chart that a variant flew, if it is still what it was."""
     if not countable(variant.rows):
-        return "the runs were flown by an older missionkit, which did not tell transitions apart"
+        return "the runs were flown by an older missionkit, which did not distinguish transitions"
     try:
         return flown_chart(campaign, variant.settings)
     except UsageError as error:
@@ -58,18 +58,18 @@ def simulated(chart: Drawable) -> list[tuple[str, str]]:
 def never(variant: Variant, chart: Drawable) -> str:
     """Return in one sentence how much of the chart no flight has shown."""
     if isinstance(chart, str):
-        return "What of the chart was never flown is not known: it could not be read any more."
+        return "How much of the chart was flown is unknown: the chart can no longer be read."
     missed = list(unflown(chart, coverage(variant.rows)))
     if not missed:
         return "Every state, transition and failsafe of the chart was flown."
     totals = len(chart.names), len(chart.ways), len(chart.mission.failsafes)
     counts = [sum(it.what == kind for it in missed) for kind in KINDS]
-    told = [
+    missing = [
         f"{count} of {plural(total, kind)}"
         for kind, count, total in zip(KINDS, counts, totals, strict=True)
         if count
     ]
-    return f"Never flown: {', '.join(told)}; these flights say nothing about them."
+    return f"Never flown: {', '.join(missing)}; these flights say nothing about them."
 
 
 def chart_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
@@ -80,7 +80,7 @@ def chart_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
         chart: its chart.
         key: tells the picture from others on the page.
     """
-    yield "<h2>The chart as it was flown</h2>"
+    yield "<h2>The chart as flown</h2>"
     if isinstance(chart, str):
         yield f'<p class="soft">The chart is not drawn: {escape(chart)}.</p>'
     else:
@@ -123,8 +123,8 @@ def _chain(variant: Variant) -> Iterator[str]:
         shares = percent(happy / runs), percent(word.success), percent(word.crash)
         times = f"{dwell:.1f} s", f"{word.left:.0f} s"
         rows.append((escape(state), str(runs), *shares, *times))
-    chances = "+of them with success", "+chain: success", "+chain: crash"
-    heads = ("from", "+runs that were there", *chances, "+a visit lasts", "+until the end")
+    chances = "+of them successful", "+chain: success", "+chain: crash"
+    heads = ("from", "+runs that visited it", *chances, "+a visit lasts", "+until the end")
     yield table(heads, rows)
 
 
@@ -141,5 +141,5 @@ def _failing(variant: Variant) -> Iterator[str]:
     path = escape(" → ".join((*way.states, ending)))
     yield (
         f"<p>The most likely way to fail: <b>{path}</b>, {percent(way.probability)} of all "
-        f"flights by the chain; {went} of {len(variant.rows)} went it.</p>"
+        f"flights by the chain; {went} of {len(variant.rows)} took it.</p>"
     )

@@ -42,7 +42,7 @@ def _endings(variant: Variant) -> Iterator[str]:
     ]
     yield table(("outcome", "+runs", "+share"), counts)
     if variant.reasons:
-        yield "<h3>Why not with success</h3>"
+        yield "<h3>Why flights did not succeed</h3>"
         yield table(
             ("reason", "+runs"), [(escape(why), str(count)) for why, count in variant.reasons]
         )
@@ -50,15 +50,15 @@ def _endings(variant: Variant) -> Iterator[str]:
 
 def _conditions(variant: Variant) -> Iterator[str]:
     """Yield how often each condition of success was met, of the flights that say so."""
-    told = conditions_of(variant)
-    if not told:
+    conditions = conditions_of(variant)
+    if not conditions:
         return
     yield "<h3>Conditions of success</h3>"
     yield table(
         ("condition", "+met", "+of flights", "+share"),
         [
             (escape(name), str(it["met"]), str(it["flights"]), percent(it["met"] / it["flights"]))
-            for name, it in told.items()
+            for name, it in conditions.items()
         ],
     )
 
@@ -79,8 +79,8 @@ def _numbers(variant: Variant) -> Iterator[str]:
     yield "</div>"
     yield (
         '<p class="small soft">Runs in each column; '
-        f'<span style="color:{svg_plots.GOOD}">■</span> with success, '
-        f'<span style="color:{svg_plots.BAD}">■</span> without.</p>'
+        f'<span style="color:{svg_plots.GOOD}">■</span> successful, '
+        f'<span style="color:{svg_plots.BAD}">■</span> not.</p>'
     )
 
 

@@ -41,7 +41,9 @@ class Journal:
             fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             self._stream.close()
-            raise UsageError(f"{folder}: this campaign is being flown already") from error
+            raise UsageError(
+                f"{folder}: another process is already flying this campaign"
+            ) from error
         self._stream.truncate(_whole(path))
 
     def __enter__(self) -> Self:
@@ -82,7 +84,7 @@ def read(folder: Path) -> list[Row]:
         try:
             row = Row.model_validate_json(line)
         except ValidationError as error:
-            raise UsageError(f"{path}:{number}: no row of a campaign: {error}") from error
+            raise UsageError(f"{path}:{number}: not a campaign row: {error}") from error
         rows.setdefault(row.number, row)
     return [rows[number] for number in sorted(rows)]
 

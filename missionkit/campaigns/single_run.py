@@ -116,10 +116,10 @@ def _flown(ready: Stage, diary: VisitLog, folder: Path | None) -> Rehearsal:
 
 def metrics(grade: Grade) -> dict[str, float | None]:
     """Return the numbers of a grade: m, s, J, rad; None where there was nothing to measure."""
-    told = grade.as_dict()
-    visit = told["visit"] or {}
+    graded = grade.as_dict()
+    visit = graded["visit"] or {}
     return {
-        "clearance": told["clearance"],
+        "clearance": graded["clearance"],
         "distance": grade.distance,
         "armed": grade.duration,
         "energy": grade.energy,

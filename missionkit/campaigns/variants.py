@@ -27,7 +27,7 @@ def axis(text: str) -> Axis:
     if not (name and equals and all(values)):
         raise UsageError(f"--vary {text}: expected NAME=VALUE,VALUE, as in cruise=4,5,6")
     if len(set(values)) < len(values):
-        raise UsageError(f"--vary {text}: a value stands there twice")
+        raise UsageError(f"--vary {text}: a value is listed twice")
     return name, values
 
 
@@ -51,7 +51,7 @@ def axes(texts: Iterable[str], fixed: Iterable[str] = ()) -> tuple[Axis, ...]:
     read, taken = [], set(fixed)
     for name, values in map(axis, texts):
         if name in taken:
-            raise UsageError(f"--vary {name}: the parameter is set already")
+            raise UsageError(f"--vary {name}: the parameter is already set")
         taken.add(name)
         read.append((name, values))
     return tuple(read)

@@ -39,14 +39,14 @@ def draw(squares: Squares, out: Path) -> None:
         UsageError: there is no such board.
     """
     if out.suffix.lower() != ".png":
-        raise UsageError(f"{out}: the board is drawn as .png")
+        raise UsageError(f"{out}: expected a file that ends in .png")
     try:
         data = charuco.printed(charuco.board(*squares))
     except ValueError as error:
         raise UsageError(str(error)) from error
     out.write_bytes(data)
     width, height = (1e3 * count * squares.square for count in squares[:2])
-    print(f"drawn in {out}: {width:.0f} x {height:.0f} mm; print it unscaled")  # noqa: T201
+    print(f"wrote {out}: {width:.0f} x {height:.0f} mm; print it unscaled")  # noqa: T201
 
 
 def calibration(sources: Sequence[str], squares: Squares, size: str | None, most: int) -> None:
@@ -56,7 +56,7 @@ def calibration(sources: Sequence[str], squares: Squares, size: str | None, most
         sources: images, films, devices or URLs.
         squares: of the board.
         size: WIDTHxHEIGHT to request from a device (px).
-        most: images that are looked at.
+        most: number of images to inspect.
 
     Raises:
         UsageError: a source, the board or the size is none, or the views do not suffice.
@@ -91,7 +91,7 @@ def _section(lens: CalibratedLens) -> Iterator[str]:
     )
     yield f"# standard deviations: {_deviations(lens)}"
     if math.isnan(lens.deviations["k3"]):
-        yield "# k3 is not told apart from 0 by these views"
+        yield "# these views cannot distinguish k3 from 0"
     yield f"camera:\n  width: {lens.width}\n  height: {lens.height}"
     yield f"  matrix: [{', '.join(f'[{_numbers(row)}]' for row in lens.matrix)}]"
     yield f"  distortion: [{_numbers(lens.distortion)}]"

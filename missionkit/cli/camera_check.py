@@ -31,7 +31,7 @@ from missionkit.vehicle.link.clocks import wall
 DICTIONARY = "DICT_6X6_250"
 
 
-class Asked(NamedTuple):
+class CheckOptions(NamedTuple):
     """The options of the command."""
 
     source: str | None
@@ -43,7 +43,7 @@ class Asked(NamedTuple):
     images: int
 
 
-def check(asked: Asked) -> ExitCode:
+def check(request: CheckOptions) -> ExitCode:
     """Look at some images, draw what was found into one of them, and say it.
 
     Returns:
@@ -53,42 +53,44 @@ def check(asked: Asked) -> ExitCode:
         FileError: the mission cannot be used.
         UsageError: there is no source, or no image comes from it, or one of another size.
     """
-    subject = _subject(asked)
-    looks, checkup = _looked(subject, asked.images)
+    subject = _subject(request)
+    looks, checkup = _looked(subject, request.images)
     shown = next((it for it in reversed(looks) if it.seen), looks[-1])
-    if not write(asked.out, checkup.drawn(shown.taken.image)):
-        raise UsageError(f"{asked.out}: the picture could not be written; name a .png in a folder")
+    if not write(request.out, checkup.drawn(shown.taken.image)):
+        raise UsageError(
+            f"{request.out}: could not write the picture; name a .png file in an existing folder"
+        )
     strangers = {it.id for it in checkup.all(shown.taken.image)} - {m.id for m in subject.markers}
     lines = [*timing(subject, looks), *markers(subject, looks), *others(subject, strangers)]
-    print("\n".join([*lines, f"drawn in {asked.out}"]))  # noqa: T201
+    print("\n".join([*lines, f"wrote {request.out}"]))  # noqa: T201
     blind = bool(subject.markers) and not any(look.found for look in looks)
     return ExitCode.ENDED_SAFELY if blind else ExitCode.SUCCESS
 
 
-def _subject(asked: Asked) -> Subject:
-    mission = _mission(asked)
-    markers = () if mission is None else _of(mission, asked.dictionary)
-    names = {it.dictionary for it in markers} or {asked.dictionary or DICTIONARY}
+def _subject(request: CheckOptions) -> Subject:
+    mission = _mission(request)
+    markers = () if mission is None else _of(mission, request.dictionary)
+    names = {it.dictionary for it in markers} or {request.dictionary or DICTIONARY}
     try:
         names = {known(name) for name in names}
     except ValueError as error:
         raise UsageError(str(error)) from error
     camera = None if mission is None else mission.camera
-    return Subject(_source(asked, mission), tuple(sorted(names)), markers, camera)
+    return Subject(_source(request, mission), tuple(sorted(names)), markers, camera)
 
 
-def _mission(asked: Asked) -> Mission | None:
-    if asked.mission is None:
+def _mission(request: CheckOptions) -> Mission | None:
+    if request.mission is None:
         return None
-    return load(asked.mission, assemble(asked.plugins), overrides(asked.settings))
+    return load(request.mission, assemble(request.plugins), overrides(request.settings))
 
 
-def _source(asked: Asked, mission: Mission | None) -> int | str:
-    if asked.source is not None:
-        return named(asked.source)
-    if mission is None or asked.mission is None:
+def _source(request: CheckOptions, mission: Mission | None) -> int | str:
+    if request.source is not None:
+        return named(request.source)
+    if mission is None or request.mission is None:
         raise UsageError("name a SOURCE: device number, file or URL; or a --mission with a device")
-    return source_of(mission, asked.mission.parent)
+    return source_of(mission, request.mission.parent)
 
 
 def _of(mission: Mission, dictionary: str | None) -> tuple[Aruco, ...]:

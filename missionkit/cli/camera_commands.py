@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import Plugins, Settings, told
+from missionkit.cli.command_options import Plugins, Settings, reporting_errors
 
 camera = typer.Typer(help="Calibrate a camera, and check what it sees.", no_args_is_help=True)
 
@@ -16,11 +16,11 @@ Rows = Annotated[int, typer.Option(help="squares down")]
 Square = Annotated[float, typer.Option(help="edge of a square (m)")]
 Marker = Annotated[float, typer.Option(help="edge of a marker (m)")]
 Dictionary = Annotated[str, typer.Option(metavar="NAME", help="of the markers")]
-Most = Annotated[int, typer.Option(min=1, help="images that are looked at")]
+Most = Annotated[int, typer.Option(min=1, help="number of images to inspect")]
 
 
 @camera.command()
-@told
+@reporting_errors
 def board(
     out: Annotated[Path, typer.Option(metavar="FILE.png", help="the picture")] = Path("board.png"),
     columns: Columns = 7,
@@ -36,7 +36,7 @@ def board(
 
 
 @camera.command()
-@told
+@reporting_errors
 def calibrate(
     sources: Annotated[
         list[str],
@@ -48,7 +48,8 @@ def calibrate(
     marker: Marker = 0.03,
     dictionary: Dictionary = "DICT_4X4_50",
     size: Annotated[
-        str | None, typer.Option(metavar="WIDTHxHEIGHT", help="that a device is asked for (px)")
+        str | None,
+        typer.Option(metavar="WIDTHxHEIGHT", help="image size to request from a device (px)"),
     ] = None,
     images: Most = 300,
 ) -> None:
@@ -60,7 +61,7 @@ def calibrate(
 
 
 @camera.command()
-@told
+@reporting_errors
 def check(
     source: Annotated[
         str | None,
@@ -80,8 +81,8 @@ def check(
     images: Most = 30,
 ) -> None:
     """Detect markers, draw them into a PNG, and say what was seen, how far away and how fast."""
-    from missionkit.cli.camera_check import Asked  # noqa: PLC0415
+    from missionkit.cli.camera_check import CheckOptions  # noqa: PLC0415
     from missionkit.cli.camera_check import check as command  # noqa: PLC0415
 
-    asked = Asked(source, mission, settings or (), plugin or (), dictionary, out, images)
-    raise typer.Exit(command(asked))
+    request = CheckOptions(source, mission, settings or (), plugin or (), dictionary, out, images)
+    raise typer.Exit(command(request))

@@ -43,10 +43,13 @@ def timing(subject: Subject, looks: list[Look]) -> Iterator[str]:
     yield many
     ages = [it.taken.age for it in looks if it.taken.age is not None]
     if ages:
-        told = "" if camera is None else f"; latency of the mission: {1e3 * camera.latency:.0f} ms"
-        yield f"{1e3 * median(ages):.0f} ms old when they come, by the driver's stamps{told}"
+        detail = (
+            "" if camera is None else f"; latency of the mission: {1e3 * camera.latency:.0f} ms"
+        )
+        yield f"{1e3 * median(ages):.0f} ms old on arrival, by the driver's timestamps{detail}"
     elif camera is not None and not is_film(subject.source):
-        yield f"how old they are it does not say; mission: {1e3 * camera.latency:.0f} ms"
+        latency = f"latency of the mission: {1e3 * camera.latency:.0f} ms"
+        yield f"the driver does not report their age; {latency}"
 
 
 def markers(subject: Subject, looks: list[Look]) -> Iterator[str]:
@@ -63,15 +66,17 @@ def _told(found: list[Found], images: int) -> str:
         return "not seen"
     away = [it.distance for it in found if it.distance is not None]
     errors = [it.solution.error for it in found if it.solution is not None]
-    told = f"in {len(found)} of {images}"
+    detail = f"in {len(found)} of {images}"
     if away:
         spread = f" ± {(max(away) - min(away)) / 2:.3f}" if len(away) > 1 else ""
-        told += f", {median(away):.3f} m away{spread}"
-        told += f", corners fit to {median(errors):.2f} px"
+        detail += f", {median(away):.3f} m away{spread}"
+        detail += f", corners fit to {median(errors):.2f} px"
     if not all(it.counts for it in found):
         marker = found[0].marker
-        told += f"; area outside {marker.min_area:g} to {marker.max_area:g} px²: it does not count"
-    return told
+        detail += (
+            f"; area outside {marker.min_area:g} to {marker.max_area:g} px²: it does not count"
+        )
+    return detail
 
 
 def others(subject: Subject, ids: set[int]) -> Iterator[str]:

@@ -17,7 +17,9 @@ def campaign(
     runs: Annotated[
         int | None, typer.Option(min=1, help="runs of each variant; 100 if absent")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="of the first run; the next has one more")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, help="of the first run; each further run adds one")
+    ] = 0,
     settings: Settings = None,
     vary: Annotated[
         list[str] | None,
@@ -25,7 +27,7 @@ def campaign(
     ] = None,
     fault: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="something that goes wrong"),
+        typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="fault to inject"),
     ] = None,
     plugin: Plugins = None,
     workers: Annotated[
@@ -35,22 +37,25 @@ def campaign(
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask scheduler, tcp://HOST:PORT")
     ] = None,
     timeout: Annotated[
-        float, typer.Option(min=0.1, help="s of wall time after which a run is given up")
+        float, typer.Option(min=0.1, help="wall time after which a run is abandoned (s)")
     ] = 300.0,
     until_width: Annotated[
         float | None,
-        typer.Option(min=0.001, max=1.0, help="stop when the success rate is known so closely"),
+        typer.Option(min=0.001, max=1.0, help="stop when the success rate is known this precisely"),
     ] = None,
     require: Annotated[
         float | None,
         typer.Option(min=0.0, max=1.0, help="stop when success above this is shown or refuted"),
     ] = None,
     better: Annotated[
-        float | None, typer.Option(max=1.0, help="rate told from --require; half its failures")
+        float | None,
+        typer.Option(
+            max=1.0, help="success rate to distinguish from --require; default: half its failures"
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="where the campaign's folder is made")] = Path("runs"),
     resume: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="go on with a campaign that was stopped")
+        Path | None, typer.Option(metavar="FOLDER", help="resume a campaign that was stopped")
     ] = None,
     chain: Annotated[
         Path | None,

@@ -63,26 +63,28 @@ def flown(folder: Path, path: Path, wanted: Mapping[str, str]) -> CampaignOverla
         UsageError: the folder holds no campaign or one of another mission, no such variant, or
             no run that can be drawn.
     """
-    told = found(folder)
+    plan = found(folder)
     copy = folder / "mission.yaml"
     if copy.is_file() and copy.read_bytes() != path.read_bytes():
-        raise _other(folder, told, path)
-    every = variants(told.vary)
-    fitting = [n for n, it in enumerate(every) if wanted.items() <= {**told.settings, **it}.items()]
+        raise _other(folder, plan, path)
+    every = variants(plan.vary)
+    fitting = [n for n, it in enumerate(every) if wanted.items() <= {**plan.settings, **it}.items()]
     if not fitting:
-        names = "; ".join(name_of({**told.settings, **it}) for it in every)
+        names = "; ".join(name_of({**plan.settings, **it}) for it in every)
         raise UsageError(f"{folder}: not flown with {name_of(wanted)}; it was flown with: {names}")
     number = fitting[0]
-    rows = tuple(it for it in counted(run_journal.read(folder), told) if it.variant == number)
+    rows = tuple(it for it in counted(run_journal.read(folder), plan) if it.variant == number)
     if not any(row.flew for row in rows):
-        raise UsageError(f"{folder}: no run has given a flight yet")
+        raise UsageError(f"{folder}: no run has produced a flight yet")
     if not countable(rows):
-        raise UsageError(f"{folder}: flown by an older missionkit that kept too little; fly again")
-    return CampaignOverlay(folder, told, every[number], rows)
+        raise UsageError(
+            f"{folder}: flown by an older missionkit that recorded too little; fly it again"
+        )
+    return CampaignOverlay(folder, plan, every[number], rows)
 
 
 def _other(folder: Path, campaign: Campaign, path: Path) -> UsageError:
     return UsageError(
         f"{folder}: is a campaign of {campaign.mission}, as it was when it was flown; {path} is "
-        "another mission, or it or a file it uses was changed since"
+        "another mission, or it or a file it uses has changed since"
     )

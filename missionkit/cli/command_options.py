@@ -32,7 +32,7 @@ System = Annotated[
 ]
 
 
-def told(command: Callable[P, R]) -> Callable[P, R]:
+def reporting_errors(command: Callable[P, R]) -> Callable[P, R]:
     """Turn expected errors into a sentence on stderr and their exit code."""
 
     @wraps(command)

@@ -23,7 +23,7 @@ from missionkit.vehicle.command.fence_upload import (
     set_rally,
 )
 from missionkit.vehicle.link.link_address import parse
-from missionkit.vehicle.preflight.inspection import told
+from missionkit.vehicle.preflight.inspection import wait_for_messages
 from missionkit.vehicle.telemetry.earth_origin import Origin
 
 Point = tuple[float, float, float]
@@ -61,7 +61,7 @@ def fence(wanted: FenceOptions) -> ExitCode:
     """
     if Path(wanted.address).suffix in {".yaml", ".yml"}:
         raise UsageError(
-            f"{wanted.address} is no address: missionkit fence ADDRESS MISSION.yaml, in this order"
+            f"{wanted.address} is not an address; usage: missionkit fence ADDRESS MISSION.yaml"
         )
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
     around = box_of(mission, wanted.margin)
@@ -116,26 +116,28 @@ async def _given(vehicle: MavsdkVehicle, around: Box, points: Sequence[Point]) -
         height = await vehicle.call(vehicle.link.parameter, name)
     finally:
         await vehicle.close()
-    said = _said(vehicle.address.url, home, around, points)
-    return [*said, _height(name, height, around.height)]
+    report = _said(vehicle.address.url, home, around, points)
+    return [*report, _height(name, height, around.height)]
 
 
 async def _home(vehicle: MavsdkVehicle) -> Origin:
     """Wait until the vehicle on the ground has reported its home position."""
     if vehicle.state.armed:
-        raise VehicleError("the vehicle is armed: a fence is given to one on the ground")
-    await told(vehicle, ("HOME_POSITION",), HOME_TIMEOUT)
+        raise VehicleError(
+            "the vehicle is armed: upload a fence only while it is disarmed on the ground"
+        )
+    await wait_for_messages(vehicle, ("HOME_POSITION",), HOME_TIMEOUT)
     await vehicle.observe(0.0)
     if vehicle.observer.origin is None:
         raise VehicleError(
-            f"the vehicle has not said where its home is for {HOME_TIMEOUT:g} s: GNSS?"
+            f"the vehicle has not reported its home for {HOME_TIMEOUT:g} s: check its GNSS"
         )
     return vehicle.observer.origin
 
 
 def _said(url: str, home: Origin, around: Box, points: Sequence[Point]) -> Iterable[str]:
     (south, north), (west, east) = around.north, around.east
-    yield f"{url}: the autopilot has the fence, read back as it was sent"
+    yield f"{url}: the autopilot has the fence; it was read back as sent"
     yield f"  home   {home.latitude:.7f}, {home.longitude:.7f}"
     yield f"  north  {south:g} to {north:g} m"
     yield f"  east   {west:g} to {east:g} m"
@@ -148,4 +150,4 @@ def _height(name: str, value: float | None, wanted: float) -> str:
     if value is not None and 0.0 < value <= wanted:
         return f"  height {value:g} m, by {name}"
     now = "is not known" if value is None else f"is {value:g}"
-    return f"  height not limited as the mission wants: {name} {now}, set {wanted:g}"
+    return f"  height is not limited as the mission requires: {name} {now}, set {wanted:g}"

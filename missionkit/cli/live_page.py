@@ -66,19 +66,19 @@ def page(
     )
 
 
-def bar(said: Verdict) -> Text:
+def bar(verdict: Verdict) -> Text:
     """Draw value against threshold: the fill passes the mark in the middle as the value does.
 
     Either end is one threshold away from it; a guard without numbers has no bar.
     """
-    if said.value is None or said.threshold is None:
+    if verdict.value is None or verdict.threshold is None:
         return Text()
-    share = 0.5 + 0.5 * (said.value - said.threshold) / (abs(said.threshold) or 1.0)
+    share = 0.5 + 0.5 * (verdict.value - verdict.threshold) / (abs(verdict.threshold) or 1.0)
     filled = round(BAR * min(max(share, 0.0), 1.0))
     half = BAR // 2
     text = Text(
         f"{'━' * min(filled, half):─<{half}}┃{'━' * max(filled - half, 0):─<{half}}",
-        style=HOLDS[_three(said.holds)][1],
+        style=HOLDS[_three(verdict.holds)][1],
     )
     text.stylize("bold default", half, half + 1)
     return text
@@ -154,11 +154,11 @@ def _guards(verdicts: Sequence[tuple[str, Verdict]], *, margins: bool) -> Table:
         table.add_column(heading, justify="right", width=9)
     table.add_column("", width=BAR + 1)
     table.add_column("why", no_wrap=True, overflow="ellipsis", ratio=3)
-    for name, said in verdicts:
-        mark, style = HOLDS[_three(said.holds)]
-        shown = [_number(getattr(said, heading)) for heading in numbers]
-        why = Text(printable(said.why))
-        table.add_row(Text(mark, style=style), Text(name), *shown, bar(said), why)
+    for name, verdict in verdicts:
+        mark, style = HOLDS[_three(verdict.holds)]
+        shown = [_number(getattr(verdict, heading)) for heading in numbers]
+        why = Text(printable(verdict.why))
+        table.add_row(Text(mark, style=style), Text(name), *shown, bar(verdict), why)
     return table
 
 

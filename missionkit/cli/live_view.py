@@ -28,11 +28,11 @@ def transition_line(at: float, fired: Fired) -> str:
     '   22.1 s  gps -> visual: when marker-sure'
     """
     values = [
-        f"{name} {said.value:.3g} against {said.threshold:.3g}"
-        for name, said in fired.verdicts
-        if said.value is not None and said.threshold is not None
+        f"{name} {verdict.value:.3g}, limit {verdict.threshold:.3g}"
+        for name, verdict in fired.verdicts
+        if verdict.value is not None and verdict.threshold is not None
     ]
-    detail = f" ({', '.join(values)})" if values else ""
+    detail = f" ({'; '.join(values)})" if values else ""
     return f"{at:7.1f} s  {fired.source} -> {fired.to}: {fired.reason}{detail}"
 
 

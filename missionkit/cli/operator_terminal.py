@@ -97,9 +97,9 @@ class _Watch:
 
 def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> str:
     """Return what stands above the live page: the mission, and which key does what."""
-    told = [f"{key} {event}" for key, event in events.items()]
-    told += [f"{key} gives control back" for key in deeds]
-    keys = ", ".join(told)
+    hints = [f"{key} {event}" for key, event in events.items()]
+    hints += [f"{key} gives control back" for key in deeds]
+    keys = ", ".join(hints)
     return f"{mission} — keys: {keys}" if keys else mission
 
 

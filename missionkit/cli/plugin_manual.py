@@ -35,8 +35,8 @@ def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
         raise UsageError(f"unknown plug-in {name!r}; {nearest(name, known)}")
     if as_json:
         chosen = {kind: it for kind, it in found.items() if name in {None, kind}}
-        told = {kind: _described(it) for kind, it in chosen.items()}
-        _say(json.dumps(told | broken, indent=2))
+        described = {kind: _described(it) for kind, it in chosen.items()}
+        _say(json.dumps(described | broken, indent=2))
     elif name is None:
         _say(overview(catalogue))
     else:
@@ -63,7 +63,7 @@ def overview(catalogue: Catalogue) -> str:
         ]
         lines.append("")
     if catalogue.broken:
-        lines.append("broken, and of no harm unless a mission uses them")
+        lines.append("broken, but harmless unless a mission uses them")
         lines += [f"  {name:20} {why}" for (_, name), why in sorted(catalogue.broken.items())]
         lines.append("")
     lines.append("kinds of state")
@@ -90,7 +90,7 @@ def contract(kind: StateKind) -> str:
     """Return the page of one kind of state: what it promises and demands."""
     rows = [
         ("control mode", str(kind.mode)),
-        ("behaviour", kind.default_behavior or "to be given"),
+        ("behaviour", kind.default_behavior or "required"),
         ("failsafes", "apply" if kind.flying else "do not apply"),
         ("must reach", ", ".join(kind.must_reach) or "nothing"),
     ]

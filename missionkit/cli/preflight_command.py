@@ -33,9 +33,11 @@ def preflight(wanted: PreflightOptions) -> ExitCode:
         VehicleError: no vehicle answers, or it is armed and parameters are to be written.
     """
     if wanted.write and wanted.as_json:
-        raise UsageError("--set asks and tells: leave out --json")
+        raise UsageError("--set reports its changes as text: leave out --json")
     if wanted.write and not wanted.yes and not sys.stdin.isatty():
-        raise UsageError("--set asks before it writes: add --yes where nobody can answer")
+        raise UsageError(
+            "--set asks before it writes each parameter: add --yes when there is no terminal"
+        )
     return asyncio.run(_looked(wanted))
 
 
@@ -56,10 +58,12 @@ async def _looked(wanted: PreflightOptions) -> ExitCode:
 async def _made_safe(vehicle: MavsdkVehicle, *, yes: bool) -> bool:
     """Write what is proposed and agreed to; say whether all of it was read back."""
     if vehicle.state.armed is not False:
-        raise VehicleError(f"{vehicle.address.url} is armed: parameters are written on the ground")
+        raise VehicleError(
+            f"{vehicle.address.url} is armed: parameters are written only while it is disarmed"
+        )
     changes = proposed(vehicle.dialect, await vehicle.call(parameters, vehicle))
     if not changes:
-        print("no parameter needs to be written")  # noqa: T201
+        print("no parameter needs to change")  # noqa: T201
     done = True
     for change in changes:
         if not (yes or await asyncio.to_thread(_agreed, change)):

@@ -93,8 +93,8 @@ def summary(problems: Sequence[Problem]) -> str:
     'no problems'
     """
     counts = {level: sum(each.level is level for each in problems) for level in Level}
-    said = [f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n]
-    return ", ".join(said) or "no problems"
+    parts = [f"{n} {level}{'s' if n > 1 else ''}" for level, n in counts.items() if n]
+    return ", ".join(parts) or "no problems"
 
 
 def schema_hint(problems: Sequence[Problem], lines: Sources) -> str:

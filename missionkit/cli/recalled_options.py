@@ -39,8 +39,8 @@ def check_plugins(order: RunOptions, before: Origin) -> None:
     if before.plugins and not order.plugins:
         named = " ".join(f"--plugin {shlex.quote(path)}" for path in before.plugins)
         raise UsageError(
-            f"{order.resume}: this run was flown with plug-in files, and a folder's word runs "
-            f"none; read them, and name them yourself: {named}"
+            f"{order.resume}: this run used plug-in files, which --resume does not run by itself; "
+            f"review them and name them yourself: {named}"
         )
     root = Path(before.mission).parent
     names = [os.path.relpath(path.resolve(), root) for path in order.plugins if path.is_file()]
@@ -48,4 +48,4 @@ def check_plugins(order: RunOptions, before: Origin) -> None:
     flown = {name: text for name, text in before.texts.items() if name in texts}
     lines = list(changes(flown, texts))
     if lines and not order.force:
-        raise UsageError("\n".join([f"{order.resume}: a plug-in is not the one flown", *lines]))
+        raise UsageError("\n".join([f"{order.resume}: a plug-in differs from the one flown", *lines]))

@@ -44,7 +44,7 @@ def since(folder: Path, gap: float, stamp: str) -> Since:
     loaded = load(folder)
     contents = loaded.value
     if not isinstance(contents, Contents) or loaded.journals.keys() != {"truth", "ticks"}:
-        raise UsageError(f"{folder / loaded.name}: this is no checkpoint of a flight")
+        raise UsageError(f"{folder / loaded.name}: this is not the checkpoint of a flight")
     changed = contents.stamp != stamp
     again = Again(contents.kept, loaded.journals["truth"], gap, changed)
     return Since(loaded, again, flight_track.with_rows(contents.track, loaded.journals["ticks"]))

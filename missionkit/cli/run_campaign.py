@@ -65,14 +65,14 @@ def campaign(wanted: CampaignOptions) -> ExitCode:
         UsageError: an option does not fit, or there is nothing to resume.
         VehicleError: the cluster does not answer.
     """
-    told, folder = _begun(wanted) if wanted.resume is None else _resumed(wanted, wanted.resume)
-    total, known = told.runs * told.variants, run_journal.read(folder)
+    plan, folder = _begun(wanted) if wanted.resume is None else _resumed(wanted, wanted.resume)
+    total, known = plan.runs * plan.variants, run_journal.read(folder)
     progress = CampaignProgress(sys.stderr, stopwatch, known, total)
     try:
-        conduct(told, folder, _crew(told, folder, wanted), progress)
+        conduct(plan, folder, _crew(plan, folder, wanted), progress)
     except KeyboardInterrupt:
         progress.finish()
-        print(f"stopped; go on with: missionkit campaign --resume {folder}", file=sys.stderr)  # noqa: T201
+        print(f"stopped; resume with: missionkit campaign --resume {folder}", file=sys.stderr)  # noqa: T201
         return ExitCode.ENDED_SAFELY
     progress.finish()
     return report(folder, as_json=wanted.as_json, chain=wanted.chain)
@@ -94,10 +94,10 @@ def report(folder: Path, *, as_json: bool, chain: Path | None = None) -> ExitCod
     if chain is not None:
         write_chain(chain, said)
     if as_json:
-        print(json.dumps({**summed_up(said), "folder": str(folder)}, indent=2))  # noqa: T201
+        print(json.dumps({**summed_up(results), "folder": str(folder)}, indent=2))  # noqa: T201
     else:
-        print("\n".join([*_lines(said), str(folder / "report.html")]))  # noqa: T201
-    return _exit_code(said)
+        print("\n".join([*_lines(results), str(folder / "report.html")]))  # noqa: T201
+    return _exit_code(results)
 
 
 def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
@@ -107,7 +107,7 @@ def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
     if wanted.chain is not None and wanted.vary:
         raise UsageError("--chain writes the chain of one variant; leave out --vary")
     settings = overrides(wanted.settings)
-    told = planned(
+    plan = planned(
         wanted.mission,
         settings,
         axes(wanted.vary, settings),
@@ -119,42 +119,45 @@ def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
         rule=rule_of(width=wanted.width, require=wanted.require, better=wanted.better),
         records=wanted.records,
     )
-    folder = run_folder(wanted.out, told.name, f"campaign-seed{wanted.seed}")
+    folder = run_folder(wanted.out, plan.name, f"campaign-seed{wanted.seed}")
     keep_mission(folder, wanted.mission)
-    keep(folder, told)
-    return told, folder
+    keep(folder, plan)
+    return plan, folder
 
 
 def _resumed(wanted: CampaignOptions, folder: Path) -> tuple[Campaign, Path]:
     """Return the campaign of a folder; only the number of runs and the workers may change."""
-    told = found(folder)
+    plan = found(folder)
     if wanted.settings or wanted.vary or wanted.faults or wanted.plugins or wanted.seed:
-        raise UsageError("--resume flies what was begun: --set, --vary, --fault, ... do not fit")
-    if told.missionkit != __version__:
         raise UsageError(
-            f"{folder}: begun with missionkit {told.missionkit}, this is {__version__}"
+            "--resume continues the campaign as it was started: leave out --set, --vary, "
+            "--fault, --plugin and --seed"
         )
-    path, plugins = Path(told.mission), tuple(map(Path, told.plugins))
-    mission = load(path, assemble(plugins), told.settings)
-    if digest_of(mission, path, plugins) != told.digest:
-        raise UsageError(f"{folder}: the files of the mission were changed since it was begun")
-    if wanted.runs is not None and wanted.runs != told.runs:
-        told = told.model_copy(update={"runs": max(wanted.runs, told.runs)})
-        keep(folder, told)
-    return told, folder
+    if plan.missionkit != __version__:
+        raise UsageError(
+            f"{folder}: started with missionkit {plan.missionkit}, this is {__version__}"
+        )
+    path, plugins = Path(plan.mission), tuple(map(Path, plan.plugins))
+    mission = load(path, assemble(plugins), plan.settings)
+    if digest_of(mission, path, plugins) != plan.digest:
+        raise UsageError(f"{folder}: the files of the mission have changed since it was started")
+    if wanted.runs is not None and wanted.runs != plan.runs:
+        plan = plan.model_copy(update={"runs": max(wanted.runs, plan.runs)})
+        keep(folder, plan)
+    return plan, folder
 
 
-def _crew(told: Campaign, folder: Path, wanted: CampaignOptions) -> Crew:
-    order = told.order(folder)
+def _crew(plan: Campaign, folder: Path, wanted: CampaignOptions) -> Crew:
+    order = plan.order(folder)
     if wanted.cluster is not None:
-        return partial(dask_cluster.flown, order, address=wanted.cluster, timeout=told.timeout)
+        return partial(dask_cluster.flown, order, address=wanted.cluster, timeout=plan.timeout)
     workers = wanted.workers or cores()
-    return partial(process_pool.flown, order, workers=workers, timeout=told.timeout)
+    return partial(process_pool.flown, order, workers=workers, timeout=plan.timeout)
 
 
-def _lines(said: Analysis) -> list[str]:
+def _lines(results: Analysis) -> list[str]:
     lines = []
-    for variant in said.variants:
+    for variant in results.variants:
         outcomes = ", ".join(f"{n} {it.replace('_', ' ')}" for it, n in variant.outcomes.items())
         rate = f"{percent(variant.success.value)}, {between(variant.success, percent)}"
         decided = "" if variant.decision is None else f"; required: {variant.decision.verdict}"
@@ -162,8 +165,8 @@ def _lines(said: Analysis) -> list[str]:
     return lines
 
 
-def _exit_code(said: Analysis) -> ExitCode:
+def _exit_code(results: Analysis) -> ExitCode:
     """Return success, unless something was required that not every variant is shown to have."""
-    decisions = [it.decision.verdict for it in said.variants if it.decision is not None]
+    decisions = [it.decision.verdict for it in results.variants if it.decision is not None]
     met = all(verdict == "met" for verdict in decisions)
     return ExitCode.SUCCESS if met else ExitCode.ENDED_SAFELY

@@ -63,8 +63,8 @@ def _flown(order: RunOptions, ready: Stage, folder: Folder, past: Since | None) 
             reports=sinks.reports.take,
             again=again,
         )
-    asked = seat.operator.wants_down
-    summary = summed_up(order, ready.mission, recorder, result, asked=asked)
+    landing_requested = seat.operator.wants_down
+    summary = summed_up(order, ready.mission, recorder, result, landing_requested=landing_requested)
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
 

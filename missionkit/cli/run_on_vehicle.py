@@ -94,12 +94,12 @@ def _flown(order: RunOptions, ready: Ready) -> Summary:
             resume=None if past is None else lambda: woken(past, vehicle, speed),
             look_first=past is None and not order.anyway,
         )
-    asked = seat.operator.wants_down
+    landing_requested = seat.operator.wants_down
     summary = summarise(
         recorder.track,
         mission=mission.name,
         outcome=outcome_of(flown, log.passage, mission.success),
-        reason=reason_of(flown, log.passage, mission.success, asked=asked),
+        reason=reason_of(flown, log.passage, mission.success, landing_requested=landing_requested),
         conditions=[it[:3] for it in conditions(mission.success, log.passage, None)],
         parameters=mission.params,
         record_hash=recorder.close(),

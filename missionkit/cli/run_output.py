@@ -31,7 +31,7 @@ from missionkit.recorder.run_folder import (
     keep_mission,
     run_folder,
 )
-from missionkit.recorder.run_summary import Summary, said, write_summary
+from missionkit.recorder.run_summary import Summary, outcome_text, write_summary
 from missionkit.recorder.scenery import Scenery
 
 
@@ -88,7 +88,7 @@ class Folder(NamedTuple):
             reports: of what failed, in flight and here.
             forget: removes the checkpoints.
         """
-        title = f"{summary.mission}: {said(summary.outcome)}"
+        title = f"{summary.mission}: {outcome_text(summary.outcome)}"
         steps: dict[str, Callable[[], object]] = {
             "origin.json": lambda: forget_origin(self.path),
             "checkpoints": forget,

@@ -11,19 +11,24 @@ from missionkit.cli.run_options import RunOptions
 from missionkit.errors import ExitCode, printable
 from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight_recorder import FlightRecorder
-from missionkit.recorder.run_summary import Summary, said, summarise
+from missionkit.recorder.run_summary import Summary, outcome_text, summarise
 from missionkit.rehearsal import Rehearsal
 
 
 def summed_up(
-    order: RunOptions, mission: Mission, recorder: FlightRecorder, result: Rehearsal, *, asked: bool
+    order: RunOptions,
+    mission: Mission,
+    recorder: FlightRecorder,
+    result: Rehearsal,
+    *,
+    landing_requested: bool,
 ) -> Summary:
     """Return the summary of a flight that has ended."""
     return summarise(
         recorder.track,
         mission=mission.name,
         outcome=outcome(result),
-        reason=reason(result, asked=asked),
+        reason=reason(result, landing_requested=landing_requested),
         seed=order.seed,
         faults=order.faults,
         parameters=mission.params,  # with --set
@@ -62,7 +67,7 @@ def report(order: RunOptions, summary: Summary, folder: Path) -> None:
     if order.as_json:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return
-    print(printable(f"{said(summary.outcome)}: {numbers(summary)}"))  # noqa: T201
+    print(printable(f"{outcome_text(summary.outcome)}: {numbers(summary)}"))  # noqa: T201
     for line in lines(summary):
         print(printable(line))  # noqa: T201
     print(printable(str(folder)))  # noqa: T201

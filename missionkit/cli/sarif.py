@@ -47,7 +47,9 @@ def _rule(code: str) -> dict[str, Any]:
 
 def _result(problem: Problem, codes: Sequence[str]) -> dict[str, Any]:
     code, place = _code(problem), problem.place
-    said = f"{problem.message}\n\nRemedy: {problem.remedy}" if problem.remedy else problem.message
+    message_text = (
+        f"{problem.message}\n\nRemedy: {problem.remedy}" if problem.remedy else problem.message
+    )
     physical: dict[str, Any] = {"artifactLocation": {"uri": _uri(place.file)}}
     if place.line >= 1:
         physical["region"] = {"startLine": place.line, "startColumn": max(place.column, 1)}
@@ -55,7 +57,7 @@ def _result(problem: Problem, codes: Sequence[str]) -> dict[str, Any]:
         "ruleId": code,
         "ruleIndex": codes.index(code),
         "level": str(problem.level),
-        "message": {"text": said},
+        "message": {"text": message_text},
         "locations": [{"physicalLocation": physical}],
     }
 

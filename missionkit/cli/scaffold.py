@@ -87,7 +87,7 @@ def new(kind: str, name: str, to: Path, taken: Collection[str] = ()) -> tuple[Pa
         UsageError: an unknown kind, an unfit or taken name, or a file that exists already.
     """
     if kind not in KINDS:
-        raise UsageError(f"nothing called {kind!r} can be made new: {nearest(kind, KINDS)}")
+        raise UsageError(f"nothing called {kind!r} can be created: {nearest(kind, KINDS)}")
     return write_files(to, KINDS[kind](name, taken))
 
 
@@ -100,7 +100,7 @@ def write_files(folder: Path, files: Mapping[str, str]) -> tuple[Path, ...]:
     paths = {folder / path: text for path, text in files.items()}
     for path in paths:
         if path.exists():
-            raise UsageError(f"{path} exists already: choose another name or folder")
+            raise UsageError(f"{path} already exists: choose another name or folder")
     for path, text in paths.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("x", encoding="utf-8") as file:

@@ -82,7 +82,7 @@ def _spot(text: str) -> Spot:
     except ValueError as error:
         raise UsageError(f"home {text!r}: expected LATITUDE,LONGITUDE,HEIGHT") from error
     if not (abs(latitude) < 85.0 and abs(longitude) <= 180.0 and abs(height) < 1e4):
-        raise UsageError(f"home {text!r}: no place to fly")
+        raise UsageError(f"home {text!r}: not a valid place")
     return Spot(latitude, longitude, height)
 
 

@@ -127,7 +127,7 @@ def _stepped(
     )
     wrong = "" if boxed is None else fault_of(boxed[0])
     if wrong:
-        contain.note(f"{behavior.kind} answered {wrong}")
+        contain.note(f"{behavior.kind} returned {wrong}")
     if boxed is not None and not wrong:
         return boxed[0]
     return LANDING if state.kind.name == "land" else STILL

@@ -55,7 +55,7 @@ class ContainedNavigator(Navigator):
         inner = self._inner.begin()
         state = self._inner.read(inner)
         if wrong := fault_of(state):
-            raise UsageError(f"navigator {self._name!r} cannot be used: it says {wrong}")
+            raise UsageError(f"navigator {self._name!r} cannot be used: it returned {wrong}")
         return ContainedMemory(inner, state)
 
     @override
@@ -74,7 +74,7 @@ class ContainedNavigator(Navigator):
             return None
         if isinstance(pose, Transform) and _fits(pose.rotation, (4,)):
             return pose if _fits(pose.translation, (3,)) else None
-        self._contain.note(f"{self._name} answered pose_at with {type(pose).__name__}")
+        self._contain.note(f"{self._name} returned from pose_at a {type(pose).__name__}")
         return None
 
     @override
@@ -84,13 +84,15 @@ class ContainedNavigator(Navigator):
     def _advanced(self, known: ContainedMemory, method: str, *arguments: object) -> ContainedMemory:
         step = getattr(self._inner, method)
         boxed = self._contain.call(self._name, step, known.inner, *arguments)
-        said = None if boxed is None else self._contain.call(self._name, self._inner.read, boxed[0])
-        if boxed is None or said is None:
+        state = (
+            None if boxed is None else self._contain.call(self._name, self._inner.read, boxed[0])
+        )
+        if boxed is None or state is None:
             return _lost(known)
-        if wrong := fault_of(said[0]):
-            self._contain.note(f"{self._name} says {wrong}")
+        if wrong := fault_of(state[0]):
+            self._contain.note(f"{self._name} returned {wrong}")
             return _lost(known)
-        return ContainedMemory(boxed[0], said[0])
+        return ContainedMemory(boxed[0], state[0])
 
 
 def contained(name: str, plugin: object, navigator: Navigator) -> Navigator:

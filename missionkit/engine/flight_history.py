@@ -25,7 +25,7 @@ class TakenFailsafe(NamedTuple):
     """A failsafe that was taken."""
 
     at: float  # s
-    said: str  # "failsafe battery", "unreachable, when goal unreachable"
+    label: str  # "failsafe battery", "unreachable, when goal unreachable"
     default: bool  # no file says it: a contract's, or the engine's own
 
 

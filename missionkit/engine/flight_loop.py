@@ -48,9 +48,9 @@ class FlightEnd(StrEnum):
     LANDED = "landed"
     GROUNDED = "on the ground although the chart was still flying"
     NEVER_LEFT = "the vehicle never took off"
-    NOT_ARMED = "nothing was armed"
+    NOT_ARMED = "the vehicle was not armed"
     OUT_OF_TIME = "still in the air when time ran out"
-    SILENT = "told to land, but the vehicle no longer answers"
+    SILENT = "ordered to land, but the vehicle no longer responds"
 
 
 class FlownFlight(NamedTuple):
@@ -66,7 +66,7 @@ class FlownFlight(NamedTuple):
     @property
     def says(self) -> str:
         """How it ended, in words."""
-        more = "; --anyway flies nevertheless" if self.end is FlightEnd.NOT_ARMED else ""
+        more = "; --anyway overrides this" if self.end is FlightEnd.NOT_ARMED else ""
         return f"{self.end}: {self.why}{more}" if self.why else str(self.end)
 
 
@@ -160,7 +160,7 @@ class _Aside:
         except (Exception, SystemExit, KeyboardInterrupt) as error:  # noqa: BLE001 - fly on
             if what not in self._errors:
                 self._errors[what] = error
-                self._fresh.append(f"{what} raised {described(error)}; the flight goes on")
+                self._fresh.append(f"{what} raised {described(error)}; the flight continues")
 
     def take(self) -> tuple[str, ...]:
         """Return what failed since the last call, a sentence each."""

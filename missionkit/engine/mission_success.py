@@ -64,14 +64,13 @@ def flaws(
     """
     found = [] if truth is None else list(_by_truth(truth, vehicle))
     if passage.lost:
-        found.append(f"did not know where it was as it began to land: {passage.lost}")
+        found.append(f"did not know its position when it began to land: {passage.lost}")
     ended = passage.ended_by
     if ended is not None and ended.default:
-        found.append(f"a default failsafe ended it at {ended.at:.1f} s: {ended.said}")
+        found.append(f"a default failsafe ended it at {ended.at:.1f} s: {ended.label}")
     elif ended is not None and not wanted:
         found.append(
-            f"{ended.said} ended it at {ended.at:.1f} s, and the mission does not say what success "
-            "is"
+            f"{ended.label} ended it at {ended.at:.1f} s, and the mission does not define success"
         )
     return tuple(found)
 
@@ -107,7 +106,7 @@ def _conditions(
     if one.clearance is not None:
         says = f"{one.clearance:g} m clear of obstacles"
         if truth is None:
-            yield Condition(says, None, "only a simulator knows")
+            yield Condition(says, None, "known only in simulation")
         else:
             yield Condition(says, truth.clearance >= one.clearance, f"{truth.clearance:.2f} m")
     if one.failsafes is not None:
@@ -144,5 +143,5 @@ def _visit(
         return Condition(says, met=False, figure=f"no marker of {one.target} in the world")
     error, turned = missed
     near = error <= one.position and (turned is None or turned <= one.yaw_deg)
-    told = f"{at}, {error:.3f} m" + ("" if turned is None else f", {turned:.1f} deg")
-    return Condition(says, near, told)
+    measured = f"{at}, {error:.3f} m" + ("" if turned is None else f", {turned:.1f} deg")
+    return Condition(says, near, measured)

@@ -30,14 +30,14 @@ def fault_of(answer: object) -> str:
         "takes_over": isinstance(answer.takes_over, bool),
     }
     wrong = [name for name, sound in parts.items() if not sound]
-    return f"with {wrong[0]} of a wrong type or not finite" if wrong else ""
+    return f"a Step with {wrong[0]} of a wrong type or not finite" if wrong else ""
 
 
 def push_fault(answer: object) -> str:
     """Say what makes a planner's answer unusable; empty if nothing does."""
     if not (isinstance(answer, tuple) and len(answer) == 2):
         return f"{type(answer).__name__}, expected a velocity and its memory"
-    return "" if _vector(answer[0]) else "with a velocity of a wrong type or not finite"
+    return "" if _vector(answer[0]) else "a velocity of a wrong type or not finite"
 
 
 def _guides(guidance: object) -> bool:

@@ -23,7 +23,7 @@ from missionkit.engine.sense import sense
 from missionkit.messages import Action, Command, Estimate, Observation, Record
 from missionkit.plugin_containment import Containment
 
-CAUSES = "accel_noise, gyro_noise, the marker's size or the lens may not be as the mission says"
+CAUSES = "check accel_noise, gyro_noise, the marker's size and the lens in the mission"
 TAKING_OFF = frozenset((Action.ARM, Action.TAKE_OFF))
 Stopwatch = Callable[[], float]
 

@@ -99,14 +99,14 @@ class VelocityLaw(NamedTuple):
         field = self.field
         if field is None or guidance is None or wanted is None or not guidance.avoid:
             return None, acting.avoidance
-        asked = (acting.avoidance, seen, guidance.position, np.array(wanted))
+        arguments = (acting.avoidance, seen, guidance.position, np.array(wanted))
         if not is_foreign(field):
-            return field.step(*asked)
+            return field.step(*arguments)
         name = str(getattr(field, "kind", "planner"))
-        boxed = contain.call(name, field.step, *asked)
+        boxed = contain.call(name, field.step, *arguments)
         wrong = "" if boxed is None else push_fault(boxed[0])
         if wrong:
-            contain.note(f"{name} answered {wrong}")
+            contain.note(f"{name} returned {wrong}")
         return (None, acting.avoidance) if boxed is None or wrong else boxed[0]
 
 

@@ -30,7 +30,7 @@ class Within(Guard):
     def check(self, seen: Estimate) -> Verdict:
         target = seen.targets.get(self.of)
         if target is None:
-            return Verdict.unknown(f"where {self.of} is, is not known")
+            return Verdict.unknown(f"the position of {self.of} is unknown")
         return Verdict.at_most(norm(target.position - seen.position), self.radius)
 
     @override

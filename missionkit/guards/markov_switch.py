@@ -163,9 +163,9 @@ class MarkovSwitch(WindowGuard):
         """Return the inputs, or which is not known."""
         target, d = seen.targets.get(self.target), seen.health.mahalanobis
         if target is None or not seen.health.aligned:
-            return f"where {self.target} is, is not known"
+            return f"the position of {self.target} is unknown"
         if target.attitude is None:
-            return f"how {self.target} is turned is not known"
+            return f"the orientation of {self.target} is unknown"
         if d is None:
             return "the navigator took in no measurement lately"
         r = norm(target.position - seen.position)

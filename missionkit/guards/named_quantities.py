@@ -68,7 +68,7 @@ def _distance(target: str) -> NamedQuantity:
         found = seen.targets.get(target)
         place = seen.home if target == HOME and found is None else found and found.position
         if place is None:
-            return f"where {target} is, is not known"
+            return f"the position of {target} is unknown"
         return norm(place - seen.position)
 
     return NamedQuantity(distance_to(target), read, None if target == HOME else target)
@@ -87,7 +87,7 @@ def _since_seen(target: str) -> NamedQuantity:
 def _sd_of(target: str) -> NamedQuantity:
     def read(seen: Estimate) -> Value:
         found = seen.targets.get(target)
-        return f"where {target} is, is not known" if found is None else found.position_sd
+        return f"the position of {target} is unknown" if found is None else found.position_sd
 
     return NamedQuantity(Quantity(f"position sd of {target}", unit="m"), read, target)
 

@@ -25,13 +25,13 @@ class Ready(Guard):
     @override
     def check(self, seen: Estimate) -> Verdict:
         if seen.status is None or seen.battery is None:
-            return Verdict.unknown("no word from the vehicle yet")
+            return Verdict.unknown("nothing received from the vehicle yet")
         if seen.now - seen.status.at > self.max_age:
-            return Verdict.unknown("the vehicle has fallen silent")
+            return Verdict.unknown("the vehicle has gone silent")
         if not seen.health.aligned:
             return Verdict(holds=False, why="the estimate is not aligned yet")
         if not seen.health.placed:
-            return Verdict(holds=False, why="no position has been accepted lately")
+            return Verdict(holds=False, why="no position was accepted recently")
         if not seen.status.ready:
             return Verdict(holds=False, why="the vehicle's own checks fail")
         return Verdict.at_least(seen.battery.charge, self.charge)

@@ -108,7 +108,7 @@ class VisionPipeline:
             if boxed is None:
                 continue
             if wrong := fault_of(boxed[0], detector.target, frame.at):
-                contain.note(f"{detector.kind} answered {wrong}")
+                contain.note(f"{detector.kind} returned {wrong}")
                 continue
             yield from boxed[0]
 

@@ -45,7 +45,9 @@ class KnownMap(Frozen):
         drawn_keys = self.model_fields_set - {"file"}
         if self.file is not None:
             if drawn_keys:
-                raise ValueError(f"'file' says it all; leave out {', '.join(sorted(drawn_keys))}")
+                raise ValueError(
+                    f"'file' defines the whole map; leave out {', '.join(sorted(drawn_keys))}"
+                )
             return self
         if self.north is None or self.east is None:
             raise ValueError("needs 'file', or 'north' and 'east' for a map of polygons")

@@ -57,7 +57,7 @@ class Loaded(NamedTuple):
 
 
 def sealed(value: Any) -> str:
-    """Return a value as the text of a file that shows when it was cut short or changed."""
+    """Return a value as the text of a file that shows when it was truncated or changed."""
     body = value_codec.written(value)
     return f"{HEADER} sha256 {_digest(body)}\n{body}\n"
 
@@ -75,7 +75,7 @@ def opened(text: str) -> Any:
     if not header.startswith(HEADER):
         raise NotReadableError("this is not a checkpoint of this missionkit")
     if header != f"{HEADER} sha256 {_digest(body)}":
-        raise NotReadableError("it was cut short or changed")
+        raise NotReadableError("it was truncated or changed")
     return value_codec.read(body)
 
 
@@ -192,7 +192,7 @@ def _rows(folder: Path, name: str, stretch: Stretch) -> Rows:
     with path.open("rb") as stream:
         data = stream.read(np.dtype("<f8").itemsize * count * width)
     if _sum(data).hexdigest() != stretch.digest:
-        raise NotReadableError(f"{path.name}, which it stands on, was cut short or changed")
+        raise NotReadableError(f"{path.name}, which it builds on, was truncated or changed")
     return np.frombuffer(data, "<f8").reshape(count, width).astype(np.float64)
 
 

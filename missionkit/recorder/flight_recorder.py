@@ -216,7 +216,7 @@ def _summary_of(record: Record, before: Seen) -> Seen:
     return Seen(
         record.state,
         record.now if entered else before.since,
-        tuple([(name, said.holds) for name, said in record.verdicts]),
+        tuple([(name, verdict.holds) for name, verdict in record.verdicts]),
         record.problems,
         record.cycle.overruns,
     )

@@ -134,9 +134,9 @@ def _goal(track: FlightTrack, goal: Goal | None) -> None:
 
 def _answers(track: FlightTrack, record: Record, before: float) -> None:
     """Extend each guard's last span if its answer is the same as at the previous tick."""
-    for name, said in record.verdicts:
+    for name, verdict in record.verdicts:
         spans = track.guards.setdefault(name, [])
-        holds = None if said.holds is None else bool(said.holds)
+        holds = None if verdict.holds is None else bool(verdict.holds)
         if spans and spans[-1].end >= before and spans[-1].holds is holds:
             spans[-1] = Span(spans[-1].start, record.now, holds)
         else:

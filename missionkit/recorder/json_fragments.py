@@ -86,16 +86,16 @@ def _number(key: str, value: float | None) -> str:
     return f',"{key}":{float(value)}'
 
 
-def verdict(name: str, said: Verdict) -> str:
+def verdict(name: str, given: Verdict) -> str:
     """Return one guard's answer; what it does not know is left out."""
-    holds = "unknown" if said.holds is None else "yes" if said.holds else "no"
-    why = f',"why":{text(said.why)}' if said.why else ""
+    holds = "unknown" if given.holds is None else "yes" if given.holds else "no"
+    why = f',"why":{text(given.why)}' if given.why else ""
     return (
-        f'{{"name":{text(name)},"holds":"{holds}"{_number("value", said.value)}'
-        f"{_number('threshold', said.threshold)}{_number('margin', said.margin)}{why}}}"
+        f'{{"name":{text(name)},"holds":"{holds}"{_number("value", given.value)}'
+        f"{_number('threshold', given.threshold)}{_number('margin', given.margin)}{why}}}"
     )
 
 
 def verdicts(answers: Iterable[tuple[str, Verdict]]) -> str:
     """Return a list of guards' answers."""
-    return f"[{','.join([verdict(name, said) for name, said in answers])}]"
+    return f"[{','.join([verdict(name, given) for name, given in answers])}]"

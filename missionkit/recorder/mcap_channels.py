@@ -52,7 +52,7 @@ class Channels:
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
         if not os.fstat(self._stream.fileno()).st_nlink:
-            raise FileNotFoundError(errno.ENOENT, "it was removed while it was written", self._name)
+            raise FileNotFoundError(errno.ENOENT, "it was removed while being written", self._name)
 
     def abandon(self) -> None:
         """Close the file as it is, after an error: what was handed over can still be read."""

@@ -83,10 +83,10 @@ def grouped(anchors: Pixels, apart: float) -> list[list[int]]:
     return groups
 
 
-def said(numbers: Iterable[int], most: int = 3) -> str:
+def numbers_text(numbers: Iterable[int], most: int = 3) -> str:
     """Return numbers in few letters.
 
-    >>> said([3]), said([1, 2, 3, 7]), said([2, 4, 6, 8, 10])
+    >>> numbers_text([3]), numbers_text([1, 2, 3, 7]), numbers_text([2, 4, 6, 8, 10])
     ('3', '1–3, 7', '2, 4 … 10')
     """
     runs: list[list[int]] = []

@@ -17,8 +17,8 @@ from missionkit.recorder.plot_labels import (
     Wanted,
     boxes,
     grouped,
+    numbers_text,
     placed,
-    said,
 )
 from missionkit.recorder.plot_text import Font
 
@@ -104,7 +104,7 @@ def _transitions(axes: Axes, scene: Scene) -> list[Label]:
     found = []
     for group in grouped(pixels, TOGETHER):
         face = shades[group[0]] if len({shades[it] for it in group}) == 1 else INK
-        text = said(it + 1 for it in group)
+        text = numbers_text(it + 1 for it in group)
         found.append(Label(text, places[group[0]], NUMBER, letters_on(face), face))
     return found
 

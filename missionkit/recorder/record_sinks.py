@@ -26,7 +26,7 @@ class Reports:
         self._fresh = deque[str]()
         self._named = set[str]()
 
-    def add(self, what: str, why: str | Exception, then: str = "; the flight goes on") -> None:
+    def add(self, what: str, why: str | Exception, then: str = "; the flight continues") -> None:
         """Report that `what` failed, unless that was reported before."""
         if what in self._named:
             return

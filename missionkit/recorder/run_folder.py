@@ -52,7 +52,7 @@ def held(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            why = "another missionkit is flying this run; wait for it, or end it first"
+            why = "another missionkit is flying this run; wait for it, or stop it first"
             raise UsageError(f"{folder}: {why}") from None
         except OSError:  # no locks here
             pass

@@ -17,10 +17,10 @@ from missionkit.version import __version__
 Outcome = Literal["success", "ended_safely", "crash"]
 
 
-def said(outcome: str) -> str:
+def outcome_text(outcome: str) -> str:
     """Return an outcome as a person would say it.
 
-    >>> said("ended_safely")
+    >>> outcome_text("ended_safely")
     'ended safely'
     """
     return outcome.replace("_", " ")

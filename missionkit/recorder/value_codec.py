@@ -50,7 +50,7 @@ def written(value: Any) -> str:
     try:
         return json.dumps(_plain(value), separators=(",", ":"), allow_nan=False)
     except RecursionError as error:
-        raise NotPlainError("a value that holds itself") from error
+        raise NotPlainError("a value that contains itself") from error
 
 
 def read(text: str) -> Any:
@@ -167,7 +167,7 @@ def _built(value: Any) -> Any:
 def _instance(name: str, content: Any) -> Any:
     kind: Any = _class_of(name)
     if kind is None:
-        raise NotReadableError(f"{name} is no plain class of this missionkit")
+        raise NotReadableError(f"{name} is not a plain class of this missionkit")
     if issubclass(kind, Enum):
         return kind(content)
     return kind._make(content) if issubclass(kind, tuple) else kind(*content)

@@ -35,23 +35,23 @@ KINDS: Mapping[str, Kind] = {
     "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0, most=60.0),
     "camera_flipped": Kind(None, "", "images arrive upside down"),
     "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
-    "gnss_jump": Kind(10.0, "m", "fixes are off to the north by VALUE"),
-    "gnss_drift": Kind(0.5, "m/s", "fixes wander off to the north at VALUE"),
+    "gnss_jump": Kind(10.0, "m", "fixes are offset to the north by VALUE"),
+    "gnss_drift": Kind(0.5, "m/s", "fixes drift to the north at VALUE"),
     "gnss_toggling": Kind(
-        4.0, "s", "fixes are lost as by gnss_lost for every other half of VALUE", least=0.02
+        4.0, "s", "fixes are lost, as with gnss_lost, in every other half of VALUE", least=0.02
     ),
-    "imu_biased": Kind(2.0, "m/s²", "the accelerometer is off by VALUE forwards", -100.0, 100.0),
+    "imu_biased": Kind(2.0, "m/s²", "the accelerometer is biased by VALUE forwards", -100.0, 100.0),
     "marker_hidden": Kind(
         None, "id", "the marker VALUE (default: every marker) is covered", least=0.0
     ),
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
-    "range_lost": Kind(None, "", "the range finder says nothing"),
+    "range_lost": Kind(None, "", "the range finder is silent"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
     "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0, most=60.0),
     "velocity_bias": Kind(
         0.25,
         "m/s",
-        "its own velocity is off by VALUE, turning once a minute",
+        "the autopilot's velocity has an error of VALUE, turning once a minute",
         least=0.0,
     ),
     "control_slow": Kind(

@@ -34,7 +34,7 @@ def velocity_for(wanted: AnySetpoint, state: Vec3) -> Setpoint:
         return wanted
     if isinstance(wanted, AttitudeSetpoint):
         raise VehicleError(
-            "the built-in simulator flies no attitude setpoints: use missionkit sitl"
+            "the built-in simulator does not fly attitude setpoints: use missionkit sitl"
         )
     if isinstance(wanted, Wrench):
         raise VehicleError("a multicopter flies no wrench: that is for vehicles with thrusters")

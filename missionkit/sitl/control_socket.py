@@ -105,8 +105,8 @@ def parameter(state: SitlState, name: Any, request: Answer) -> Answer:
     return {"name": name, "value": state.parameters[str(name)]}
 
 
-Asked = Callable[[SitlState, Any, Answer], Answer]
-REQUESTS: Mapping[str, Asked] = {
+Request = Callable[[SitlState, Any, Answer], Answer]
+REQUESTS: Mapping[str, Request] = {
     "truth": truth,
     "track": track,
     "journal": journal,

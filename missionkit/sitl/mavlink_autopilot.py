@@ -193,18 +193,20 @@ def _setpoint(state: SitlState, _: Channel, message: Message) -> None:
 
 
 def _list_parameters(state: SitlState, channel: Channel, _: Message) -> None:
-    channel.pending = [state.parameters.said(name) for name in state.parameters.names]
+    channel.pending = [
+        state.parameters.param_value_message(name) for name in state.parameters.names
+    ]
 
 
 def _read_parameter(state: SitlState, channel: Channel, message: Message) -> None:
     name = state.parameters.find(message.param_id, message.param_index)
     if name is not None:
-        channel.send(state.parameters.said(name), state.now)
+        channel.send(state.parameters.param_value_message(name), state.now)
 
 
 def _set_parameter(state: SitlState, channel: Channel, message: Message) -> None:
-    if state.parameters.told(message.param_id, message.param_value):
-        channel.send(state.parameters.said(message.param_id), state.now)
+    if state.parameters.accept(message.param_id, message.param_value):
+        channel.send(state.parameters.param_value_message(message.param_id), state.now)
 
 
 def _group(state: SitlState, channel: Channel, message: Message) -> None:

@@ -157,7 +157,7 @@ class Parameters:
             return self._names[index] if index < len(self._names) else None
         return name if name in self._entries else None
 
-    def said(self, name: str) -> Message:
+    def param_value_message(self, name: str) -> Message:
         """Return the PARAM_VALUE of a parameter."""
         entry = self._entries[name]
         value = self._encoded(entry)
@@ -166,7 +166,7 @@ class Parameters:
             name.encode(), value, entry.kind, len(self._names), index
         )
 
-    def told(self, name: str, value: float) -> bool:
+    def accept(self, name: str, value: float) -> bool:
         """Take over the value of a PARAM_SET; tell whether there is such a parameter."""
         entry = self._entries.get(name)
         if entry is None:

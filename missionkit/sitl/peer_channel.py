@@ -67,7 +67,7 @@ class Beat:
     def __init__(self, interval: float, now: float) -> None:
         self.interval = interval  # s
         self.last: Message | None = None
-        self.told = (-1.0, -1.0)  # s, of the field and pressure in the last HIGHRES_IMU
+        self.sensors_sent = (-1.0, -1.0)  # s, of the field and pressure in the last HIGHRES_IMU
         self._next = now
 
     def due(self, now: float) -> bool:

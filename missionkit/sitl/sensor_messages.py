@@ -133,17 +133,17 @@ def highres_imu(state: SitlState) -> Message:
     )
 
 
-def updated(state: SitlState, told: tuple[float, float]) -> tuple[int, tuple[float, float]]:
+def updated(state: SitlState, last_sent: tuple[float, float]) -> tuple[int, tuple[float, float]]:
     """Return HIGHRES_IMU_UPDATED_FLAGS, and the times of field and pressure that it tells.
 
     Args:
         state: all that is known.
-        told: times (s) when each was last sent.
+        last_sent: times (s) when each was last sent.
     """
     mag, baro = state.sensed.mag, state.sensed.baro
     times = (-1.0 if mag is None else mag.at, -1.0 if baro is None else baro.at)
-    field = MAGNETIC if times[0] > told[0] else 0
-    return INERTIAL | field | (BAROMETRIC if times[1] > told[1] else 0), times
+    field = MAGNETIC if times[0] > last_sent[0] else 0
+    return INERTIAL | field | (BAROMETRIC if times[1] > last_sent[1] else 0), times
 
 
 def _milli(state: SitlState) -> list[int]:

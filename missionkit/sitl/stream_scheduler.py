@@ -216,6 +216,8 @@ def send_due(state: SitlState, messages: Messages) -> None:
             if message is None or (number in FRESH_ONLY and message is beat.last):
                 continue
             if number == mavlink.MAVLINK_MSG_ID_HIGHRES_IMU:
-                message.fields_updated, beat.told = sensor_messages.updated(state, beat.told)
+                message.fields_updated, beat.sensors_sent = sensor_messages.updated(
+                    state, beat.sensors_sent
+                )
             beat.last = message
             channel.send(message, state.now)

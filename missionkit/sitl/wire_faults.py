@@ -29,19 +29,21 @@ WIRE: dict[str, Kind] = {
     "arming_denied": Kind(None, "", "the arming checks fail"),
     "command_denied": Kind(400.0, "MAV_CMD", "this command is refused", least=0.0),
     "link_cut": Kind(None, "", "nothing arrives, either way"),
-    "link_flapping": Kind(2.0, "s", "the link is cut for every other half of VALUE", least=0.02),
+    "link_flapping": Kind(2.0, "s", "the link is cut in every other half of VALUE", least=0.02),
     "link_lost": Kind(None, "", "nothing arrives from the vehicle; commands still do"),
     "packets_delayed": Kind(0.2, "s", "packets arrive later by VALUE, both ways", least=0.0),
-    "packets_lost": Kind(0.2, "1", "this part of the packets is lost", least=0.0, most=1.0),
-    "packets_reordered": Kind(0.2, "1", "this part is overtaken by others", least=0.0, most=1.0),
+    "packets_lost": Kind(0.2, "1", "this share of the packets is lost", least=0.0, most=1.0),
+    "packets_reordered": Kind(
+        0.2, "1", "this share of the packets arrives out of order", least=0.0, most=1.0
+    ),
     "pilot_mode": Kind(None, "mode", "the pilot changes the flight mode to VALUE, once"),
-    "rc_lost": Kind(None, "", "nothing comes from the remote control, which was there"),
-    "reboot": Kind(1.5, "s", "the autopilot restarts and says nothing for VALUE", least=0.0),
+    "rc_lost": Kind(None, "", "the remote control, present before, falls silent"),
+    "reboot": Kind(1.5, "s", "the autopilot restarts and is silent for VALUE", least=0.0),
     "stream_lost": Kind(
         32.0, "message", "this message is no longer sent (32: LOCAL_POSITION_NED)", least=1.0
     ),
     "streams_frozen": Kind(None, "", "messages repeat their old values, with their old times"),
-    "streams_stopped": Kind(None, "", "nothing but heartbeats and answers"),
+    "streams_stopped": Kind(None, "", "nothing arrives but heartbeats and answers"),
 }
 BODY = (
     "baro_stuck",
@@ -70,7 +72,7 @@ def read_fault(text: str, dialect: ModeTable) -> Fault:
         return parse_fault(text)
     if name not in WIRE:
         if name in KINDS:
-            raise UsageError(f"fault {name!r} is none of the autopilot's: {_known(name)}")
+            raise UsageError(f"fault {name!r} is not a fault of the autopilot: {_known(name)}")
         raise UsageError(f"unknown fault {name!r}: {_known(name)}")
     return fault_in(text, lambda name, value: value_of(name, value, dialect))
 

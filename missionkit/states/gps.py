@@ -7,7 +7,7 @@ from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 
 def _has_goal(seen: Estimate, target: str | None) -> Verdict:
     known = target is None or target in seen.targets
-    return Verdict(known, "" if known else f"where {target} is, is not known")
+    return Verdict(known, "" if known else f"the position of {target} is unknown")
 
 
 GPS = StateKind(

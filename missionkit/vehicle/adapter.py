@@ -272,7 +272,7 @@ class MavsdkVehicle:
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
         said = self._notes.note, self._notes.remark, self._check
         self._parts = ConnectedVehicle(
-            link, dialect, self.cache, self._clock, *said, self._pace, idle
+            link, dialect, self.cache, self._clock, *callbacks, self._pace, idle
         )
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall

@@ -79,7 +79,7 @@ def test_the_python_tutorial_runs(patrol, capsys):
     assert "True" in said
     assert "out -> watch: when done" in said
     assert "up to 12" in said
-    assert "landed because the operator asked for it" in said
+    assert "landed because the operator requested it" in said
     compile((patrol / "over_mavlink.py").read_text(), "over_mavlink.py", "exec")
 
 

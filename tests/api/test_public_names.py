@@ -50,7 +50,7 @@ def test_a_campaign_is_a_function_whatever_was_imported():
     assert callable(missionkit.campaign)
 
 
-def test_the_public_names_are_no_part_of_a_kernel_s_digest(tmp_path):
+def test_the_public_names_do_not_affect_a_kernels_digest(tmp_path):
     (tmp_path / "missionkit").mkdir()
     (tmp_path / "missionkit" / "kernel.py").write_text("from missionkit import helper\n")
     (tmp_path / "missionkit" / "helper.py").write_text("")

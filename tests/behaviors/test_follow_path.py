@@ -81,11 +81,11 @@ def test_the_nose_looks_along_the_path_or_stays():
     assert [step.guidance.yaw for step in turned] == pytest.approx([1.2] * 3)
 
 
-def test_without_a_map_or_a_target_it_stands_and_says_so():
+def test_without_a_map_or_a_target_it_stays_and_reports_it():
     (step,) = play(FLY, [seen(10.0, 0.0, 0.0, -2.0, map=None)])
     assert (step.guidance, step.note) == (None, "there is no map")
     (step,) = play(FLY, [seen(10.0, 0.0, 0.0, -2.0, targets={})])
-    assert (step.guidance, step.note) == (None, "goal is not known")
+    assert (step.guidance, step.note) == (None, "the position of goal is unknown")
 
 
 def test_it_plans_at_rest_only():
@@ -156,7 +156,7 @@ def test_it_stops_where_it_is_once_it_has_left_the_place_where_it_stood():
     assert stopped.guidance.position[:2] == pytest.approx([ahead[0] + 0.09, ahead[1] + 0.09])
 
 
-def test_a_path_that_is_blocked_before_it_is_flown_does_not_move_the_place_where_it_stands():
+def test_a_path_blocked_before_departure_does_not_move_the_hold_position():
     """Blown 5 cm each time it tries, it would be carried into the wall that it stands before."""
     memory, places = FLY.begin(seen(10.0, 0.0, 0.0, -2.0)), []
     for n in range(60):
@@ -188,7 +188,7 @@ def test_what_the_scan_sees_elsewhere_does_not_matter():
     assert [step.events for step in steps] == [("path.planned",), (), ()]
 
 
-def test_a_map_that_changes_is_planned_anew():
+def test_a_changed_map_is_replanned():
     closed = ROOM.with_walls([(1.0, -2.0 + 0.1 * n) for n in range(60)])
     first, stopped, planned = play(
         FLY,
@@ -213,7 +213,7 @@ def test_without_a_way_it_stands_tells_the_chart_and_tries_again():
     assert none.guidance.position.tolist() == [0.0, 0.0, -2.0]
 
 
-def test_what_is_seen_no_more_is_forgotten_when_there_is_no_other_way():
+def test_obstacles_out_of_sight_are_forgotten_when_there_is_no_other_way():
     gone = play(FLY, [seen(10.0, 0.0, 0.0, -2.0)])[0].memory
     ring = [(4.1, 3.0 + 0.1 * n) for n in range(51)]
     memory = gone._replace(spots=(), sensed=tuple(ring), again=0.0)

@@ -63,10 +63,10 @@ def test_it_comes_to_rest_before_it_turns_round_and_does_so_once(north, stops):
 
 
 @pytest.mark.parametrize(("target", "known"), [("home", {"home": None}), ("trunk", {})])
-def test_a_place_that_is_not_known_is_no_goal(target, known):
+def test_an_unknown_place_is_not_a_goal(target, known):
     (step,) = play(GoTo(target=target), [calm(**known)])
     assert (step.guidance, step.goal, step.done) == (None, None, False)
-    assert step.note == f"where {target} is, is not known"
+    assert step.note == f"the position of {target} is unknown"
 
 
 @pytest.mark.parametrize(

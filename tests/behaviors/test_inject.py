@@ -104,7 +104,7 @@ UNTURNED = Target("trunk", vec(*PLACE), 0.1, None, None, 10.0)
     [
         ({}, "trunk was never seen"),
         ({"trunk": marker(*PLACE, seen_at=None)}, "trunk was never seen"),
-        ({"trunk": UNTURNED}, "how trunk is turned is not known"),
+        ({"trunk": UNTURNED}, "the orientation of trunk is unknown"),
     ],
 )
 def test_without_a_pose_it_holds(targets, note):
@@ -119,6 +119,6 @@ def test_a_pose_that_comes_late_does_not_make_the_goal_leap():
     assert depths(steps[-1:])[0] <= 0.02 + 1e-9
 
 
-def test_a_depth_of_nothing_works_where_it_stands():
+def test_zero_depth_works_in_place():
     steps = play(INJECT.model_copy(update={"depth": 0.0}), story(1.5)[:1] * 3)
     assert [step.note for step in steps] == ["injecting"] * 3

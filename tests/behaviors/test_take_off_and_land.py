@@ -37,8 +37,8 @@ def test_take_off_waits_arms_climbs_and_is_done():
     steps = play(TakeOff(height=5.0), story)
     assert [(step.action, step.done, step.note) for step in steps] == [
         (None, False, "waiting for the estimate to align"),
-        (None, False, "waiting for the vehicle's own checks"),
-        (None, False, "waiting for the vehicle's own checks"),
+        (None, False, "waiting for the vehicle's arming checks"),
+        (None, False, "waiting for the vehicle's arming checks"),
         (Action.ARM, False, "arming"),
         (Action.ARM, False, "arming"),
         (Action.TAKE_OFF, False, "climbing, 0.0 m"),
@@ -55,7 +55,7 @@ def test_nothing_takes_off_without_a_position(armed):
     said = status(**GROUND | {"armed": armed})
     (step,) = play(TakeOff(), [ground(status=said, health=NOWHERE)])
     assert (step.action, step.done) == (None, False)
-    assert "waiting for a position" in step.note
+    assert "waiting for a position fix" in step.note
 
 
 def test_nothing_takes_off_by_an_estimate_that_has_diverged():
@@ -77,7 +77,7 @@ def test_launched_by_hand_nothing_is_commanded_until_the_pilot_gives_control():
         (None, False, "waiting for the estimate to align"),
         (None, False, "waiting for the pilot to take off"),
         (None, False, "waiting for the pilot to take off"),
-        (None, False, "a pilot flies, 2.0 m up: waiting for control"),
+        (None, False, "a pilot is flying, 2.0 m up: waiting for control"),
         (None, True, ""),
     ]
 
@@ -115,7 +115,7 @@ def test_a_climb_is_finished_straight_up_from_where_the_pilot_has_flown_to():
     assert north == [0.0, 3.0, 3.0, 3.0]
 
 
-def test_control_that_is_given_back_low_in_the_air_is_no_reason_to_take_off_again():
+def test_control_returned_low_in_the_air_does_not_cause_a_new_take_off():
     back = ground(1.6, status=status(mode="position"), events=("control_resumed",))
     (step,) = play(TakeOff(height=6.0), [back])
     assert (step.done, step.action, step.takes_over) == (False, None, True)
@@ -136,7 +136,7 @@ def test_a_climb_is_not_finished_by_an_estimate_that_has_diverged():
     assert "diverged" in step.note
 
 
-def test_a_take_off_that_was_not_heard_is_asked_for_again():
+def test_an_unheard_take_off_is_requested_again():
     steps = play(TakeOff(height=5.0), [ground(0.2, status=status(mode="hold"))] * 3)
     assert [(step.action, step.done) for step in steps] == [(Action.TAKE_OFF, False)] * 3
 
@@ -147,7 +147,7 @@ def test_a_take_off_to_nowhere_is_refused(height):
         TakeOff(height=height)
 
 
-def test_land_asks_until_the_vehicle_stands_disarmed():
+def test_land_is_requested_until_the_vehicle_is_disarmed():
     story = [
         ground(3.0, status=status()),
         ground(0.0, status=status(in_air=False, mode="land")),
@@ -202,7 +202,7 @@ def test_with_a_diverged_estimate_it_brakes_for_a_while_however_fast_it_seems():
 
 
 @pytest.mark.parametrize("mode", ["hold", "take_off", "land", "return"])
-def test_an_autopilot_that_flies_by_itself_is_told_to_land_at_once(mode):
+def test_an_autopilot_flying_by_itself_is_ordered_to_land_at_once(mode):
     (step,) = play(Land(), [flying(mode, **FAST)])
     assert step.action is Action.LAND
 

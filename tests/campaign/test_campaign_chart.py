@@ -119,7 +119,7 @@ def test_the_ways_of_a_row_are_those_of_its_chart_or_failsafes(chart, calm, alar
     assert parts(strange) == (alarmed.visits[-2][0], "land", "failsafe link")
 
 
-def test_two_transitions_between_the_same_states_are_told_apart(over):
+def test_two_transitions_between_the_same_states_are_distinguished(over):
     early, late = over.ways["out", 0], over.ways["out", 1]
     assert not early.pale
     assert (late.pale, late.lines) == (True, ("never taken",))
@@ -193,7 +193,7 @@ def test_all_boxes_stand_inside_the_picture(chart, over):
             assert 0 <= top + y <= top + y + h <= high
 
 
-def test_mermaid_tells_the_same_in_words(chart, over):
+def test_mermaid_shows_the_same_as_text(chart, over):
     drawn = mermaid(chart.mission, overlay=over)
     assert ": after 60 s#59; never taken\n" in drawn
     assert "s9_land --> [*] : success#59; 2 times, 100 %\n" in drawn
@@ -202,6 +202,6 @@ def test_mermaid_tells_the_same_in_words(chart, over):
     assert '    state "work#59; in 66.7 % of flights#59; ' in drawn
 
 
-def test_rows_of_older_campaigns_are_told(calm):
+def test_rows_of_older_campaigns_are_reported(calm):
     assert countable([calm, row(1, "hung", visits=())])
     assert not countable([calm, row(1)])

@@ -22,7 +22,7 @@ def test_without_dask_it_says_what_is_missing(monkeypatch):
         next(dask_cluster.flown(RunOrder("m.yaml", {}), cases(1), address=ADDRESS))
 
 
-def test_an_address_without_a_scheduler_is_told(monkeypatch):
+def test_an_address_without_a_scheduler_is_reported(monkeypatch):
     monkeypatch.setattr(dask_cluster, "CONNECTING", 0.3)
     with pytest.raises(VehicleError, match=f"no Dask cluster answers at {ADDRESS}"):
         next(dask_cluster.flown(RunOrder("m.yaml", {}), cases(1), address=ADDRESS))
@@ -65,7 +65,7 @@ def test_two_dask_workers_give_the_rows_of_the_pool(address, tmp_path):
 @pytest.mark.parametrize(
     ("how", "timeout", "outcome", "reason"),
     [
-        ("die", PATIENCE, "lost", "the cluster gave it up: every worker that flew it died"),
+        ("die", PATIENCE, "lost", "the cluster gave up on it: every worker that flew it died"),
         ("hang", 2.0, "hung", "no result within 2 s"),
     ],
 )
@@ -119,10 +119,10 @@ class Future:
 @pytest.mark.parametrize(
     "error", [ConnectionResetError("reset by peer"), TimeoutError(), CancelledError()]
 )
-def test_a_scheduler_that_vanishes_is_told_in_a_sentence(monkeypatch, error, answers):
+def test_a_lost_scheduler_is_reported_in_a_sentence(monkeypatch, error, answers):
     monkeypatch.setattr(dask_cluster, "_client", lambda *_: Vanishing(error, answers))
     monkeypatch.setattr(dask_cluster, "_ended", lambda _, flying: list(flying))
-    with pytest.raises(VehicleError, match=f"the Dask cluster at {ADDRESS} has gone") as told:
+    with pytest.raises(VehicleError, match=f"lost the Dask cluster at {ADDRESS}") as told:
         list(dask_cluster.flown(RunOrder("m.yaml", {}), cases(3), address=ADDRESS))
-    assert "the same command goes on with the others" in str(told.value)
+    assert "repeat the command to fly the rest" in str(told.value)
     assert told.value.exit_code == 3

@@ -93,7 +93,7 @@ def test_a_run_that_kills_its_worker_is_a_row_and_not_the_end(call, tmp_path):
     assert result.exit_code == 0
     folder = tmp_path / "runs/hop-campaign-seed0"
     assert [it["outcome"] for it in table(folder)] == ["success", "lost"] * 2
-    assert "2 runs gave no flight." in (folder / "report.html").read_text()
+    assert "2 runs produced no flight." in (folder / "report.html").read_text()
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_a_run_that_kills_its_worker_is_a_row_and_not_the_end(call, tmp_path):
         (["hop.yaml", "--fault", "uwb_lost@3"], "a multicopter has no fault 'uwb_lost'"),
         (["hop.yaml", "--require", "0.99", "--better", "0.98"], "below --better"),
         (["hop.yaml", "--require", "1.0"], "below --better"),
-        (["--resume", "nowhere"], "not the folder of a campaign"),
+        (["--resume", "nowhere"], "not a campaign folder"),
     ],
 )
 def test_what_makes_no_sense_is_refused_before_anything_is_flown(call, tmp_path, options, wrong):
@@ -160,7 +160,7 @@ def test_kill_9_and_resume_repeats_no_finished_run_and_loses_none(call, tmp_path
         assert (folder / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_resuming_flies_what_is_missing_and_nothing_else(whole):
+def test_resuming_flies_only_the_missing_runs(whole):
     rows = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
     (whole / JOURNAL).write_bytes(b"".join(rows[:2] + rows[5:]))
     missing = [Row.model_validate_json(line) for line in rows[2:5]]
@@ -179,20 +179,20 @@ def test_resuming_flies_what_is_missing_and_nothing_else(whole):
 def test_a_campaign_can_be_made_longer_but_not_changed(call, whole, tmp_path):
     assert call("campaign", "--resume", whole, "--runs", 10).exit_code == 0
     assert [it["seed"] for it in table(whole)] == [str(n) for n in range(10)]
-    assert "do not fit" in call("campaign", "--resume", whole, "--set", "height=3").stderr
+    assert "leave out --set" in call("campaign", "--resume", whole, "--set", "height=3").stderr
     mission = tmp_path / "hop.yaml"
     mission.write_text(mission.read_text().replace("2.0", "2.1"))
-    assert "were changed since" in call("campaign", "--resume", whole).stderr
+    assert "have changed since" in call("campaign", "--resume", whole).stderr
     assert call("report", whole).exit_code == 0
     plan = whole / "campaign.json"
     plan.write_text(plan.read_text().replace(__version__, "0.0.9"))
-    assert "begun with missionkit 0.0.9" in call("campaign", "--resume", whole).stderr
+    assert "started with missionkit 0.0.9" in call("campaign", "--resume", whole).stderr
 
 
-def test_a_report_is_made_of_what_has_been_flown(call, whole):
+def test_a_report_covers_the_runs_flown_so_far(call, whole):
     rows = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
     (whole / JOURNAL).write_bytes(b"".join(rows[:3]))
     told = json.loads(call("report", whole, "--json").stdout)
     assert told["runs"] == 3
     (whole / JOURNAL).unlink()
-    assert "no run has ended yet" in call("report", whole).stderr
+    assert "no run has finished yet" in call("report", whole).stderr

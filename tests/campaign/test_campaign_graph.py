@@ -59,12 +59,12 @@ def test_set_chooses_the_variant():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--campaign", "nowhere"], "nowhere: holds no campaign.json: not the folder of a"),
+        (["--campaign", "nowhere"], "nowhere: holds no campaign.json: not a campaign folder"),
         (["--campaign", FOLDER, "--set", "height=9"], "it was flown with: height = 2; height = 3"),
         (["--campaign", FOLDER, "--set", "heigth=2"], "not flown with heigth = 2"),
     ],
 )
-def test_what_does_not_fit_is_said(arguments, said):
+def test_misfits_are_reported(arguments, said):
     result = call("graph", "hop.yaml", *arguments)
     assert result.exit_code == 2
     assert said in result.stderr
@@ -76,7 +76,7 @@ def test_flights_of_another_chart_are_not_drawn_over_this_one(home, change):
     (home / "hop.yaml").write_text(text)
     result = call("graph", "hop.yaml", "--campaign", FOLDER)
     assert result.exit_code == 2
-    assert "another mission, or it or a file it uses was changed since" in result.stderr
+    assert "another mission, or it or a file it uses has changed since" in result.stderr
 
 
 def test_a_plug_in_of_the_campaign_is_found_and_must_be_the_same(home):
@@ -100,6 +100,8 @@ def test_a_journal_that_kept_too_little_is_refused(home, flown):
     (old / JOURNAL).write_text("".join(f"{json.dumps(it)}\n" for it in older))
     result = call("graph", "hop.yaml", "--campaign", "old")
     assert result.exit_code == 2
-    assert "flown by an older missionkit that kept too little; fly again" in result.stderr
+    assert "flown by an older missionkit that recorded too little; fly it again" in result.stderr
     (old / JOURNAL).write_text("")
-    assert "no run has given a flight yet" in call("graph", "hop.yaml", "--campaign", "old").stderr
+    assert (
+        "no run has produced a flight yet" in call("graph", "hop.yaml", "--campaign", "old").stderr
+    )

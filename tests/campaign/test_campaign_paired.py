@@ -26,7 +26,7 @@ def test_variants_are_compared_seed_by_seed():
     assert compared([True], [True]).p_value == 1.0
 
 
-def test_common_random_numbers_tell_what_separate_ones_do_not():
+def test_common_random_numbers_find_differences_that_separate_ones_miss():
     """Most of a flight's fate is its seed; the pairs see the small gain, two samples do not."""
     rng = np.random.default_rng(7)
     luck = rng.random(400)

@@ -49,7 +49,7 @@ def mixed(count=20):
     ]
 
 
-def test_the_page_tells_rate_crashes_and_the_way_to_fail():
+def test_the_page_shows_rate_crashes_and_the_likeliest_failure():
     text = page(analysed(PLAN, mixed()))
     assert "80.0 % of 20 flights succeeded, between 58.4 % and 91.9 %" in text
     assert "4 crashes: 20.0 %, between 8.1 % and 41.6 %." in text
@@ -80,7 +80,7 @@ def test_a_change_beyond_chance_is_bold():
     ]
     text = page(analysed(plan, rows))
     assert "<b>+1.0, between 1.0 and 1.0</b>" in text
-    assert "Against height = 2, seed by seed" in text
+    assert "Compared with height = 2, seed by seed" in text
 
 
 def test_the_worst_come_first_and_not_all_for_the_same_reason():
@@ -117,12 +117,12 @@ def test_the_running_rate_ends_where_the_campaign_does():
     assert shapes(svg_plots.running([]), "polygon")[0]["points"] == ""
 
 
-def test_a_chart_that_cannot_be_read_any_more_is_no_reason_to_write_no_report():
+def test_the_report_is_written_without_a_readable_chart():
     text = page(analysed(PLAN, mixed()))
     assert "The chart is not drawn: the file is gone." in text
-    assert "What of the chart was never flown is not known" in text
+    assert "How much of the chart was flown is unknown" in text
     assert drawable(PLAN, analysed(PLAN, [row(0, entries={"idle": 1})]).variants[0]) == (
-        "it cannot be read any more: /m.yaml:1:1: cannot be read: no such file or directory"
+        "it can no longer be read: /m.yaml:1:1: cannot be read: no such file or directory"
     )
     assert "older missionkit" in drawable(PLAN, analysed(PLAN, mixed()).variants[0])
 
@@ -164,7 +164,7 @@ def test_a_page_has_the_chart_of_each_variant_with_its_own_arrows(tmp_path):
     assert "<td>camera</td><td>none</td>" in text
     path.write_text(path.read_text() + "# changed\n")
     assert drawable(plan, said.variants[0]) == (
-        f"{path}: it or a file it uses was changed since the campaign was flown"
+        f"{path}: it or a file it uses has changed since the campaign was flown"
     )
 
 
@@ -194,7 +194,7 @@ def test_numbers_are_written_with_their_units():
     assert number(float("nan"), "energy") == "—"
 
 
-def test_every_option_is_told():
+def test_every_option_is_documented():
     told = {
         option.split()[0]
         for cells in table(document("docs/reference/campaign.md"), "Campaigns")

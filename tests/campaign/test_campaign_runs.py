@@ -42,14 +42,14 @@ def test_times_add_up(tmp_path):
     assert sum(row.times.values()) == pytest.approx(row.metrics["duration"])
 
 
-def test_a_record_is_kept_when_asked_for(tmp_path):
+def test_a_record_is_kept_on_request(tmp_path):
     order = RunOrder(hop(tmp_path), {}, records=str(tmp_path / "records"))
     for _ in range(2):  # a campaign that was killed flies it again
         assert fly(order, Case(7, 0, 0, {})).succeeded
     assert (tmp_path / "records/7/flight.mcap").stat().st_size > 10_000
 
 
-def test_a_crash_is_told_with_its_reason(tmp_path):
+def test_a_crash_is_reported_with_its_reason(tmp_path):
     row = fly(RunOrder(hop(tmp_path), {}, (), ("battery_sag=1@4",)), Case(0, 0, 0, {}))
     assert (row.outcome, row.reason) == ("crash", "hit an obstacle or the ground")
 
@@ -59,7 +59,7 @@ def seen(state, *fired, active=()):
     return SimpleNamespace(state=state, active=active or (state,), fired=ways, problems=("odd",))
 
 
-def test_a_diary_tells_visits_times_and_transitions():
+def test_a_visit_log_has_visits_times_and_transitions():
     diary = VisitLog(0.5)
     for record in [
         seen("a"),
@@ -82,7 +82,7 @@ def test_a_diary_counts_entries_of_states_around_and_in_regions():
     for record in [
         seen("x", active=inside),
         seen("x", ("y", "y"), active=inside),  # acts only, in another region
-        seen("x", ("x", "out"), active=inside),  # leaves it and enters it anew
+        seen("x", ("x", "out"), active=inside),  # leaves it and enters it again
         seen("z", ("out", "u, v"), ("u", "z"), active=("z",)),
         seen("x", ("z", "room"), ("door", "x, y"), active=inside),  # the room begins at its door
         seen("x", active=inside),

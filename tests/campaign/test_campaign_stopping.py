@@ -32,7 +32,7 @@ def test_failures_refute():
 
 
 @pytest.mark.parametrize(("rate", "wrong"), [(0.90, "met"), (0.95, "not met")])
-def test_wrong_decisions_are_no_more_frequent_than_asked_for(rate, wrong):
+def test_wrong_decisions_are_no_more_frequent_than_required(rate, wrong):
     rule, rng = Rule(require=0.90), np.random.default_rng(3)
     said = [sprt((rng.random(3000) < rate).tolist(), rule).verdict for _ in range(1000)]
     assert said.count("open") == 0

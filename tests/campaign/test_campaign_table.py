@@ -38,13 +38,13 @@ def test_a_line_cut_short_by_a_kill_is_dropped_and_written_over(tmp_path, cut):
 
 
 def test_a_journal_is_written_by_one_process_at_a_time(tmp_path):
-    with Journal(tmp_path), pytest.raises(UsageError, match="being flown already"):
+    with Journal(tmp_path), pytest.raises(UsageError, match="already flying this campaign"):
         Journal(tmp_path)
 
 
-def test_a_line_of_somebody_elses_is_refused(tmp_path):
+def test_a_line_from_another_vehicle_is_refused(tmp_path):
     (tmp_path / JOURNAL).write_text('{"number": 1}\n')
-    with pytest.raises(UsageError, match=r"rows.jsonl:1: no row of a campaign"):
+    with pytest.raises(UsageError, match=r"rows.jsonl:1: not a campaign row"):
         read(tmp_path)
 
 
@@ -61,7 +61,7 @@ def test_the_table_has_a_row_for_each_run_and_a_column_for_everything(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", " =1", "\r=1"])
-def test_a_text_is_no_formula_for_a_spreadsheet(tmp_path, text):
+def test_a_text_is_not_a_spreadsheet_formula(tmp_path, text):
     write(tmp_path, [row(0, parameters={"label": text, "down": -2.0}, problems=(text,))])
     with (tmp_path / "runs.csv").open(newline="") as stream:
         (first,) = csv.DictReader(stream)

@@ -24,8 +24,8 @@ def test_every_combination_is_a_variant():
         (["a"], (), "expected NAME=VALUE"),
         (["a=1,,2"], (), "expected NAME=VALUE"),
         (["a=1,1"], (), "twice"),
-        (["a=1", "a=2"], (), "set already"),
-        (["a=1"], ("a",), "set already"),
+        (["a=1", "a=2"], (), "already set"),
+        (["a=1"], ("a",), "already set"),
     ],
 )
 def test_what_makes_no_sense_is_refused(texts, fixed, wrong):

@@ -1,6 +1,6 @@
 """Each file in tests/broken says exactly what the .txt beside it holds.
 
-`pytest tests/chart/test_broken_missions.py --update-refs` writes the .txt files anew.
+`pytest tests/chart/test_broken_missions.py --update-refs` writes the .txt files.
 """
 
 from __future__ import annotations

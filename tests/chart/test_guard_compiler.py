@@ -167,7 +167,7 @@ states:
 """
 
 
-def test_a_memory_advances_also_while_nobody_asks():
+def test_a_guards_memory_advances_while_it_is_not_evaluated():
     walk = Walk(chart_of(TWO_STATES, head="missionkit: 1\nmission: small\n"))
     for events in (("a",), ("a",), ("a",), ("b",), ()):
         walk.tick(*events)
@@ -219,7 +219,7 @@ class Counting(Containment):
         return super().call(name, function, *arguments, foreign=foreign)
 
 
-def test_a_guard_is_asked_once_a_tick():
+def test_a_guard_is_evaluated_once_per_tick():
     walk = Walk("""\
 initial: x
 failsafes: [{name: one, when: a, unknown: ignore, to: land}]
@@ -239,21 +239,21 @@ states:
     ("answer", "failure"),
     [
         (ValueError("too bad"), "says raised ValueError: too bad"),
-        (None, "says answered NoneType, expected a Verdict"),
-        (True, "says answered bool, expected a Verdict"),
-        (Verdict("yes"), "says answered a Verdict of 'yes', None"),
+        (None, "says returned NoneType, expected a Verdict"),
+        (True, "says returned bool, expected a Verdict"),
+        (Verdict("yes"), "says returned a Verdict of 'yes', None"),
         (
             Verdict(np.array([True, False])),
-            "says answered a Verdict of array([ True, False]), None",
+            "says returned a Verdict of array([ True, False]), None",
         ),
-        (Verdict(True, "", "high"), "says answered a Verdict of True, 'high'"),
-        (Verdict(True, "", math.nan), "says answered with a number that is not finite"),
-        (Verdict(True, "", math.inf), "says answered with a number that is not finite"),
-        (Verdict(True, "", 1.0, 2.0, math.nan), "says answered with a number that is not finite"),
-        (Verdict(True, "", 1.0, math.nan), "says answered with a number that is not finite"),
+        (Verdict(True, "", "high"), "says returned a Verdict of True, 'high'"),
+        (Verdict(True, "", math.nan), "says returned a number that is not finite"),
+        (Verdict(True, "", math.inf), "says returned a number that is not finite"),
+        (Verdict(True, "", 1.0, 2.0, math.nan), "says returned a number that is not finite"),
+        (Verdict(True, "", 1.0, math.nan), "says returned a number that is not finite"),
     ],
 )
-def test_a_foreign_guard_that_answers_nonsense_is_unknown_and_told(answer, failure):
+def test_a_foreign_guard_that_returns_nonsense_is_unknown_and_reported(answer, failure):
     verdict, failures = asked(ex.Named("says", NOWHERE), says=says(answer))
     assert verdict.holds is None
     assert failures == (failure,)

@@ -92,7 +92,7 @@ def test_mistakes_have_their_path(written: str, path: tuple[str, ...], message: 
     assert only["msg"].startswith(message)
 
 
-def test_all_mistakes_are_told_at_once(scope: Scope):
+def test_all_mistakes_are_reported_at_once(scope: Scope):
     with pytest.raises(ValidationError) as error:
         parsed("{all: [x, {any: [sure, {use: within}]}, {not: y}]}", scope)
     assert [item["loc"] for item in error.value.errors()] == [
@@ -113,8 +113,8 @@ def named(**guards: str) -> dict[str, ex.Expression]:
 def test_circles_are_found():
     found = [str(problem) for problem in problems_of(named(a="bd", b="a", c="a", d="d"))]
     assert sorted(found) == [
-        "a:1:1: guard 'a' waits for itself: a -> b -> a",
-        "d:1:1: guard 'd' waits for itself: d -> d",
+        "a:1:1: guard 'a' refers to itself: a -> b -> a",
+        "d:1:1: guard 'd' refers to itself: d -> d",
     ]
 
 

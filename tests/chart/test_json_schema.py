@@ -94,7 +94,7 @@ def test_parameters_may_stand_for_values(missions: Any, example: Path):
     assert not missions.is_valid(read(text.replace("$patience", "patience"), "m.yaml").data)
 
 
-def test_units_are_told(catalogue: Catalogue):
+def test_units_are_described(catalogue: Catalogue):
     radius = mission_schema(catalogue)["$defs"]["guards.within"]["properties"]["radius"]
     assert radius["unit"] == "m"
     assert radius["description"] == "m"

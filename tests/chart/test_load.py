@@ -36,7 +36,7 @@ def told(path: Path) -> list[str]:
     return [str(problem).partition("room.yaml:")[2] for problem in error.value.problems]
 
 
-def test_a_world_that_is_missing_is_told_before_the_flight(
+def test_a_missing_world_is_reported_before_the_flight(
     tmp_path: Path, example: Path, catalogue: Catalogue
 ):
     (tmp_path / "worlds").mkdir()

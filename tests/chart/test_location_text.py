@@ -28,5 +28,5 @@ DATA = {
         (("control", "gps", "kp", 0), "control, gps"),
     ],
 )
-def test_a_path_in_words(path: tuple[int | str, ...], words: str):
+def test_a_path_is_described(path: tuple[int | str, ...], words: str):
     assert location_text(DATA, path) == words

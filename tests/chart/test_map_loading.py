@@ -81,7 +81,7 @@ def test_elaborating_a_mission_leaves_the_mission_itself_as_it_was(tmp_path):
         ("- 1\n", None, "expected a mapping"),
     ],
 )
-def test_a_map_that_cannot_be_read_is_told_with_its_place(tmp_path, meta, section, why):
+def test_an_unreadable_map_is_reported_with_its_place(tmp_path, meta, section, why):
     path = written(tmp_path, meta, **({} if section is None else {"section": section}))
     with pytest.raises(FileError) as caught:
         load(path, builtin())
@@ -92,7 +92,7 @@ def test_a_path_needs_a_map_and_a_goal_on_it():
     where = "m.yaml:9:15: state 'path': follow_path: "
     assert told(section="summary: no map") == where + "needs the mission's 'map'"
     assert told(spot="[60, 6, 0]") == where + "its target 'spot' is outside the map"
-    assert "'spot' is 0.00 m from a wall, and 1.05 m are to be kept" in told(spot="[3.5, 2, 0]")
+    assert "'spot' is 0.00 m from a wall, less than the 1.05 m to keep" in told(spot="[3.5, 2, 0]")
     assert "'spot' is 0.50 m from a wall" in told(spot="[4.5, 2, 0]")
     assert "'manhattan' overestimates" in told(more=", heuristic: manhattan")
 

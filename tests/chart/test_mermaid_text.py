@@ -120,7 +120,7 @@ def test_problems_belong_to_the_state_or_transition_they_stand_in(mission: Missi
     assert found.lines[1] == "[2] warning, line 13: trap"
 
 
-def test_problems_are_drawn_in_red_and_told(mission: Mission):
+def test_problems_are_drawn_in_red_and_listed(mission: Mission):
     picture = svg(mission, marks(mission, problems(mission)))
     assert picture.count('class="arrow marked"') == 2
     assert picture.count('class="box marked"') == 1
@@ -200,7 +200,7 @@ def test_marks_sit_on_the_instance_of_an_included_file_that_has_the_problem(
     assert all("part.yaml line 6:" in marked.lines[n - 1] for n in never)
 
 
-def test_a_problem_of_every_instance_is_told_once_and_marked_on_each(
+def test_a_problem_of_every_instance_is_listed_once_and_marked_on_each(
     twice: Mission, catalogue: Catalogue
 ):
     near = [twice.by_name()[f"{name}/near"].state for name in ("first", "second", "third/in")]

@@ -56,7 +56,7 @@ def test_a_state_without_behavior_has_its_kinds(smallest: Mission):
     assert smallest.states["idle"].behavior == Use("hold", Hold(), Place("m.yaml", 6, 11))
 
 
-def test_a_transition_knows_where_it_stands(smallest: Mission):
+def test_a_transition_knows_its_place_in_the_file(smallest: Mission):
     (transition,) = smallest.states["idle"].transitions
     assert transition.when == Use("done", Done(), Place("m.yaml", 8, 26))
     assert transition.for_ == 2.0

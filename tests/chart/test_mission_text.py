@@ -64,43 +64,43 @@ def said(text: str, catalogue: Catalogue) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("topic", "says"),
     [
-        ("extras", "The chart has 7 states. It begins in hold, where the chart first turns s"),
+        ("extras", "The chart has 7 states. It begins in hold, where the chart first toggl"),
         ("Variables", "seen, true or false, begins as false. It changes: at the beginning the "),
         ("Variables", "when group begins the chart sets seen to true. Nothing compares it."),
         ("Variables", "- height, a number, at least 2, at most 30, begins as 5."),
         ("Variables", "on exit from hold the chart sets height to 3; on the way inside hold the "),
         ("Variables", "chart adds -1 to height. It decides the guard near."),
-        ("Guards", "near holds when height is below 4, it is not so that the behaviour is done "),
+        ("Guards", "near holds when height is below 4, it is not true that the behaviour is done "),
         ("Guards", "and (ready holds or hold is active)."),
         ("Failsafes", "every state that flies: hold, a, b and land."),
         ("Failsafes", "- link: when link lost holds, for 2 s without a break, it goes to land, "),
         (
             "Failsafes",
-            "and asks the autopilot to land. It is not taken when the guard cannot tell.",
+            "and asks the autopilot to land. It is not taken when the guard is unknown.",
         ),
         ("hold", "Waits for the operator. Its behaviour is hold, as for every state of this kind"),
         ("hold", "On entry the chart logs 'hello' and raises here. On exit the chart sets height"),
-        ("hold", "It demands that camera silent does not hold; if not, it leaves for land."),
+        ("hold", "It requires that camera silent does not hold; if not, it leaves for land."),
         ("hold", "It is entered at the very beginning and from hold."),
         ("hold", "It is kept for 4 s at least, instead of the mission's dwell."),
-        ("hold", "It may last for ever on purpose."),
-        ("hold", "- to group on the event go or arm (waits for no dwell)."),
+        ("hold", "It may last forever, on purpose."),
+        ("hold", "- to group on the event go or arm (does not wait for the dwell)."),
         ("hold", "- not at all, only an action: when near holds, for 1.5 s without a break; the "),
-        ("hold", "- to hold when it is not so that near and ready hold and at once."),
+        ("hold", "- to hold when it is not true that near and ready hold and at once."),
         ("group", "Inside it are a, b, end and past, one of them active at a time; it begins in "),
         ("group", "It is left, whatever is active inside it, unless a way out of that is ready:"),
-        ("group", "- to b when a final state inside it is active (without leaving the state aro"),
+        ("group", "- to b when a final state inside it is active (without leaving the enclosi"),
         ("a", "It is entered at the beginning of group."),
         ("b", "It is entered from group and by the history past."),
-        ("b", "It is left only by what leads out of group, failsafes and the pilot."),
-        ("end", "end, a final state of group\nWhat is around it is done once it is entered."),
+        ("b", "It is left only by transitions out of group, failsafes and the pilot."),
+        ("end", "end, a final state of group\nThe enclosing state is done once it is entered."),
         ("past", "It leads to the innermost states of group that were active last; before group "),
         ("land", "It is entered by the broken invariant of hold and by the failsafe link."),
         ("land", "The mission ends here, on the ground."),
-        ("Success", "The mission has succeeded when group was entered, and it lands unhurt"),
+        ("Success", "The mission has succeeded when group was entered, and it lands undamaged"),
     ],
 )
-def test_everything_is_said(catalogue, topic, says):
+def test_everything_is_reported(catalogue, topic, says):
     assert says in said(EXTRAS, catalogue)[topic]
 
 
@@ -110,8 +110,8 @@ def test_everything_is_said(catalogue, topic, says):
         ("Failsafes", "None: only what the states themselves say, and the default failsafes"),
         ("work", "Inside it are fly and watch, all active together."),
         ("work", "- to home when all its regions are done."),
-        ("fly", "It is entered with work. It has no ways out of its own."),
-        ("out", "Its kind demands that the place of its target is known; broken for 1 s, it "),
+        ("fly", "It is entered with work. It has no transitions of its own."),
+        ("out", "Its kind requires that the position of its target is known; broken for 1 s, it "),
         ("out", "it leaves for hover."),
         ("out", "- to hover when goal unreachable holds (added: default failsafe unreachable of"),
         ("again", "- to home when tries is at least 3.\n- to out after 5 s in it."),
@@ -120,7 +120,7 @@ def test_everything_is_said(catalogue, topic, says):
         ("hover", "It is entered from out and by the broken invariant of out."),
     ],
 )
-def test_a_tree_is_said_with_what_its_kinds_add(catalogue, topic, says):
+def test_a_tree_is_described_with_the_additions_of_its_kinds(catalogue, topic, says):
     assert says in said(NESTED, catalogue)[topic]
 
 
@@ -148,6 +148,6 @@ def test_the_example_says_every_state_and_is_the_same_every_time(example: Path, 
     assert topics[3:-1] == [*mission.states, "hover"]
 
 
-def test_every_kinds_invariant_has_words(catalogue):
+def test_every_kinds_invariant_has_a_description(catalogue):
     formulas = {kind.invariant.says for kind in catalogue.kinds.values() if kind.invariant}
     assert formulas == set(DEMANDS)

@@ -35,7 +35,7 @@ def told(*words):
 
 
 @pytest.mark.parametrize("command", ["validate", "explain", "run"])
-def test_a_pipe_is_no_mission(command, pipe):
+def test_a_pipe_is_not_a_mission(command, pipe):
     assert "pipe.yaml:1:1: " in (said := told(command, pipe))
     assert "cannot be read: it is a pipe, not a file" in said
 

@@ -19,11 +19,11 @@ states:
 KNOWN = {"t": Target("t", vec(50, 0, -5), 1.0, None, None, None)}
 
 
-def test_a_violation_is_told_once_and_leads_away_when_it_lasts():
+def test_a_violation_is_reported_once_and_leads_away_when_it_lasts():
     walk = Walk(GPS, targets=KNOWN)
     walk.run(0.5)
     walk.run(2.0, targets={})
-    assert walk.problems == [(0.55, "state 'out': where t is, is not known")]
+    assert walk.problems == [(0.55, "state 'out': the position of t is unknown")]
     assert walk.trace == [(1.55, "out", "hover", "invariant broken for 1 s")]
 
 
@@ -32,10 +32,10 @@ def test_the_way_out_is_explained_by_the_verdict():
     decisions = [walk.tick() for _ in range(21)]
     assert walk.state == "hover"
     ((name, verdict),) = decisions[-1].fired[0].verdicts
-    assert (name, verdict.holds, verdict.why) == ("I(out)", False, "where t is, is not known")
+    assert (name, verdict.holds, verdict.why) == ("I(out)", False, "the position of t is unknown")
 
 
-def test_a_violation_that_passes_in_time_is_tolerated_and_told_anew_the_next_time():
+def test_a_short_violation_is_tolerated_and_reported_again_next_time():
     walk = Walk(GPS, targets=KNOWN)
     walk.run(0.9, targets={})
     walk.tick()
@@ -62,7 +62,7 @@ states:
 
 
 @pytest.mark.parametrize(("way_out", "went"), [("", []), (", exit: y", [(0.3, "y")])])
-def test_what_the_mission_demands_is_told_and_left_at_once_if_it_says_where_to(way_out, went):
+def test_a_broken_mission_invariant_is_reported_and_left_at_once_if_it_has_an_exit(way_out, went):
     walk = Walk(OWN % way_out)
     walk.run(0.25, "a")
     walk.run(0.5, "b")
@@ -70,13 +70,13 @@ def test_what_the_mission_demands_is_told_and_left_at_once_if_it_says_where_to(w
     assert walk.went() == went
 
 
-def test_an_invariant_that_cannot_be_told_is_not_broken():
+def test_an_unknown_invariant_is_not_broken():
     walk = Walk(OWN % ", exit: y")
     walk.run(1.0, "a?")
     assert (walk.problems, walk.trace) == ([], [])
 
 
-def test_every_tick_says_how_the_invariant_stands():
+def test_every_tick_reports_the_invariant():
     walk = Walk(GPS, targets=KNOWN)
     assert walk.tick().answers["I(out)"].holds is True
     assert walk.tick(targets={}).answers["I(out)"].holds is False

@@ -61,7 +61,7 @@ states:
 """
 
 
-def test_the_operators_landing_is_no_event_that_a_star_hears():
+def test_the_operators_landing_does_not_match_a_star():
     walk = Walk(HEARS_ALL)
     walk.run(0.5, ABORT)
     assert walk.went() == [(0.05, "land")]
@@ -84,7 +84,7 @@ states:
 """
 
 
-def test_a_tick_goes_on_until_the_chart_rests():
+def test_a_tick_runs_until_the_chart_is_stable():
     walk = Walk(RING.format(dwell=0))
     walk.run(0.1, "a")
     assert walk.went() == [(0.05, "y"), (0.05, "z")]
@@ -96,15 +96,15 @@ def test_the_dwell_lets_one_guard_fire_in_a_tick():
     assert walk.went() == [(0.05, "y"), (0.1, "z")]
 
 
-def test_a_chart_that_does_not_come_to_rest_is_stopped_and_told():
+def test_a_chart_that_never_settles_is_stopped_and_reported():
     walk = Walk(RING.format(dwell=0))
     decision = walk.tick("a", "b")
     assert len(decision.fired) <= MOST_MICROSTEPS
     (told,) = walk.contain.take()
-    assert told == "the chart does not come to rest: ... y -> z -> x -> y -> z -> x"
+    assert told == "the chart keeps changing state within one tick: ... y -> z -> x -> y -> z -> x"
 
 
-def test_guards_that_did_not_decide_are_asked_and_recorded_all_the_same():
+def test_guards_that_did_not_decide_are_still_evaluated_and_recorded():
     walk = Walk(CHART)
     decision = walk.tick("a", "c?")
     said = {name: verdict.holds for name, verdict in decision.answers.items()}

@@ -37,7 +37,7 @@ def test_outputs_come_in_the_order_exit_transition_entry_after_the_mode():
     )
 
 
-def test_a_raised_event_is_heard_in_the_order_it_was_raised_and_never_again():
+def test_raised_events_are_handled_once_and_in_order():
     walk = Walk(CHART)
     walk.run(1.0, "a")
     assert walk.trace == [

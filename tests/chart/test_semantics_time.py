@@ -31,7 +31,7 @@ def test_for_counts_from_when_the_guard_began_to_hold():
 
 
 @pytest.mark.parametrize("gap", ["", "a?"])
-def test_for_starts_anew_when_the_guard_stops_holding_even_once(gap):
+def test_for_restarts_when_the_guard_stops_holding_even_once(gap):
     walk = walk_of("{to: y, when: a, for: 0.5}")
     walk.run(0.5, "a")
     walk.tick(gap)
@@ -39,7 +39,7 @@ def test_for_starts_anew_when_the_guard_stops_holding_even_once(gap):
     assert walk.went() == [(1.1, "y")]
 
 
-def test_for_starts_anew_on_re_entry():
+def test_for_restarts_on_re_entry():
     walk = walk_of("{to: y, when: a, for: 0.3}")
     walk.run(0.35, "a")
     walk.tick("a", "back")
@@ -60,7 +60,7 @@ def test_all_that_a_transition_names_must_be_fulfilled():
     assert walk.trace == [(0.9, "x", "y", "when a for 0.2 s, after 0.5 s, on go")]
 
 
-def test_an_event_is_gone_after_its_tick():
+def test_an_event_lasts_one_tick():
     walk = walk_of("{to: y, event: go, after: 0.2}")
     walk.tick("go")
     walk.run(1.0)

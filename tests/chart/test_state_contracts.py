@@ -238,7 +238,7 @@ def test_an_included_file_keeps_its_own_and_gets_a_hover_of_its_own(tmp_path):
     assert whole["work/hover"].state.transitions[0].to == ("home",)
 
 
-def test_nothing_leads_out_of_an_included_file_and_that_is_said(tmp_path):
+def test_nothing_leads_out_of_an_included_file_and_that_is_reported(tmp_path):
     alone = """\
 initial: look
 states:
@@ -275,13 +275,13 @@ def test_the_example_meets_its_contracts(example):
     assert unmet(load(example, CATALOGUE), CATALOGUE) == []
 
 
-def test_a_mission_without_land_is_told_so_and_nothing_else():
+def test_a_mission_without_land_gets_only_that_problem():
     assert told("initial: x\nstates:\n  x: {kind: custom}\n") == [
-        "m.yaml:7:3: no state of kind 'land': where would it end?"
+        "m.yaml:7:3: no state of kind 'land': the mission needs one to end in"
     ]
 
 
-def test_a_visual_state_without_search_is_told_at_its_kind():
+def test_a_visual_state_without_search_is_reported_at_its_kind():
     text = f"""\
 initial: v
 states:
@@ -294,7 +294,7 @@ states:
     assert told(text) == [cannot("8:11", "v", "visual", "search")]
 
 
-def test_a_state_that_cannot_land_is_told_unless_a_failsafe_leads_down():
+def test_a_state_that_cannot_land_is_reported_unless_a_failsafe_lands():
     text = "initial: x\nstates:\n  x: {kind: custom}\n  y: {kind: idle}\n  land: {kind: land}\n"
     assert told(text) == [cannot("7:13", "x", "custom", "land")]
     assert told(text + "failsafes: [{name: f, when: a, to: land}]\n") == []

@@ -51,14 +51,14 @@ def test_a_text_that_is_not_equal_does_not_hold():
     assert walk.state == "z"
 
 
-def test_a_value_out_of_range_changes_nothing_is_told_and_raises_an_error():
+def test_a_value_out_of_range_changes_nothing_and_is_reported():
     walk = Walk(CHART)
     walk.tick("count", "count")
     assert walk.memory.variables["tries"] == 2
     walk.tick("count")
     assert walk.memory.variables["tries"] == 2
     assert walk.state == "land"
-    assert walk.problems == [(0.1, "assign tries: 3 is not what tries may be; it stays 2")]
+    assert walk.problems == [(0.1, "assign tries: 3 is not a valid value of tries; it stays 2")]
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_numbers_do_not_overflow():
     variables = {"n": Variable(initial=2.0**1023)}
     values, wrong = assigned(variables, {"n": 2.0**1023}, Output("assign", "n", "add", 2.0**1023))
     assert values == {"n": 2.0**1023}
-    assert wrong.startswith("assign n: inf is not what n may be")
+    assert wrong.startswith("assign n: inf is not a valid value of n")
 
 
 @pytest.mark.parametrize(
@@ -94,11 +94,11 @@ def test_numbers_do_not_overflow():
         (("x", "a"), "a.b", True),
     ],
 )
-def test_an_event_is_heard_by_its_words(described, event, heard):
+def test_an_event_is_matched_by_its_words(described, event, heard):
     assert matches(described, event) is heard
 
 
-def test_an_output_is_told_in_words():
+def test_an_output_is_described():
     told = [
         in_words(Output("assign", "n", operation, operand))
         for operation, operand in (("set", 3), ("add", 1), ("copy", "m"), ("toggle", True))

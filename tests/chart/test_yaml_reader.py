@@ -83,7 +83,7 @@ def test_scalars_follow_the_core_schema(written: str, meant: object):
         ("? [a]\n: 1", "m.yaml:1:3: a key must be a word, got a list"),
         ("a: !mine 1", "m.yaml:1:4: tag '!mine': tags are not used in missions"),
         ("a: !!set {b}", "m.yaml:1:4: tag 'tag:yaml.org,2002:set': tags are not used in missions"),
-        ("a: !!int x", "m.yaml:1:4: 'x' is no int"),
+        ("a: !!int x", "m.yaml:1:4: 'x' is not a valid int"),
     ],
 )
 def test_small_problems_leave_the_rest_readable(text: str, message: str):
@@ -132,13 +132,13 @@ def test_aliases_cannot_nest_deeper_than_brackets_may():
         read(f"a: &a {deep}\nb: {'[' * 30}*a {']' * 30}\n", "m.yaml")
 
 
-def test_a_byte_order_mark_is_no_content(tmp_path: Path):
+def test_a_byte_order_mark_is_ignored(tmp_path: Path):
     path = tmp_path / "m.yaml"
     path.write_bytes(b"\xef\xbb\xbfa: 1\n")
     assert read_file(path).data == {"a": 1}
 
 
-def test_bytes_that_are_no_text_are_found(tmp_path: Path):
+def test_bytes_that_are_not_text_are_found(tmp_path: Path):
     path = tmp_path / "m.yaml"
     path.write_bytes("a: 1\nä: \xff".encode("latin-1"))
     with pytest.raises(FileError, match=r"m\.yaml:2:1: not UTF-8"):

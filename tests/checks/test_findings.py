@@ -1,6 +1,6 @@
 """Each file in tests/checks has exactly the findings that the .txt beside it holds.
 
-`pytest tests/checks/test_findings.py --update-refs` writes the .txt files anew.
+`pytest tests/checks/test_findings.py --update-refs` writes the .txt files.
 """
 
 from __future__ import annotations

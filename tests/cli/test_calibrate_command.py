@@ -40,10 +40,10 @@ def test_a_lens_is_found_from_image_files(tmp_path):
     assert re.search(r"^# reprojection error 0.0\d+ px over 24 views\n", done.stdout)
     assert re.search(r"^# they cover [89]\d% of the image, the board tilted", done.stdout, re.M)
     assert re.search(r"^# standard deviations: fx 0.\d+, .*, k1 0.00\d+, ", done.stdout, re.M)
-    assert "k3 is not told apart from 0" in done.stdout
+    assert "cannot distinguish k3 from 0" in done.stdout
 
 
-def test_a_lens_is_found_from_a_film_and_what_is_doubtful_is_told(tmp_path):
+def test_a_lens_is_calibrated_from_a_film_and_doubts_are_reported(tmp_path):
     film(tmp_path / "film.avi", photographs(16, reach=0.7, tilt=0.25))
     done = call("calibrate", tmp_path / "film.avi")
     found = section(done)
@@ -59,13 +59,13 @@ def test_a_calibration_without_views_says_how_many_are_needed(tmp_path):
     assert "seen in 0 images; 8 are needed" in done.output
 
 
-def test_a_size_that_is_none_is_refused(tmp_path):
+def test_an_invalid_size_is_refused(tmp_path):
     done = call("calibrate", "0", "--size", "big")
     assert done.exit_code == 2
     assert "--size big: expected WIDTHxHEIGHT" in done.output
 
 
-def test_a_device_is_asked_for_the_size(monkeypatch):
+def test_the_size_is_requested_from_the_device(monkeypatch):
     driver = Driver(wall_with(23))
     monkeypatch.setattr(image_stream, "opened", {0: driver}.get)
     call("calibrate", "0", "--size", "1280x720", "--images", 1)
@@ -76,14 +76,14 @@ def test_the_board_is_drawn_and_is_what_a_calibration_looks_for(tmp_path):
     out = tmp_path / "board.png"
     done = call("board", "--out", out)
     assert done.exit_code == 0, done.output
-    assert f"drawn in {out}: 280 x 200 mm" in done.output
+    assert f"wrote {out}: 280 x 200 mm" in done.output
     assert "seen in 1 images; 8 are needed" in call("calibrate", out).output
 
 
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["--out", "board.pdf"], "board.pdf: the board is drawn as .png"),
+        (["--out", "board.pdf"], "board.pdf: expected a file that ends in .png"),
         (["--square", "40", "--marker", "30"], "a board of more than 3 m is not drawn"),
         (["--columns", "20", "--rows", "20"], "20x20 squares need 200 markers; DICT_4X4_50 has 50"),
     ],

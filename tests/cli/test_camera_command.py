@@ -45,7 +45,7 @@ def test_markers_of_a_photograph_are_seen_and_drawn(photo, tmp_path):
     assert (cv2.imread(str(out)) != cv2.imread(str(photo))).any()
 
 
-def test_the_markers_of_a_mission_are_told_with_their_distances(photo, desk, tmp_path):
+def test_the_markers_of_a_mission_are_listed_with_their_distances(photo, desk, tmp_path):
     done = call("check", photo, "--mission", desk(0))
     assert done.exit_code == 0, done.output
     # 35 px of 0.1 m at a focal length of 628 px, seen from aslant
@@ -69,7 +69,7 @@ def test_the_film_of_a_mission_lies_beside_it_and_says_the_distance(desk):
     assert "other markers" not in done.output  # the picture is the last that shows one of its own
 
 
-def test_a_mission_whose_markers_are_not_seen_is_told_by_the_exit_code(desk):
+def test_unseen_markers_set_the_exit_code(desk):
     path = desk("film.avi")
     film(path.parent / "film.avi", [wall_with(3)])
     done = call("check", "--mission", path)
@@ -78,7 +78,7 @@ def test_a_mission_whose_markers_are_not_seen_is_told_by_the_exit_code(desk):
     assert "other markers in the picture: 3" in done.output
 
 
-def test_a_marker_that_is_too_small_to_count_is_told(desk):
+def test_a_marker_too_small_to_count_is_reported(desk):
     path = desk("film.avi")
     path.write_text(path.read_text().replace("id: 23,", "id: 23, min_area: 20000,"))
     film(path.parent / "film.avi", [wall_with(23)])
@@ -96,11 +96,13 @@ def test_images_of_another_size_are_refused(desk):
 @pytest.mark.parametrize(
     ("stamps", "told"),
     [
-        (True, r"\n30 ms old when they come, by the driver's stamps; latency of the mission: 50"),
-        (False, r"\nhow old they are it does not say; mission: 50 ms\n"),
+        (True, r"\n30 ms old on arrival, by the driver's timestamps; latency of the mission: 50"),
+        (False, r"\nthe driver does not report their age; latency of the mission: 50 ms\n"),
     ],
 )
-def test_the_age_of_the_images_is_told_if_the_driver_stamps_them(stamps, told, desk, monkeypatch):
+def test_the_age_of_the_images_is_reported_if_the_driver_stamps_them(
+    stamps, told, desk, monkeypatch
+):
     driver = Driver(wall_with(23), stamps)
     monkeypatch.setattr(image_stream, "opened", {2: driver}.get)
     monkeypatch.setattr(image_stream, "wall", lambda: driver.now)
@@ -120,13 +122,16 @@ def test_the_age_of_the_images_is_told_if_the_driver_stamps_them(stamps, told, d
         (["http://127.0.0.1:1/x"], "http://127.0.0.1:1/x: no image comes from it: does it stream"),
         (["phot.jpg"], "camera phot.jpg: no such file in .; did you mean 'photo.jpg'?"),
         ([], "name a SOURCE: device number, file or URL; or a --mission with a device"),
-        (["--mission", "blind.yaml"], "the camera of mission 'desk' is no device: name a SOURCE"),
+        (
+            ["--mission", "blind.yaml"],
+            "the camera of mission 'desk' is not a device: give a SOURCE",
+        ),
         (["photo.jpg", "--dictionary", "DICT_6X6"], "there is no marker dictionary 'DICT_6X6'"),
-        (["photo.jpg", "--out", "no/a.png"], "no/a.png: the picture could not be written"),
-        (["photo.jpg", "--out", "a.txt"], "a.txt: the picture could not be written"),
+        (["photo.jpg", "--out", "no/a.png"], "no/a.png: could not write the picture"),
+        (["photo.jpg", "--out", "a.txt"], "a.txt: could not write the picture"),
     ],
 )
-def test_what_cannot_be_checked_is_told_in_a_line(words, reason, tmp_path, monkeypatch):
+def test_impossible_checks_are_reported_in_a_line(words, reason, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "text.jpg").write_text("no image")
     (tmp_path / "blind.yaml").write_text(MARKED.replace("use: device, source: %s, ", ""))

@@ -54,7 +54,7 @@ def test_a_broken_mission_is_explained_on_stderr(call, hop):
     ],
 )
 @pytest.mark.parametrize("command", ["validate", "run"])
-def test_a_world_that_cannot_be_used_is_told(call, hop, command, world, says):
+def test_an_unusable_world_is_reported(call, hop, command, world, says):
     (hop.parent / "bad.yaml").write_text("world: bad\nobstacles:\n- {use: cylindr}\n")
     hop.write_text(f"{hop.read_text()}world: {world}\n")
     result = call(command, "hop.yaml")
@@ -106,7 +106,7 @@ def test_a_world_that_cannot_be_used_is_told(call, hop, command, world, says):
         (["new", "gard", "x"], "did you mean 'guard'"),
         (["new", "guard", "Größe"], "use a-z, 0-9 and _"),
         (["new", "guard", "within"], "already a guard called 'within'"),
-        (["new", "mission", "hop"], "hop.yaml exists already"),
+        (["new", "mission", "hop"], "hop.yaml already exists"),
     ],
 )
 def test_misuse_is_explained_and_leaves_nothing_behind(call, tmp_path, arguments, says):

@@ -93,7 +93,7 @@ def test_a_crash_keeps_the_record_and_says_where(call, tmp_path, monkeypatch):
     assert (folder / "flight.mcap").is_file()
 
 
-def test_a_vehicle_out_of_reach_is_no_crash(call, monkeypatch):
+def test_an_unreachable_vehicle_is_not_a_crash(call, monkeypatch):
     def silent(*_, **__):
         raise VehicleError("no heartbeat from udp:14540 in 10 s")
 
@@ -129,7 +129,7 @@ def states(folder):
 def test_ctrl_c_lands(interrupted):
     code, out, err, folder = interrupted("climbing")
     assert (code, err) == (1, "")
-    assert "ended safely: landed because the operator asked for it" in out
+    assert "ended safely: landed because the operator requested it" in out
     told = summary(folder)
     assert told["transitions"][-1]["reason"] == "operator: land"
     assert told["grade"]["landed"]

@@ -86,7 +86,7 @@ def test_a_film_lies_beside_the_mission(opening, tmp_path):
         opening(named("film.mp4"), folder=tmp_path)
 
 
-def test_a_film_that_is_not_there_is_told_with_the_nearest(opening, tmp_path):
+def test_a_missing_film_is_reported_with_the_nearest_name(opening, tmp_path):
     (tmp_path / "flight-3.mp4").touch()
     with pytest.raises(FileError, match=r"did you mean 'flight-3.mp4'\?"):
         opening(named("flight_3.mp4"))
@@ -94,7 +94,7 @@ def test_a_film_that_is_not_there_is_told_with_the_nearest(opening, tmp_path):
         opening(HOP, "fligt-3.mp4")
 
 
-def test_a_missing_film_is_told_before_there_is_a_folder(call, hop):
+def test_a_missing_film_is_reported_before_a_folder_is_made(call, hop):
     hop.write_text(named("film.mp4"))
     result = call("run", "hop.yaml", "--vehicle", ADDRESS, "--headless")
     assert result.exit_code == 2
@@ -122,7 +122,7 @@ def test_what_is_drawn_for_a_device_is_an_image_through_its_lens():
 def test_the_option_needs_a_vehicle(call, hop):
     result = call("run", "hop.yaml", "--camera", "0", "--headless")
     assert result.exit_code == 2
-    assert "--camera is for --vehicle" in result.stderr
+    assert "--camera needs --vehicle" in result.stderr
 
 
 @pytest.mark.parametrize("command", [["run", "--headless"], ["campaign", "--runs", "1"]])

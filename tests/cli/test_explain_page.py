@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from missionkit.chart.prose.state_text import item, said, topic
+from missionkit.chart.prose.state_text import item, sentence, topic
 from missionkit.cli.explain_command import page, width
 
 
 def test_paragraphs_are_wrapped_with_their_margins():
     paragraphs = [
         topic("gps, of kind gps"),
-        said("word " * 12),
+        sentence("word " * 12),
         item("to land " * 8),
         topic("b", 1),
     ]

@@ -25,7 +25,7 @@ def at_most(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def test_a_rehearsal_flies_to_its_end_when_files_can_grow_no_more(call, hop):
+def test_a_rehearsal_flies_to_its_end_when_files_cannot_grow(call, hop):
     assert call("run", "hop.yaml").exit_code == 0  # compiles what has to be
     with at_most(20_000):
         result = call("run", "hop.yaml")
@@ -34,7 +34,7 @@ def test_a_rehearsal_flies_to_its_end_when_files_can_grow_no_more(call, hop):
     told = result.stderr.splitlines()
     assert told[0].startswith("the flight record: File too large")
     assert told[1].startswith("checkpoints: File too large")
-    assert [line.count("; the flight goes on") for line in told] == [1, 1, 0]
+    assert [line.count("; the flight continues") for line in told] == [1, 1, 0]
     assert "track.png: File too large" in told[2]
     flown = json.loads((hop.parent / f"{HOP}-2" / "summary.json").read_text())
     assert flown["outcome"] == "success"
@@ -62,7 +62,7 @@ def test_a_folder_that_is_removed_in_flight_is_named(call, hop, monkeypatch):
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EROFS, errno.EIO, errno.EACCES])
-def test_the_live_view_and_the_track_tell_what_failed_in_flight(call, hop, monkeypatch, code):
+def test_the_live_view_and_the_track_show_failures_in_flight(call, hop, monkeypatch, code):
     flush, count = Channels.flush, 0
 
     def failing(self):
@@ -74,7 +74,7 @@ def test_the_live_view_and_the_track_tell_what_failed_in_flight(call, hop, monke
 
     monkeypatch.setattr(Channels, "flush", failing)
     result = call("run", "hop.yaml")
-    sentence = "the flight record: it does not work any more; the flight goes on"
+    sentence = "the flight record: it does not work any more; the flight continues"
     assert (result.exit_code, result.stderr) == (0, sentence + "\n")
     assert f"problem: {sentence}" in result.stdout
     flown = json.loads((hop.parent / HOP / "summary.json").read_text())

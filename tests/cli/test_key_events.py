@@ -74,7 +74,7 @@ def test_a_plan_is_sent_when_it_is_due():
 
 
 @pytest.mark.parametrize("text", ["go", "@3", "go@", "go@soon", "go@-1", "go@inf", "a b@1"])
-def test_a_plan_that_cannot_be_read_is_told(text):
+def test_an_unreadable_plan_is_reported(text):
     with pytest.raises(UsageError, match="expected NAME@SECONDS, such as"):
         Planned([text], Operator())
 

@@ -83,7 +83,7 @@ def test_lines_are_exactly_these():
     assert out.getvalue().splitlines() == [
         "    0.0 s  gps (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
         "    5.0 s  gps (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
-        "    7.5 s  gps -> visual: when marker-sure (marker-sure 0.8 against 0.7)",
+        "    7.5 s  gps -> visual: when marker-sure (marker-sure 0.8, limit 0.7)",
         "   10.0 s  visual (nearing): 12.3 m north, -5.7 m east, 6.0 m high, 5.0 m/s, battery 81 %",
         "   10.1 s  problem: gps: height is not kept",
     ]
@@ -111,7 +111,7 @@ def test_the_page_shows_what_a_mission_logs_among_the_last_events():
     assert "reason 6" not in text
 
 
-def test_a_reader_that_has_gone_does_not_end_the_flight():
+def test_a_closed_reader_does_not_end_the_flight():
     class Gone(io.StringIO):
         def write(self, _):
             raise BrokenPipeError
@@ -199,7 +199,7 @@ def test_a_guard_without_numbers_has_no_bar():
     assert bar(Verdict.unknown("why")).plain == ""
 
 
-def test_a_problem_that_lasts_is_told_once(monkeypatch):
+def test_a_lasting_problem_is_reported_once(monkeypatch):
     out, wall = Terminal(), [0.0]
     console = Console(file=out, force_terminal=True, width=100)
     with PageView(console, lambda: wall[0], "m") as view:

@@ -24,7 +24,7 @@ def shown(one: Problem, *lines: str) -> list[str]:
     return text([one], {"m.yaml": lines}).splitlines()
 
 
-def test_the_caret_stands_below_the_column():
+def test_the_caret_is_below_the_column():
     assert shown(problem(), "a:", "  b: 1") == [
         "m.yaml:2:3: error: it is wrong",
         "    b: 1",
@@ -32,7 +32,7 @@ def test_the_caret_stands_below_the_column():
     ]
 
 
-def test_code_level_and_remedy_are_told():
+def test_code_level_and_remedy_are_printed():
     warning = problem(level=Level.WARNING, code="trap", remedy="add a transition to 'land'")
     assert shown(warning, "a:", "  b: 1") == [
         "m.yaml:2:3: warning[trap]: it is wrong",

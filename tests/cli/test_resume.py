@@ -80,12 +80,12 @@ def entered(folder, state):
     return next(it["at"] for it in summary(folder)["transitions"] if it["to"] == state)
 
 
-def test_a_killed_run_goes_on_and_is_summed_up_as_a_whole(call, killed):
+def test_a_killed_run_continues_and_is_summarised_as_a_whole(call, killed):
     folder = killed()
     saved = load(folder).value.kept.course.memory
     result = call("run", "--resume", str(folder))
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "resumed after 2.95 s: in the air, in up; the chart goes on" in result.stdout
+    assert "resumed after 2.95 s: in the air, in up; the chart continues" in result.stdout
     assert result.stdout.count("  up: ") == 1  # the live view does not catch up with the past
     told = summary(folder)
     assert [it["to"] for it in told["transitions"]] == ["up", "land"]
@@ -131,13 +131,13 @@ def test_a_run_may_be_killed_twice(call, killed, monkeypatch):
     assert [it["to"] for it in summary(folder)["transitions"]] == ["up", "land"]
 
 
-def test_a_damaged_checkpoint_is_told_and_the_one_before_is_used(call, killed):
+def test_a_damaged_checkpoint_is_reported_and_the_previous_one_used(call, killed):
     folder = killed()
     text = (folder / NEWEST).read_text()
     (folder / NEWEST).write_text(text[:-100])
     result = call("run", "--resume", str(folder))
     assert result.exit_code == 0
-    assert "this checkpoint cannot be used: it was cut short or changed" in result.stderr
+    assert "this checkpoint cannot be used: it was truncated or changed" in result.stderr
 
 
 def test_without_a_sound_checkpoint_nothing_is_flown(call, killed):
@@ -158,7 +158,7 @@ def test_a_checkpoint_that_holds_something_else_is_refused(call, killed):
     result = call("run", "--resume", str(folder))
     assert (result.exit_code, result.stderr) == (
         2,
-        f"{folder / NEWEST}: this is no checkpoint of a flight\n",
+        f"{folder / NEWEST}: this is not the checkpoint of a flight\n",
     )
 
 
@@ -195,13 +195,13 @@ def test_a_changed_file_is_refused_with_its_differences(
     assert result.exit_code == 2
     said = result.stderr.splitlines()
     assert said[0] == (
-        f"{folder}: the mission was changed since; --force goes on with it as it is now"
+        f"{folder}: the mission has changed since; --force resumes with it as it is now"
     )
     assert set(lines) <= set(said)
     assert (folder / NEWEST).is_file()
     forced = call("run", "--resume", str(folder), "--force")
     assert forced.exit_code == 0
-    assert "guards, behaviours and histories begin anew" in forced.stdout
+    assert "guards, behaviours and histories restart" in forced.stdout
     assert (folder / "mission-2.yaml").read_bytes() == (tmp_path / "stay.yaml").read_bytes()
 
 
@@ -240,7 +240,7 @@ def test_a_changed_mission_that_dies_at_once_is_still_a_changed_one(
             call("run", "--resume", str(folder), "--force")
     result = call("run", "--resume", str(folder))
     assert result.exit_code == 0
-    assert "guards, behaviours and histories begin anew" in result.stdout
+    assert "guards, behaviours and histories restart" in result.stdout
 
 
 def test_another_value_of_a_parameter_is_a_change(call, killed):
@@ -257,15 +257,15 @@ def test_other_targets_are_refused_also_by_force(call, killed, stay):
     stay.write_text(STAY + "targets: {pole: {position: [9, 0, -2]}}\n")
     result = call("run", "--resume", str(folder), "--force")
     assert result.exit_code == 2
-    assert "the targets are not those of the run" in result.stderr
+    assert "the targets differ from those of the run" in result.stderr
 
 
-def test_a_state_that_is_gone_lands(call, killed, stay):
+def test_a_missing_state_lands(call, killed, stay):
     folder = killed()
     stay.write_text(STAY.replace("  up:", "  aloft:").replace("to: up", "to: aloft"))
     result = call("run", "--resume", str(folder), "--force")
     assert result.exit_code == 0
-    assert "in the air, at a place in the chart that is no more; landing" in result.stdout
+    assert "in the air, in a state that the chart no longer has; landing" in result.stdout
     assert summary(folder)["transitions"][-1]["reason"] == "operator: land"
 
 
@@ -331,15 +331,15 @@ class Patient(WindowGuard):
 """
 
 
-def test_what_a_foreign_plug_in_remembers_begins_anew_and_is_told(call, killed, stay, tmp_path):
+def test_a_foreign_plug_ins_unsaved_memory_restarts_and_is_reported(call, killed, stay, tmp_path):
     (tmp_path / "mine.py").write_text(FOREIGN)
     up = "behavior: {use: stare}\n    transitions: [{to: land, when: {use: patient}}, "
     stay.write_text(STAY.replace("transitions: [{to: land, after", f"{up}{{to: land, after"))
     folder = killed(5.0, "--plugin", "mine.py")
     result = call("run", "--resume", str(folder), "--plugin", "mine.py")
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "what stare remembers in up cannot be saved: it begins anew" in result.stdout
-    assert "what patient remembers cannot be saved: it begins anew" in result.stdout
+    assert "the memory of stare in up cannot be saved: it will restart on resume" in result.stdout
+    assert "the memory of patient cannot be saved: it will restart on resume" in result.stdout
     notes = [entry.data["note"] for entry in read(folder / "flight-2.mcap", "/state")]
     assert notes[0] == "stared 0"
 
@@ -358,8 +358,8 @@ def test_a_plug_in_that_only_the_folder_names_is_never_run(call, killed, stay, t
     result = call("run", "--resume", str(folder))
     assert (result.exit_code, result.stderr) == (
         2,
-        f"{folder}: this run was flown with plug-in files, and a folder's word runs none; read "
-        f"them, and name them yourself: --plugin {tmp_path / 'mine.py'}\n",
+        f"{folder}: this run used plug-in files, which --resume does not run by itself; "
+        f"review them and name them yourself: --plugin {tmp_path / 'mine.py'}\n",
     )
     assert not (tmp_path / "was_run").exists()
 
@@ -370,7 +370,7 @@ def test_a_plug_in_that_was_changed_is_refused_before_it_is_run(call, killed, tm
     (tmp_path / "mine.py").write_text(PLANTED + FOREIGN)
     result = call("run", "--resume", str(folder), "--plugin", "mine.py")
     assert result.exit_code == 2
-    assert result.stderr.startswith(f"{folder}: a plug-in is not the one flown\n--- mine.py")
+    assert result.stderr.startswith(f"{folder}: a plug-in differs from the one flown\n--- mine.py")
     assert not (tmp_path / "was_run").exists()
     forced = call("run", "--resume", str(folder), "--plugin", "mine.py", "--force")
     assert forced.exit_code == 0
@@ -407,18 +407,18 @@ def test_the_record_of_a_killed_flight_reaches_to_the_tick_before(stay, tmp_path
     assert poses == pytest.approx([0.05 * number for number in range(1, tick)])
 
 
-def test_two_do_not_go_on_with_one_flight(call, killed):
+def test_one_flight_cannot_be_resumed_twice(call, killed):
     folder = killed()
     with held(folder):
         result = call("run", "--resume", str(folder))
     assert (result.exit_code, result.stderr) == (
         2,
-        f"{folder}: another missionkit is flying this run; wait for it, or end it first\n",
+        f"{folder}: another missionkit is flying this run; wait for it, or stop it first\n",
     )
     assert call("run", "--resume", str(folder)).exit_code == 0
 
 
-def test_a_flight_under_way_is_not_gone_on_with_by_another(call, stay, monkeypatch):
+def test_a_running_flight_cannot_be_resumed_by_another_process(call, stay, monkeypatch):
     inner = []
     save = command.Saving.__call__
 
@@ -433,7 +433,7 @@ def test_a_flight_under_way_is_not_gone_on_with_by_another(call, stay, monkeypat
     assert "another missionkit is flying this run" in inner[0].stderr
 
 
-def test_a_process_that_is_killed_leaves_what_another_goes_on_from(stay, tmp_path):
+def test_a_killed_process_leaves_a_resumable_run(stay, tmp_path):
     line = [sys.executable, "-m", "missionkit", "run"]
     with subprocess.Popen([*line, "stay.yaml", "--speed", "5"], stdout=-1, text=True) as process:
         while "idle -> up" not in process.stdout.readline():

@@ -79,7 +79,7 @@ def test_nothing_is_written_over(tmp_path, kind):
     paths[-1].write_text("mine")
     for path in paths[:-1]:
         path.unlink()
-    with pytest.raises(UsageError, match="exists already"):
+    with pytest.raises(UsageError, match="already exists"):
         new(kind, "thing", tmp_path)
     assert paths[-1].read_text() == "mine"
     assert not any(path.exists() for path in paths[:-1])

@@ -21,7 +21,7 @@ PADS = parse(
         (("target=pad", "target=pad"), Share(target="pad")),
     ],
 )
-def test_what_is_shared_is_what_was_asked_for(texts, share):
+def test_only_the_requested_data_is_shared(texts, share):
     assert share_of(texts, PADS) == share
 
 
@@ -39,6 +39,6 @@ def test_anything_else_is_refused_with_what_would_be_right(texts, reason):
         share_of(texts, PADS)
 
 
-def test_without_a_vehicle_nobody_is_told(call):
+def test_sharing_needs_a_vehicle(call):
     result = call("run", "hop.yaml", "--share", "pose")
-    assert (result.exit_code, "--share is for --vehicle" in result.stderr) == (2, True)
+    assert (result.exit_code, "--share needs --vehicle" in result.stderr) == (2, True)

@@ -40,7 +40,7 @@ hop.yaml:10:36: {level}[dead]: never
         (Level.WARNING, ["--strict"], 2, "", "hop.yaml: 1 warning\n"),
     ],
 )
-def test_what_the_proof_finds_is_told_by_its_level(call, found, level, options, code, out, end):
+def test_findings_are_reported_by_level(call, found, level, options, code, out, end):
     found(level)
     result = call("validate", "hop.yaml", *options)
     assert (result.exit_code, result.stdout) == (code, out)
@@ -69,7 +69,7 @@ def test_formats_for_programs_write_only_to_stdout(call, found):
     assert (told["code"], told["level"], told["remedy"]) == ("dead", "error", "say when")
 
 
-def test_a_plugin_file_that_cannot_be_used_is_told_in_every_format(call, tmp_path):
+def test_an_unusable_plugin_file_is_reported_in_every_format(call, tmp_path):
     (tmp_path / "empty.py").write_text("x = 1\n")
     result = call("validate", "hop.yaml", "--plugin", "empty.py", "--format", "json")
     assert result.exit_code == 2

@@ -52,7 +52,7 @@ def test_far_away_and_on_the_way_out_nothing_changes() -> None:
     assert kept((-1.0, 1.0, 0.5), near, SOUTH, LIMITS) == pytest.approx((-1.0, 1.0, 0.5))
 
 
-def test_a_vehicle_that_is_too_fast_is_asked_to_go_back() -> None:
+def test_a_vehicle_that_is_too_fast_is_sent_back() -> None:
     fast = seen(vec(9.0, 0.0, -2.0), vec(2.0, 0.0, 0.0))
     assert kept((0.5, 0.0, 0.0), fast, SOUTH, LIMITS)[0] < -0.5
 

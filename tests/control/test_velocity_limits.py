@@ -47,7 +47,7 @@ def test_within_shortens_only_what_is_too_long(velocity, top):
     assert not cut or math.hypot(*velocity) > top - 1e-9
 
 
-def test_approach_never_decelerates_harder_than_told():
+def test_approach_never_exceeds_its_deceleration():
     """Fly v(d) exactly: v' = v dv/dd must stay above -braking and reach the goal."""
     gain, braking = 0.9, 1.5
     distance = np.linspace(0.0, 60.0, 20001)

@@ -120,7 +120,7 @@ def test_a_behaviour_that_cannot_begin_holds_for_that_tick():
     assert (step.note, pilot.acting.failing) == ("began with None", ())
 
 
-def test_a_landing_goes_on_whatever_fails():
+def test_a_landing_continues_whatever_fails():
     pilot = Pilot("{kind: land}", name="land")
     pilot.contain.note("gust raised ValueError: no")
     assert pilot.act(entered=True)[0] == Command(action=Action.LAND)
@@ -151,7 +151,7 @@ def test_on_the_ground_nothing_is_commanded_without_guidance():
     assert pilot.act()[0].setpoint is not None
 
 
-def test_entering_a_state_forgets_what_the_behaviour_before_it_knew():
+def test_entering_a_state_drops_the_previous_behaviours_memory():
     pilot = Pilot("{kind: custom}")
     pilot.acting = pilot.acting._replace(behavior="old", begun=True, done=True, goal="old goal")
     pilot.act(entered=True, position=vec(1.0, 2.0, -3.0))
@@ -182,7 +182,7 @@ def test_obstacles_push_unless_the_guidance_forbids_it():
         "{kind: custom, behavior: {use: servo, target: t}}",
         GO_HOME,
     ],
-    ids=["a plug-in misbehaves", "a marker is out of sight", "the goal is not known"],
+    ids=["a plug-in misbehaves", "a marker is out of sight", "the the position of goal is unknown"],
 )
 def test_standing_still_is_holding_a_place(state):
     """Pushed 2 m off, it comes back: a velocity of zero would drift with the wind."""

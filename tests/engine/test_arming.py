@@ -59,7 +59,7 @@ def test_an_empty_battery_is_not_taken_off_with():
     assert REFUSED < result.flown.duration < REFUSED + 10.0
 
 
-def test_who_means_it_takes_off_anyway():
+def test_anyway_takes_off_all_the_same():
     result, _, armed = flown("battery_sag=0.82@0", anyway=True)
     assert armed
     assert result.flown.end is FlightEnd.LANDED
@@ -71,12 +71,12 @@ def test_who_means_it_takes_off_anyway():
         (Verdict(holds=True, why="empty"), 0.0, True, "failsafe battery holds: empty"),
         (Verdict(holds=True, why="empty"), 9.0, False, "failsafe battery holds: empty"),
         (Verdict(holds=False), 0.0, True, ""),
-        (Verdict.unknown("no reading"), 0.0, True, "failsafe battery cannot tell: no reading"),
+        (Verdict.unknown("no reading"), 0.0, True, "failsafe battery is unknown: no reading"),
         (Verdict.unknown("no reading"), 0.0, False, ""),
         (Verdict.unknown("no reading"), 1.0, True, ""),
     ],
 )
-def test_one_that_cannot_tell_counts_if_it_would_act_at_once(verdict, hold, unknown_takes, against):
+def test_an_unknown_failsafe_counts_if_it_would_act_at_once(verdict, hold, unknown_takes, against):
     plan = prepare(parse(HOP, "hop", builtin()), builtin())
     memory = begin(plan)
     failsafe = Transition(
@@ -98,10 +98,12 @@ def test_what_counts_from_the_entry_of_a_state_does_not_speak_against_it():
     assert flown(text=text)[2]
 
 
-def test_what_was_waited_for_in_vain_is_told():
+def test_inputs_waited_for_in_vain_are_reported():
     result, _, armed = flown("battery_sag=0.95@0")
     assert not armed
-    assert result.flown.says == "the vehicle never took off: waiting for the vehicle's own checks"
+    assert (
+        result.flown.says == "the vehicle never took off: waiting for the vehicle's arming checks"
+    )
 
 
 @pytest.mark.parametrize(("more", "code"), [([], 1), (["--anyway"], 0)])
@@ -111,4 +113,4 @@ def test_the_command_says_why_and_how_to_mean_it(more, code, tmp_path):
     words = ["run", str(tmp_path / "hop.yaml"), "--headless", "--out", str(tmp_path / "runs")]
     done = CliRunner().invoke(app, [*words, "--fault", "battery_sag=0.82@0", *more])
     assert done.exit_code == code, done.output
-    assert ("nothing was armed: failsafe battery holds" in done.stdout) is (code == 1)
+    assert ("the vehicle was not armed: failsafe battery holds" in done.stdout) is (code == 1)

@@ -56,7 +56,7 @@ states:
       back: {history: deep, default: alone}
   pause:
     kind: logic
-    transitions: [{to: back, event: resume}, {to: outer, event: anew}]
+    transitions: [{to: back, event: resume}, {to: outer, event: restart}]
     entry: [{vehicle: disarm}]
   land: {kind: land}
 """
@@ -113,10 +113,10 @@ def test_a_history_gives_the_memory_back():
     assert crew.said("resume", "out") == ["inner 4", "outer 3"]
 
 
-def test_without_the_history_everything_begins_anew():
+def test_without_the_history_everything_restarts():
     crew = Crew()
     crew.said("", "", "in", "", "pause")
-    assert crew.said("anew", "in") == ["outer 1", "inner 1"]
+    assert crew.said("restart", "in") == ["outer 1", "inner 1"]
 
 
 def test_where_no_state_commands_the_vehicle_holds():
@@ -135,7 +135,7 @@ def test_nothing_disarms_in_the_air():
     assert crew.command.action is Action.DISARM
 
 
-def test_an_event_of_a_behaviour_is_heard_at_the_next_tick():
+def test_a_behaviours_event_is_handled_at_the_next_tick():
     crew = Crew(CHART.replace("event: move}", "event: counted.outer}"))
     crew.said("", "")
     assert "moved" not in crew.chart.active

@@ -32,13 +32,13 @@ def test_mission_time_is_tied_to_the_wall(slept, speed, nap):
     assert slept[1:] == pytest.approx([nap] * 3)
 
 
-def test_who_is_late_does_not_sleep(slept, monkeypatch):
+def test_a_late_tick_does_not_sleep(slept, monkeypatch):
     pace = RealTime()
     monkeypatch.setattr(clock.time, "perf_counter", lambda: 107.0)
     asyncio.run(pace.until(5.0))
     assert slept[1:] == [0.0]
 
 
-def test_who_is_in_no_hurry_never_sleeps(slept):
+def test_unpaced_runs_never_sleep(slept):
     asyncio.run(Unhurried().until(1e9))
     assert slept[1:] == []

@@ -147,7 +147,7 @@ class Calling(Operator):
             self.send("enough.now")
 
 
-def test_the_operator_sends_an_event_that_is_heard_at_the_next_tick_and_only_there():
+def test_an_operators_event_is_handled_at_the_next_tick_only():
     ready, operator = short_stage(LISTENING), Calling()
     _, records = flight_of(ready, Around(ready.vehicle), operator, operator=operator)
     assert [r.now for r in records for fired in r.fired if fired.to == "land"] == [
@@ -156,7 +156,7 @@ def test_the_operator_sends_an_event_that_is_heard_at_the_next_tick_and_only_the
     assert "on enough" in [fired.reason for r in records for fired in r.fired]
 
 
-def test_what_is_no_event_is_refused():
+def test_an_invalid_event_is_refused():
     with pytest.raises(UsageError, match="event 'operator: land': expected words joined by"):
         Operator().send("operator: land")
 
@@ -168,7 +168,7 @@ def test_a_chart_that_has_ended_in_the_air_lands():
     assert done.end is FlightEnd.LANDED
 
 
-def test_who_lands_before_the_start_never_leaves():
+def test_landing_before_the_start_never_takes_off():
     ready = short_stage(HOP)
     operator = Operator()
     operator.land()
@@ -201,7 +201,7 @@ def test_a_vehicle_that_has_fallen_silent_while_landing_is_given_up():
 
 
 @pytest.mark.parametrize("believed", [False, True])
-def test_overruns_are_counted_and_believed_only_on_request(monkeypatch, believed):
+def test_overruns_are_counted_and_used_only_on_request(monkeypatch, believed):
     laps = count()
     # Four readings of the stopwatch a tick: three parts of 16 ms, from the 20th tick on of 20 ms.
     monkeypatch.setattr(flight_loop, "stopwatch", lambda: clock_at(next(laps)))
@@ -219,7 +219,7 @@ def clock_at(reading: int) -> float:
     return tick + part * (0.016 if tick < 20 else 0.02)
 
 
-def test_the_pace_is_asked_before_every_tick():
+def test_the_pace_is_called_before_every_tick():
     asked: list[float] = []
 
     class Pace:
@@ -231,7 +231,7 @@ def test_the_pace_is_asked_before_every_tick():
     assert asked == [record.now for record in records]
 
 
-def test_a_vehicle_out_of_reach_is_told_to_whoever_asked():
+def test_an_unreachable_vehicle_is_reported_to_the_caller():
     class Gone(Around):
         @override
         async def connect(self) -> None:
@@ -255,7 +255,7 @@ def test_an_observer_that_raises_ends_no_flight_and_is_raised_when_it_is_over():
         asyncio.run(fly(ready.plan, ready.vehicle, (fails, watches)))
     assert states[-1][0] == "land"
     told = [problem for _, problems in states for problem in problems]
-    assert told == ["observer 1 raised ValueError: no idea at 0.05 s; the flight goes on"]
+    assert told == ["observer 1 raised ValueError: no idea at 0.05 s; the flight continues"]
 
 
 def test_an_observer_that_raises_what_ends_a_program_ends_no_flight():

@@ -96,7 +96,13 @@ FLOWN = {"flown": True}
     [
         ("up", AIR, FLOWN, ResumeAction.GO_ON, "in the air, in up"),
         ("up", heard(in_air=True, mode="offboard"), FLOWN, ResumeAction.GO_ON, "in the air, in up"),
-        ("up", heard(in_air=True, mode="land"), FLOWN, ResumeAction.LAND, "the autopilot lands"),
+        (
+            "up",
+            heard(in_air=True, mode="land"),
+            FLOWN,
+            ResumeAction.LAND,
+            "the autopilot is landing",
+        ),
         ("land", heard(in_air=True, mode="land"), FLOWN, ResumeAction.GO_ON, "in the air, landing"),
         ("land", AIR, FLOWN, ResumeAction.GO_ON, "in the air, landing"),
         (
@@ -111,13 +117,19 @@ FLOWN = {"flown": True}
             AIR,
             {},
             ResumeAction.LAND,
-            "in the air, though the chart stood on the ground in wait",
+            "in the air, although the chart was on the ground in wait",
         ),
         ("up", DOWN, FLOWN, ResumeAction.LAND, "on the ground, disarmed: the flight is over"),
         ("up", DOWN, {}, ResumeAction.LAND, "on the ground, disarmed: the flight is over"),
         ("land", DOWN, FLOWN, ResumeAction.LAND, "on the ground, disarmed: the flight is over"),
         ("idle", DOWN, FLOWN, ResumeAction.LAND, "on the ground, disarmed: the flight is over"),
-        ("up", STANDING, FLOWN, ResumeAction.LAND, "on the ground, though the chart flew in up"),
+        (
+            "up",
+            STANDING,
+            FLOWN,
+            ResumeAction.LAND,
+            "on the ground, although the chart was flying in up",
+        ),
         ("land", STANDING, FLOWN, ResumeAction.GO_ON, "on the ground, landing"),
         ("idle", STANDING, {}, ResumeAction.GO_ON, "on the ground, armed, in idle"),
         ("idle", None, {}, ResumeAction.LAND, "the vehicle is silent"),
@@ -134,7 +146,7 @@ def test_what_never_was_armed_may_take_off(plan):
     done = woken(plan, standing(begin(plan), "idle"), DOWN)
     assert (done.events, done.notes) == (
         (),
-        ("resumed after 1.00 s: on the ground, before take-off; the chart goes on",),
+        ("resumed after 1.00 s: on the ground, before take-off; the chart continues",),
     )
 
 
@@ -143,19 +155,19 @@ def test_what_was_armed_and_is_not_any_more_is_not_armed_again(plan, climbing):
     assert woken(plan, standing(climbing, "idle"), DOWN).events == (ABORT,)
 
 
-def test_a_take_off_goes_on_only_with_a_sound_estimate(plan):
+def test_a_take_off_continues_only_with_a_sound_estimate(plan):
     done = woken(plan, standing(begin(plan), "idle"), AIR)
     assert done.events == (ABORT,)
-    assert "though the chart stood on the ground in idle" in done.notes[0]
+    assert "although the chart was on the ground in idle" in done.notes[0]
 
 
 @pytest.mark.parametrize(
     ("mode", "failsafe", "says"),
     [
-        ("return", True, "the autopilot flies by itself because of a failsafe of its own"),
-        ("position", True, "the autopilot flies by itself because of a failsafe of its own"),
-        ("return", False, "a pilot flies, or the autopilot by itself"),
-        ("position", False, "a pilot flies"),
+        ("return", True, "the autopilot's own failsafe is in control"),
+        ("position", True, "the autopilot's own failsafe is in control"),
+        ("return", False, "a pilot or the autopilot's own failsafe is in control"),
+        ("position", False, "a pilot is in control"),
     ],
 )
 def test_a_failsafe_of_the_autopilots_is_not_called_a_pilot(plan, climbing, mode, failsafe, says):
@@ -165,7 +177,7 @@ def test_a_failsafe_of_the_autopilots_is_not_called_a_pilot(plan, climbing, mode
     assert str(left.value) == f"resumed after 1.00 s: {says}, mode {mode}; nothing is commanded"
 
 
-def test_a_gap_is_no_lack_of_progress():
+def test_a_gap_does_not_count_as_lack_of_progress():
     guard = GoalUnreachable(longer_than=20.0)
     goal = Goal(np.array([50.0, 0.0, -5.0]), 0.0, 0.0)
     memory = guard.advance(None, calm(now=10.0, goal=goal))
@@ -181,7 +193,9 @@ def test_a_gap_is_no_lack_of_progress():
 @pytest.mark.parametrize("mode", ["position", "manual", "stabilized", ""])
 @pytest.mark.parametrize("state", ["idle", "up", "land"])
 def test_a_pilot_is_left_alone(plan, climbing, mode, state):
-    with pytest.raises(VehicleError, match=f"a pilot flies, mode {mode}; nothing is commanded"):
+    with pytest.raises(
+        VehicleError, match=f"a pilot is in control, mode {mode}; nothing is commanded"
+    ):
         woken(plan, standing(climbing, state), heard(in_air=True, mode=mode))
 
 
@@ -216,7 +230,7 @@ def test_the_cases_cover_every_combination():
             assert flying or landing or climb
 
 
-def test_a_flight_goes_on_only_with_a_sound_estimate(plan, climbing):
+def test_a_flight_continues_only_with_a_sound_estimate(plan, climbing):
     """So long after the last inertial sample nothing is known."""
     memory = standing(climbing, "up")
     navigation = memory.senses.navigation._replace(now=NOW + 40.0)
@@ -226,12 +240,12 @@ def test_a_flight_goes_on_only_with_a_sound_estimate(plan, climbing):
     assert "in the air, in up, and the estimate has diverged; landing" in done.notes[0]
 
 
-def test_an_old_heartbeat_is_none(plan, climbing):
+def test_an_old_heartbeat_does_not_count(plan, climbing):
     old = AIR._replace(at=SAVED_AT)
     assert "the vehicle is silent" in woken(plan, standing(climbing, "up"), old).notes[0]
 
 
-def test_timers_go_on_but_guards_must_hold_anew(plan, climbing):
+def test_timers_continue_but_guards_must_hold_again(plan, climbing):
     memory = standing(climbing, "up")
     numbers = [way.number for way in plan.chart.states["up"].transitions]
     failsafe = plan.chart.failsafes[0].number
@@ -261,7 +275,7 @@ def test_home_is_where_it_stood_if_it_took_off_unnoticed(plan, climbing):
     np.testing.assert_array_equal(done.home, plan.navigator.read(memory.senses.navigation).position)
 
 
-def test_a_memory_that_was_not_saved_begins_anew(plan, climbing):
+def test_an_unsaved_memory_restarts(plan, climbing):
     memory = standing(climbing, "up")
     lost = (StartsAgain.BEGIN,) * len(memory.chart.windows)
     memory = memory._replace(chart=memory.chart._replace(windows=lost))
@@ -283,15 +297,15 @@ def test_a_changed_mission_keeps_the_place_and_the_variables_only(climbing):
     assert after.chart.variables == {"laps": 3}
     assert (after.chart.held, after.acting.begun, after.acting.paused) == ({}, False, {})
     assert done.events == ()
-    assert done.notes[1:] == ("guards, behaviours and histories begin anew",)
+    assert done.notes[1:] == ("guards, behaviours and histories restart",)
 
 
-def test_a_place_that_is_no_more_leads_down(climbing):
+def test_a_state_removed_from_the_chart_lands(climbing):
     plan = other(HOP.replace("up", "aloft"))
     done = woken(plan, standing(climbing, "up"), AIR, flown=True, changed=True)
     assert done.events == (ABORT,)
-    assert "at a place in the chart that is no more; landing" in done.notes[0]
-    assert done.notes[1] == "the chart has no place like up: it begins anew"
+    assert "in a state that the chart no longer has; landing" in done.notes[0]
+    assert done.notes[1] == "the chart no longer has up: it restarts"
     assert done.course.memory.chart.state == "idle"
 
 

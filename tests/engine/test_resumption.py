@@ -154,7 +154,7 @@ def test_the_estimate_gets_over_the_hole_in_its_data_before_anything_is_commande
     assert done.succeeded
 
 
-def test_a_silent_vehicle_is_told_to_land_when_patience_ends():
+def test_a_silent_vehicle_is_ordered_to_land_after_a_time_out():
     ready = short_stage(STAY, f"link_lost@{AT}")
     vehicle = Listening(ready.vehicle)
     done, records = resumed(ready, vehicle, saved(ready))
@@ -169,7 +169,9 @@ def test_a_pilot_who_took_over_is_sent_nothing():
     ready = short_stage(STAY)
     course = saved(ready)
     vehicle = Manual(ready.vehicle)
-    with pytest.raises(VehicleError, match="a pilot flies, mode position; nothing is commanded"):
+    with pytest.raises(
+        VehicleError, match="a pilot is in control, mode position; nothing is commanded"
+    ):
         resumed(ready, vehicle, course)
     assert vehicle.sent == []
 
@@ -218,7 +220,7 @@ def test_a_rehearsal_is_saved_at_transitions_and_once_a_second():
     assert len(times) < records[-1].now + 4.0
 
 
-def test_a_rehearsal_that_goes_on_is_graded_as_a_whole():
+def test_a_resumed_rehearsal_is_graded_as_a_whole():
     ready, kept = short_stage(STAY + "success: {visit: up}\n"), []
     whole = rehearse(ready, save=kept.append)
     last: Kept = kept[-1]

@@ -39,7 +39,7 @@ def test_every_trigger_in_every_state(state, trigger):
 
 
 @pytest.mark.parametrize("late", [True, False])
-def test_an_abort_begins_once_and_is_heard_at_every_tick(late, caplog):
+def test_an_abort_begins_once_and_is_seen_at_every_tick(late, caplog):
     life, operator = living("flying"), Operator()
     assert _pressing(life, operator, late=False) == ()
     if not late:

@@ -44,7 +44,7 @@ def sensed(*observations: Observation):
     return estimates
 
 
-def test_the_last_word_of_battery_and_vehicle_is_kept_with_its_time():
+def test_the_last_battery_and_vehicle_status_are_kept_with_their_time():
     first, second = sensed(Observation(0.05, battery=BATTERY, status=STATUS), Observation(0.1))
     assert (second.battery, second.status) == (BATTERY, STATUS)
     assert (first.now, second.now) == (0.05, 0.1)

@@ -9,7 +9,7 @@ from misbehaving import ANSWERS
 from missionkit.engine.step_validation import fault_of
 from missionkit.messages import Action, Goal, Guidance, Step
 
-GUIDANCE = "with guidance of a wrong type or not finite"
+GUIDANCE = "a Step with guidance of a wrong type or not finite"
 FAULTS = {
     "nothing": "NoneType, expected a Step",
     "a number": "int, expected a Step",
@@ -29,7 +29,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", ANSWERS)
-def test_what_is_wrong_is_said(name):
+def test_mistakes_are_described(name):
     assert fault_of(ANSWERS[name]) == FAULTS.get(name, "")
 
 

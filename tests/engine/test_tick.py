@@ -45,9 +45,7 @@ def test_a_flight_replays_from_its_observations(flight: Flight):
     assert timeless(records) == timeless(flight.records[:200])
 
 
-def test_a_flight_goes_on_from_a_memory_that_was_saved_in_the_middle(
-    flight: Flight, saved: FlightMemory
-):
+def test_a_flight_continues_from_a_memory_saved_midway(flight: Flight, saved: FlightMemory):
     restored = pickle.loads(pickle.dumps(saved))  # noqa: S301
     later = slice(SAVED_AT, SAVED_AT + 200)
     _, records = replayed(flight.ready.plan, restored, flight.observations[later])
@@ -88,7 +86,7 @@ def test_on_entry_the_behaviour_sees_the_new_state(flight: Flight):
             assert (record.estimate.done, record.estimate.goal) == (False, None)
 
 
-def test_a_failure_is_told_once_while_it_lasts(flight: Flight):
+def test_a_lasting_failure_is_reported_once(flight: Flight):
     plan, memory = flight.ready.plan, begin(flight.ready.plan)
     told = []
     for observation in flight.observations[:3]:

@@ -43,7 +43,7 @@ def test_an_endless_loop_is_broken_and_the_next_call_is_served():
     assert contain.take() == ("spinning raised TooSlowError: did not return within 0.1 s",)
 
 
-def test_processor_time_is_not_used_up_by_what_else_the_machine_does():
+def test_processor_time_excludes_other_processes():
     contain = TimedContainment(processor_time, limit=0.01)
     with contain.interrupting():
         assert contain.call("starved", pause) == (None,)
@@ -66,7 +66,7 @@ def test_one_that_waits_is_woken_after_some_patience_and_the_next_time_soon():
     assert contain.take() == 2 * (f"sleepy raised TooSlowError: {WAITING}",)
 
 
-def test_what_is_no_plugin_is_not_interrupted():
+def test_built_in_code_is_not_interrupted():
     contain = TimedContainment(stopwatch, limit=0.01)
     with contain.interrupting():
         assert contain.call("own", partial(time.sleep, 0.03), foreign=False) == (None,)  # noqa: TID251
@@ -74,7 +74,7 @@ def test_what_is_no_plugin_is_not_interrupted():
     assert contain.take() == ()
 
 
-def test_the_timer_is_gone_afterwards():
+def test_the_timer_is_removed_afterwards():
     before = signal.getsignal(signal.SIGALRM)
     with TimedContainment(stopwatch).interrupting():
         assert signal.getitimer(signal.ITIMER_REAL)[1] > 0.0
@@ -90,7 +90,7 @@ def test_an_answer_that_comes_too_late_does_not_count(took, answer):
     assert contain.take() == (() if answer else ("slow took 0.26 s, allowed 0.25 s",))
 
 
-def test_outside_the_main_thread_nothing_is_interrupted_but_lateness_is_told():
+def test_outside_the_main_thread_lateness_is_reported_without_interruption():
     times = iter([0.0, 1.0])
     contain, answers = TimedContainment(lambda: next(times)), []
 

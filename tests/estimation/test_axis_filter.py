@@ -132,7 +132,7 @@ def test_what_is_not_a_number_changes_nothing(bad):
 
 
 @pytest.mark.parametrize("noise", [math.nan, math.inf, -0.1])
-def test_a_variance_that_is_none_changes_nothing(noise):
+def test_an_invalid_variance_changes_nothing(noise):
     mu, S = np.array([1.0, 2.0]), np.eye(2)
     assert not update(mu, S, 0.0, noise, VELOCITY)
     assert not predict(mu, S, 0.0, -DT, VARIANCE)

@@ -225,7 +225,7 @@ def test_a_lasting_jump_is_a_lost_position_until_it_ends(states):
     assert off_by(after, 46.0) < 1.0
 
 
-def test_on_the_ground_a_jump_is_sat_out_then_believed():
+def test_on_the_ground_a_jump_is_waited_out_then_accepted():
     """8 m for good: refused for five seconds, then the position moves and world <- odom says so."""
     nav = navigator()
     jump = vec(0, 8, 0)
@@ -251,7 +251,7 @@ def test_on_the_ground_a_jump_is_sat_out_then_believed():
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_after_an_outage_the_fixes_are_believed_by_the_filters_own_uncertainty(seed):
+def test_after_an_outage_fixes_are_weighted_by_the_filters_uncertainty(seed):
     nav = navigator()
     memory = fly(nav, 8.0, seed=seed)
     memory = fly(nav, 40.0, since=8.0, memory=memory, change=without("gnss"), seed=seed)
@@ -264,7 +264,7 @@ def test_after_an_outage_the_fixes_are_believed_by_the_filters_own_uncertainty(s
     assert off_by(state, 41.0) < 1.5
 
 
-def test_fixes_stamped_just_after_the_newest_inertial_sample_are_believed_as_well():
+def test_fixes_stamped_just_after_the_newest_inertial_sample_are_accepted():
     """They wait for the sample that reaches their time, which comes with a later observation."""
     nav, jump = navigator(), vec(0, 8, 0)
     change = standing(jumped(jump))
@@ -304,7 +304,7 @@ def test_a_fix_with_part_of_the_velocity_still_holds_the_position(axes):
     np.testing.assert_allclose(state.velocity, velocity(20.0), atol=0.4)
 
 
-def test_on_the_ground_a_jump_is_believed_without_a_velocity_too():
+def test_on_the_ground_a_jump_is_accepted_without_a_velocity_too():
     nav, jump = navigator(), vec(0, 8, 0)
     silent = velocity_known()
     change = standing(lambda o: silent(jumped(jump)(o)))
@@ -322,7 +322,7 @@ def test_it_is_placed_while_fixes_or_sightings_are_accepted(flown):
     assert nav.read(sighted).health.placed
 
 
-def test_while_the_target_is_in_view_a_jump_is_never_believed():
+def test_while_the_target_is_in_view_a_jump_is_never_accepted():
     nav = navigator()
     memory = fly(nav, 8.0, seen=look)
     memory = fly(nav, 16.0, since=8.0, memory=memory, change=jumped(vec(0, 8, 0)), seen=look)
@@ -450,7 +450,7 @@ def test_ambiguous_attitudes_are_not_used():
     assert trunk.seen_at is not None
 
 
-def test_a_target_that_turned_is_believed_after_enough_looks(flown):
+def test_a_turned_target_is_accepted_after_enough_sightings(flown):
     nav, memory = flown
     quarter = exp(vec(0, math.pi / 2, 0))
 

@@ -142,7 +142,7 @@ def test_a_vehicle_without_a_range_finder_flies_by_its_barometer_and_is_surer_of
     assert health.position_sd > 1.0
 
 
-def test_silence_of_the_inertial_unit_is_told():
+def test_silence_of_the_inertial_unit_is_reported():
     navigator = built()
     known, _ = through(
         navigator, recorded(), lambda seen: replace(seen, imu=()) if seen.now > 20.0 else seen

@@ -41,7 +41,7 @@ def test_the_bound_is_that_of_chance() -> None:
     )
 
 
-def test_noise_as_believed_never_raises_an_alarm_and_twice_as_much_always_does() -> None:
+def test_modelled_noise_never_raises_an_alarm_and_twice_as_much_always_does() -> None:
     rng = np.random.default_rng(7)
     alarms = 0
     for _ in range(200):
@@ -51,7 +51,7 @@ def test_noise_as_believed_never_raises_an_alarm_and_twice_as_much_always_does()
     assert alarms == 0
 
 
-def test_a_few_say_nothing_and_what_was_noisy_is_forgotten() -> None:
+def test_few_samples_decide_nothing_and_old_noise_is_forgotten() -> None:
     noisy = after([30.0] * WINDOW)
     assert misfit(after([30.0] * (WINDOW - 1))) == ""
     assert "3.2 times" in misfit(noisy)
@@ -66,7 +66,7 @@ def test_what_did_not_fit_is_doubted_until_it_clearly_fits() -> None:
     assert misfit(after([FREEDOM * 0.5 * (CONSISTENT_BELOW + NOISY_ABOVE)] * 10 * WINDOW)) == ""
 
 
-def test_one_false_marker_is_no_noise() -> None:
+def test_one_false_marker_is_not_noise() -> None:
     assert misfit(after([3.0] * WINDOW + [1e9])) == ""
 
 
@@ -78,7 +78,7 @@ def test_the_mean_is_finite_whatever_comes(epsilons) -> None:
     assert scatter.taken <= WINDOW
 
 
-def test_convergence_is_not_believed_while_the_noise_does_not_fit() -> None:
+def test_convergence_is_not_accepted_while_the_noise_does_not_fit() -> None:
     trunk = Target("trunk", vec(10.0, 0.0, -3.0), 0.05, facing(math.pi), 0.02, 10.0)
     goal = Goal(vec(8.8, 0.0, -3.0), None, 10.0, "trunk")
     place, still = vec(8.8, 0.0, -3.0), vec(0.0, 0.0, 0.0)

@@ -77,14 +77,14 @@ def test_the_detector_does_find_the_false_marker_and_steadily():
     assert np.mean(found) > 0.7
 
 
-def test_it_is_not_believed_where_the_target_cannot_be():
+def test_it_is_rejected_where_the_target_cannot_be():
     """Its 20 px would be a 0.4 m marker 12 m away: not the trunk 6 m ahead."""
     sure, hand_over, found = watched(FALSE, surveyed(6.0))
     assert not found
     assert (sure.value, sure.holds, hand_over.holds) == (0.0, False, False)
 
 
-def test_if_it_were_believed_it_would_be_out_of_range():
+def test_if_it_were_accepted_it_would_be_out_of_range():
     sure, hand_over, found = watched(FALSE, None)
     assert found
     assert sure.holds

@@ -117,7 +117,7 @@ def test_the_confidence_is_the_share_of_the_last_frames():
 @pytest.mark.parametrize(
     ("entry", "seen", "why"),
     [
-        ("distance to pole", calm(), "far: where pole is, is not known"),
+        ("distance to pole", calm(), "far: the position of pole is unknown"),
         ("distance to the goal", calm(), "far: the behaviour has no goal yet"),
         ("height sd", calm(), "far: the navigator does not say how well the height is known"),
         ("mahalanobis distance", calm(), "far: the navigator took in no measurement lately"),

@@ -100,7 +100,7 @@ def test_unreachable_when_no_nearer_for_long_enough():
     assert approach(guard, [9, 8, 7, 6, 5, 4, 3, 2, 0.9, 0.9, 0.9, 0.9, 0.9]) == [False] * 13
 
 
-def test_unreachable_starts_anew_in_the_next_state():
+def test_unreachable_restarts_in_the_next_state():
     guard = GoalUnreachable(further_than=1.0, longer_than=3.0)
     seen = calm(now=9.0, goal=Goal(np.array([9.0, 0.0, -5.0]), None, 9.0), entered_at=0.0)
     memory = guard.advance(guard.advance(guard.begin(), seen), seen)

@@ -49,7 +49,7 @@ def test_the_lens_is_recovered_exactly_from_exact_corners():
     np.testing.assert_allclose(lens.distortion, LENS, atol=0.001)
 
 
-def test_the_deviations_tell_how_far_off_the_lens_may_be():
+def test_the_deviations_bound_the_error_of_the_lens():
     lens = calibrate(projected(24, noise=0.2), BOARD)
     found = (*lens.matrix[[0, 1], [0, 1]], *lens.matrix[:2, 2], *lens.distortion[:4])
     truth = (*MATRIX[[0, 1], [0, 1]], *MATRIX[:2, 2], *LENS[:4])
@@ -75,7 +75,7 @@ def test_a_k3_that_the_views_show_is_kept():
     assert lens.deviations["k3"] < 0.02
 
 
-def test_views_of_the_middle_are_told_to_leave_the_edges_open():
+def test_views_of_the_middle_are_reported_to_miss_the_edges():
     lens = calibrate(projected(20, noise=0.2, reach=0.7), BOARD)
     told = "\n".join(doubts(lens))
     assert lens.covered < 0.6
@@ -84,7 +84,7 @@ def test_views_of_the_middle_are_told_to_leave_the_edges_open():
     assert "is not determined, worth ± " in told
 
 
-def test_a_board_that_was_hardly_tilted_is_told():
+def test_a_barely_tilted_board_is_reported():
     lens = calibrate(projected(20, noise=0.1, tilt=0.1), BOARD)
     told = "\n".join(doubts(lens))
     assert "the board is tilted by " in told
@@ -92,7 +92,7 @@ def test_a_board_that_was_hardly_tilted_is_told():
     assert lens.tilts[0] < lens.tilts[1] < math.radians(9.0)
 
 
-def test_an_image_without_a_board_is_no_view():
+def test_an_image_without_a_board_is_not_a_view():
     assert view(np.full((480, 640), 200, np.uint8), BOARD) is None
 
 
@@ -126,7 +126,7 @@ def test_a_board_that_was_never_tilted_is_refused():
         calibrate(projected(20, noise=0.1, tilt=0.02), BOARD)
 
 
-def test_corners_that_fit_badly_are_told():
+def test_badly_fitting_corners_are_reported():
     lens = calibrate(projected(24, noise=2.0), BOARD)
     assert "a reprojection error of 2.5 px is too much" in next(doubts(lens))
 

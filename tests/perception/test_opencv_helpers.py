@@ -21,7 +21,7 @@ def test_a_jpeg_comes_back_as_the_image_it_was():
 
 
 @pytest.mark.parametrize("data", [b"", b"not a picture"])
-def test_what_is_no_image_is_said_to_be_none(data):
+def test_a_non_image_is_reported(data):
     with pytest.raises(ValueError, match=f"{len(data)} bytes are not an image"):
         decode_grey(data)
 

@@ -62,7 +62,7 @@ def test_the_claimed_angle_holds_near_head_on_where_the_two_poses_merge(turn):
     assert np.quantile(ratios, 0.95) < 3.0
 
 
-def test_turning_head_on_keeps_the_place_and_tells_the_angle():
+def test_turning_head_on_keeps_the_place_and_returns_the_angle():
     pose, angle = head_on(tilted(3.0, turn_deg=25.0))
     assert math.degrees(angle) == pytest.approx(25.0)
     assert angle_between(pose.rotation, tilted(3.0).rotation) < 1e-7

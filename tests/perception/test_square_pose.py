@@ -103,7 +103,7 @@ def test_the_papers_guard_turns_a_marker_half_round_its_y_axis_and_leaves_others
 
 
 @pytest.mark.parametrize("roll", [0, 45, 90, 135, 180, 270])
-def test_a_marker_straight_ahead_has_a_pose_however_it_is_rolled(roll):
+def test_a_marker_straight_ahead_has_a_pose_at_any_roll(roll):
     """Here the rotation is by exactly pi, where OpenCV's IPPE_SQUARE fails."""
     spin = exp(vec(0, 0, math.radians(roll)))
     truth = Transform(multiply(tilted(2.0).rotation, spin), vec(0, 0, 2.0))

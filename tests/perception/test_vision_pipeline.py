@@ -43,7 +43,7 @@ def look(eye, observation, *targets, memory=None, **more):
 
 
 @pytest.mark.parametrize("rendered", [True, False], ids=["image", "corners"])
-def test_a_frame_tells_where_its_targets_are(rendered):
+def test_a_frame_contains_its_target_poses(rendered):
     eye = VisionPipeline(CAMERA, [TRUNK, GATE])
     gate = marker_at(3.0, -0.8, 0.3, yaw=math.radians(165))
     found = [(23, corners(SPOT)), (62, corners(gate, 0.25))]
@@ -89,7 +89,7 @@ def test_markers_too_small_or_too_large_do_not_count(limits):
     assert look(fussy, found)[1:] == ((Look(1.0, frozenset()),), ())
 
 
-def test_corners_without_a_pose_are_no_sighting():
+def test_corners_without_a_pose_are_not_a_sighting():
     found = with_corners(1.0, (23, np.full((4, 2), np.nan)))
     assert look(VisionPipeline(CAMERA, [TRUNK]), found)[1:] == ((Look(1.0, frozenset()),), ())
     flat = np.array([[100.0, 100.0], [140.0, 100.0], [180.0, 100.0], [140.0, 160.0]])

@@ -77,7 +77,7 @@ def test_no_corner_is_cut():
     assert search(costs, (0, 0), (1, 1), 8)[1] == math.inf
 
 
-def test_dear_ground_is_gone_round_if_that_is_cheaper():
+def test_costly_ground_is_bypassed_if_that_is_cheaper():
     costs = np.ones((3, 9))
     costs[1, 2:7] = 5.0
     cells, _ = search(costs, (1, 0), (1, 8), 8)

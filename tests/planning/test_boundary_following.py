@@ -32,7 +32,7 @@ def test_of_equal_ways_the_one_under_way(drift, side):
 
 
 @pytest.mark.parametrize(("passage", "side"), [(0.5, -1), (1.8, 1)])
-def test_a_gap_too_narrow_for_the_vehicle_is_no_way(passage, side):
+def test_a_gap_too_narrow_for_the_vehicle_is_not_a_path(passage, side):
     both = np.vstack([wall(-3.0, 0.2), wall(1.2, 6.0)])
     assert shorter_side(both, GOAL, STILL, passage) == side
 

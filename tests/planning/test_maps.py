@@ -125,7 +125,7 @@ def test_what_is_transparent_is_not_known_and_blocked(mode, shade, alpha):
         (cv2.imencode(".jpg", np.zeros((5, 5), np.uint8))[1].tobytes(), "not a PNG or PGM"),
     ],
 )
-def test_an_image_that_is_none_or_lies_is_refused_in_a_sentence(data, why):
+def test_an_invalid_image_is_refused_in_a_sentence(data, why):
     with pytest.raises(ValueError, match=why):
         decode_shades(data, 100)
 
@@ -198,7 +198,7 @@ def test_the_gap_to_the_nearest_wall():
     ("keys", "why"),
     [
         ({}, "needs 'file', or 'north' and 'east'"),
-        ({"file": "a.yaml", "north": (0, 1)}, "'file' says it all; leave out north"),
+        ({"file": "a.yaml", "north": (0, 1)}, "'file' defines the whole map; leave out north"),
         ({"north": (0, 1)}, "needs 'file', or 'north' and 'east'"),
         ({"north": (1, 0), "east": (0, 1)}, "north: the second number must be larger"),
         ({"north": (0, 1), "east": (0, 1), "resolution": 1e-5}, "more than 4000000 cells"),

@@ -41,7 +41,7 @@ def test_what_is_near_is_in_the_way_unless_the_vehicle_is_as_near_to_something(s
     assert answers == {True, False}
 
 
-def test_a_path_that_leads_nearer_by_no_more_than_the_noise_is_free():
+def test_a_path_that_leads_nearer_within_the_noise_is_free():
     beside = np.array([[0.0, 0.30, 0.0]])
     by = lambda nearer: [((0.0, nearer), (1.0, nearer))]  # noqa: E731
     assert not in_the_way(beside, by(0.02), 0.5, (0.0, 0.0))

@@ -90,7 +90,7 @@ def test_walls_are_thickened_by_exactly_the_radius(radius):
         ((0.0, -3.0), GOAL, "the start .* is outside the map"),
     ],
 )
-def test_what_cannot_be_is_told(start, goal, why):
+def test_impossible_values_are_reported(start, goal, why):
     with pytest.raises(NoRouteError, match=why):
         plan(ROOM, start, goal, Way(0.6))
 

@@ -30,7 +30,7 @@ def looked(field, points, *, now=0.0, position=HERE, velocity=HERE * 0.0):
 
 
 @pytest.mark.parametrize("speed", [6.0, 7.0, 8.0])
-def test_however_fast_it_is_told_to_go_it_stops_before_a_wall(speed):
+def test_it_stops_before_a_wall_at_any_requested_speed(speed):
     walls = (Box((30, -8), (31, 8)),)
     flight = fly(FIELD, walls, GOAL, speed=speed, until=30.0)
     fastest = np.linalg.norm(np.diff(flight.path, axis=0), axis=1).max() / 0.05
@@ -52,7 +52,7 @@ def test_sight_is_what_the_scanner_says_or_less():
     assert looked(PotentialField(sight=60.0), NOTHING)[0].sight == RANGE
 
 
-def test_a_scanner_that_was_never_heard_limits_nothing():
+def test_a_scanner_that_never_reported_limits_nothing():
     memory, seen = looked(FIELD, None)
     np.testing.assert_array_equal(FIELD.brake(memory, seen, vec(9, 0, 1)), (9, 0, 1))
     assert not FIELD.blind(memory, 99.0)
@@ -100,7 +100,7 @@ def test_what_pushes_the_vehicle_in_is_answered_the_harder_the_further_in_it_is(
     assert {v[1] for v in pushed} == {0.2}
 
 
-def test_the_last_word_brakes_harder_than_planned():
+def test_the_last_command_brakes_harder_than_planned():
     points = np.array([[5.0, 0.0, -3.0]])
     memory, seen = looked(FIELD, points, velocity=vec(4, 0, 0))
     push, _ = FIELD.step(memory, seen, GOAL, vec(4, 0, 0))

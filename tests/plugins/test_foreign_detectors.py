@@ -82,12 +82,12 @@ def test_the_eye_sees_by_any_detector_what_it_sees_by_its_own():
     ("how", "why"),
     [
         ("raise", "raised ValueError: no idea"),
-        ("list", "answered list, expected a tuple of Sightings"),
-        ("text", "answered a tuple with str, expected a Sighting"),
-        ("nan", "answered a sighting with pose of a wrong type or not finite"),
-        ("sure", "answered a sighting with position_sd of a wrong type or not finite"),
-        ("other", "answered a sighting of 'gate', but it looks for 'trunk'"),
-        ("late", "answered a sighting at another time than the frame's"),
+        ("list", "returned list, expected a tuple of Sightings"),
+        ("text", "returned a tuple with str, expected a Sighting"),
+        ("nan", "returned a sighting with pose of a wrong type or not finite"),
+        ("sure", "returned a sighting with position_sd of a wrong type or not finite"),
+        ("other", "returned a sighting of 'gate', but it looks for 'trunk'"),
+        ("late", "returned a sighting at another time than the frame's"),
     ],
 )
 def test_what_a_detector_does_wrong_is_noted_and_nothing_is_seen(how, why):

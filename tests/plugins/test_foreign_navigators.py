@@ -135,12 +135,12 @@ def test_a_navigator_of_another_package_that_does_well_is_flown():
     ("how", "told"),
     [
         ("raise", "shaken raised ValueError: no idea"),
-        ("nan", "shaken says a NavState with position of a wrong type or not finite"),
-        ("nothing", "shaken says NoneType, expected a NavState"),
+        ("nan", "shaken returned a NavState with position of a wrong type or not finite"),
+        ("nothing", "shaken returned NoneType, expected a NavState"),
         ("sleep", "shaken raised TooSlowError"),
     ],
 )
-def test_a_navigator_that_misbehaves_is_told_and_the_vehicle_lands(how, told):
+def test_a_misbehaving_navigator_is_reported_and_the_vehicle_lands(how, told):
     flight = flown(ready(how))
     landed(flight)
     assert [it for it in flight.problems() if it.startswith(told)]
@@ -168,11 +168,11 @@ def test_a_navigator_that_does_not_begin_is_refused_before_flight(how, says):
     ("how", "told"),
     [
         ("raise", "veering raised ValueError: no idea"),
-        ("nan", "veering answered with a velocity of a wrong type or not finite"),
-        ("nothing", "veering answered NoneType, expected a velocity and its memory"),
+        ("nan", "veering returned a velocity of a wrong type or not finite"),
+        ("nothing", "veering returned NoneType, expected a velocity and its memory"),
     ],
 )
-def test_a_planner_that_misbehaves_is_told_and_the_vehicle_stops_and_lands(how, told):
+def test_a_misbehaving_planner_is_reported_and_the_vehicle_stops_and_lands(how, told):
     flight = flown(ready(planner=how))
     landed(flight)
     assert told in flight.problems()
@@ -181,7 +181,7 @@ def test_a_planner_that_misbehaves_is_told_and_the_vehicle_stops_and_lands(how, 
     assert flight.went()[-1] == ("land", "failsafe plug-in failed")
 
 
-def test_a_planner_without_a_memory_is_asked():
+def test_a_planner_without_a_memory_is_called():
     flight = flown(ready(planner="well"))
     assert (flight.problems(), flight.result.succeeded) == ([], True)
 

@@ -135,12 +135,12 @@ HOME = ["up", "return", "land"]
     [
         ("raise", "gust (how raise) raised ValueError: no idea"),
         ("stop", "gust (how stop) raised KeyboardInterrupt"),
-        ("nan", "gust (how nan) answered with a number that is not finite"),
-        ("nothing", "gust (how nothing) answered NoneType, expected a Verdict"),
+        ("nan", "gust (how nan) returned a number that is not finite"),
+        ("nothing", "gust (how nothing) returned NoneType, expected a Verdict"),
         ("sleep", f"gust (how sleep) raised TooSlowError: {WAITING}"),
     ],
 )
-def test_a_guard_that_misbehaves_is_told_and_survived(plugins, how, told):
+def test_a_misbehaving_guard_is_reported_and_survived(plugins, how, told):
     flight = flight_with(plugins, guard=f"{{use: gust, how: {how}}}")
     check(flight, told, HOME)
     assert flight.went()[2] == ("land", "when done")
@@ -151,11 +151,11 @@ def test_a_guard_that_misbehaves_is_told_and_survived(plugins, how, told):
     [
         ("raise", "drift raised ValueError: no idea"),
         ("stop", "drift raised KeyboardInterrupt"),
-        ("nan", "drift answered with guidance of a wrong type or not finite"),
-        ("nothing", "drift answered NoneType, expected a Step"),
+        ("nan", "drift returned a Step with guidance of a wrong type or not finite"),
+        ("nothing", "drift returned NoneType, expected a Step"),
     ],
 )
-def test_a_behaviour_that_misbehaves_is_told_and_survived(plugins, how, told):
+def test_a_misbehaving_behaviour_is_reported_and_survived(plugins, how, told):
     flight = flight_with(plugins, behavior=f"{{use: drift, how: {how}}}")
     check(flight, told, HOME)
     assert flight.went()[2] == ("land", "when done")
@@ -169,6 +169,6 @@ def test_a_memory_that_fails_in_every_state_leads_down_after_six_seconds(plugins
     assert flight.entered("land") - flight.entered("up") == pytest.approx(5.0, abs=0.1)
 
 
-def test_what_failed_is_told_once(plugins):
+def test_a_failure_is_reported_once(plugins):
     flight = flight_with(plugins, guard="{use: gust, how: raise}")
     assert flight.problems() == ["gust (how raise) raised ValueError: no idea"]

@@ -75,7 +75,7 @@ def test_a_checkpoint_of_another_version_is_refused_in_a_sentence(tmp_path):
         load(tmp_path)
 
 
-def test_bytes_that_are_no_text_are_refused_in_a_sentence(tmp_path):
+def test_bytes_that_are_not_text_are_refused_in_a_sentence(tmp_path):
     saved(tmp_path, 2)
     (tmp_path / NEWEST).write_bytes(b"\xff\xfe\x00")
     with pytest.raises(UsageError, match="this checkpoint cannot be used"):
@@ -91,7 +91,7 @@ def test_rows_that_are_missing_are_noticed(tmp_path):
         load(tmp_path)
 
 
-def test_rows_that_were_changed_are_told_and_the_checkpoint_before_is_used(tmp_path):
+def test_changed_rows_are_reported_and_the_previous_checkpoint_used(tmp_path):
     saved(tmp_path, 2, 7)
     path = tmp_path / "checkpoint-truth.rows"
     data = bytearray(path.read_bytes())
@@ -101,7 +101,7 @@ def test_rows_that_were_changed_are_told_and_the_checkpoint_before_is_used(tmp_p
     assert (found.value, found.name) == ({"rows": 2}, BEFORE)
     assert found.wrong == (
         f"{tmp_path / NEWEST}: this checkpoint cannot be used: "
-        "checkpoint-truth.rows, which it stands on, was cut short or changed",
+        "checkpoint-truth.rows, which it builds on, was truncated or changed",
     )
     data[0] ^= 1
     path.write_bytes(data)
@@ -194,7 +194,7 @@ def test_death_at_any_step_of_writing_leaves_one_that_can_be_read(tmp_path, monk
 
 
 @pytest.mark.parametrize("broken", [False, True])
-def test_going_on_drops_what_is_newer_and_appends(tmp_path, broken):
+def test_resuming_drops_newer_rows_and_appends(tmp_path, broken):
     saved(tmp_path, 2, 7)
     if broken:
         (tmp_path / NEWEST).write_text("")

@@ -223,7 +223,7 @@ def test_a_record_is_never_written_over(tmp_path, flight):
         (Wrench(vec(0.1, 0.0, 0.0), vec(0.0, 0.0, 0.001)), {"force", "torque"}),
     ],
 )
-def test_every_kind_of_setpoint_is_told_as_what_it_is(setpoint, fields):
+def test_every_kind_of_setpoint_is_recorded_by_name(setpoint, fields):
     told = json.loads(message_encoding.command('{"sec":1,"nsec":0}', Command(setpoint)))
     assert set(told) == {"timestamp", *fields}
     conforms(told, COMMAND)

@@ -21,7 +21,7 @@ def test_visits_and_guard_spans_have_no_gaps_and_no_overlaps(flight):
     assert track.guards["battery"][0] == Span(0.0, track.times[-1], holds=False)
 
 
-def test_a_guard_not_asked_for_a_while_starts_a_new_span(flight):
+def test_a_guard_not_evaluated_for_a_while_starts_a_new_span(flight):
     track = tracks.begin()
     for record, truth in flight(35.0):
         tracks.add(track, record, truth)

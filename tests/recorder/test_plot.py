@@ -99,7 +99,7 @@ def test_a_run_that_never_ticked_still_gives_a_page(tmp_path):
     assert imread(tmp_path / "track.png").shape[1] == 1400
 
 
-def test_names_are_no_mathematics(tmp_path, words):
+def test_names_are_not_rendered_as_mathematics(tmp_path, words):
     scenery = poles(1, 40.0, 40.0)
     track = made_up(3, 2, scenery)
     track.transitions[0] = (1.0, Fired("a_$b", "c^$_{", "when $x and $y", (), ()))
@@ -136,7 +136,7 @@ def test_a_goal_that_was_never_reached_is_drawn_apart(flown):
     assert found.left == [(60.0, 40.0)]
 
 
-def test_a_goal_stands_where_the_vehicle_was_led_to_not_where_the_estimate_had_it(flown):
+def test_a_goal_is_drawn_at_the_true_position(flown):
     drifted = [(north + 2.0, east - 1.0, down) for north, east, down in flown.true]
     track = flown._replace(estimated=drifted)
     goal = Goal(vec(83.0, 12.0, -2.5), None, 30.0)

@@ -3,7 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from missionkit.recorder.plot_labels import Room, Wanted, boxes, grouped, overlapping, placed, said
+from missionkit.recorder.plot_labels import (
+    Room,
+    Wanted,
+    boxes,
+    grouped,
+    numbers_text,
+    overlapping,
+    placed,
+)
 
 PANEL = (0.0, 0.0, 400.0, 300.0)
 NOTHING = np.empty((0, 4))
@@ -60,9 +68,9 @@ def test_a_label_that_is_not_needed_is_left_out_where_nothing_beside_it_is_free(
     assert placed([needed], room([PANEL])) == [None]
 
 
-def test_numbers_of_places_near_to_each_other_are_told_together():
+def test_numbers_of_nearby_places_share_a_label():
     anchors = np.array([(0.0, 0.0), (50.0, 0.0), (3.0, 0.0), (52.0, 1.0), (4.0, 4.0)])
     assert grouped(anchors, 15.0) == [[0, 2, 4], [1, 3]]
-    assert said([1, 3, 5]) == "1, 3, 5"
-    assert said([1, 2, 3, 5, 8, 9]) == "1\N{EN DASH}3, 5, 8\N{EN DASH}9"
-    assert said(range(1, 41, 2)) == "1, 3 … 39"
+    assert numbers_text([1, 3, 5]) == "1, 3, 5"
+    assert numbers_text([1, 2, 3, 5, 8, 9]) == "1\N{EN DASH}3, 5, 8\N{EN DASH}9"
+    assert numbers_text(range(1, 41, 2)) == "1, 3 … 39"

@@ -21,12 +21,12 @@ def test_entries_come_in_the_order_of_time(whole):
     assert times[-1] == pytest.approx(29.95)
 
 
-def test_only_the_topics_asked_for(whole):
+def test_only_the_requested_topics(whole):
     assert {entry.topic for entry in read(whole, "/goal", "/status")} == {"/goal", "/status"}
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9])
-def test_a_file_cut_anywhere_gives_what_was_complete(whole, tmp_path, share):
+def test_a_file_cut_anywhere_gives_its_complete_messages(whole, tmp_path, share):
     everything = list(raw_messages(whole))
     data = whole.read_bytes()
     for extra in range(0, 400, 7):

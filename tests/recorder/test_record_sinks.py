@@ -20,11 +20,11 @@ def full(*_):
     raise OSError(errno.ENOSPC, "No space left on device", "runs/flight.mcap")
 
 
-FULL = "the record: No space left on device (runs/flight.mcap); the flight goes on"
+FULL = "the record: No space left on device (runs/flight.mcap); the flight continues"
 
 
 @pytest.mark.parametrize("kind", [Inline, Background])
-def test_what_fails_is_reported_once_and_no_more_is_tried(kind):
+def test_a_failing_sink_is_reported_once_and_not_retried(kind):
     reports, done = Reports(), []
     out = kind("the record", reports)
     for job in (lambda: done.append(1), full, full, lambda: done.append(2)):
@@ -36,7 +36,7 @@ def test_what_fails_is_reported_once_and_no_more_is_tried(kind):
 
 
 @pytest.mark.parametrize("kind", [Inline, Background])
-def test_a_persistent_sink_goes_on_after_a_failure(kind):
+def test_a_persistent_sink_continues_after_a_failure(kind):
     reports, done = Reports(), []
     out = kind("the record", reports, persistent=True)
     for job in (full, lambda: done.append(2), full):
@@ -56,7 +56,7 @@ class Stuck:
         self.answer.wait()
 
 
-def test_a_disk_that_hangs_holds_nobody_up_and_what_does_not_fit_is_dropped_with_a_word():
+def test_a_hanging_disk_blocks_nothing_and_dropped_ticks_are_reported():
     reports, done, disk = Reports(), [], Stuck()
     out = Background("the record", reports, room=3)
     out.put(disk)
@@ -64,7 +64,7 @@ def test_a_disk_that_hangs_holds_nobody_up_and_what_does_not_fit_is_dropped_with
     for number in range(5):
         out.put(lambda number=number: done.append(number))
     assert reports.take() == (
-        "the record has a gap: the disk does not keep up; the flight goes on",
+        "the record has a gap: the disk does not keep up; the flight continues",
     )
     disk.answer.set()
     out.close()
@@ -85,7 +85,7 @@ def test_of_checkpoints_the_newest_waits_and_none_is_missed():
 
 
 @pytest.mark.parametrize("waiting", [0, 1])
-def test_the_end_of_a_flight_does_not_wait_for_ever(monkeypatch, waiting):
+def test_the_end_of_a_flight_does_not_wait_forever(monkeypatch, waiting):
     monkeypatch.setattr(record_sinks, "DISK_TIMEOUT", 0.05)
     reports, disk = Reports(), Stuck()
     out = Background("the record", reports, room=1)
@@ -112,7 +112,7 @@ def test_an_observer_that_raises_is_reported_and_called_again():
     safe(2.0)
     assert (calls, reports.all) == (
         [1.0, 2.0],
-        ["keys: ValueError: no terminal; the flight goes on"],
+        ["keys: ValueError: no terminal; the flight continues"],
     )
 
 
@@ -129,7 +129,7 @@ def test_a_record_written_behind_the_flight_is_the_same(tmp_path, flight):
     assert reports.all == []
 
 
-def test_a_record_whose_file_is_removed_says_so_and_keeps_the_track(tmp_path, flight):
+def test_a_removed_record_file_is_reported_and_the_track_kept(tmp_path, flight):
     reports = Reports()
     recorder = FlightRecorder(tmp_path, sink=Inline("the record", reports))
     for record, truth in flight(2.0):
@@ -139,7 +139,7 @@ def test_a_record_whose_file_is_removed_says_so_and_keeps_the_track(tmp_path, fl
     assert recorder.close() == ""
     where = tmp_path / "flight.mcap"
     assert reports.all == [
-        f"the record: it was removed while it was written ({where}); the flight goes on"
+        f"the record: it was removed while being written ({where}); the flight continues"
     ]
     assert len(recorder.track.times) == 40
 

@@ -51,7 +51,7 @@ def test_timing_gives_percentiles_in_milliseconds():
     assert (timing.ticks, timing.overruns) == (101, 2)
 
 
-def test_nothing_timed_is_said_as_none():
+def test_an_empty_timing_is_none():
     assert timing_of([]) is None
     assert summarise(tracks.begin(), mission="m", outcome="crash", reason="x").timing is None
 

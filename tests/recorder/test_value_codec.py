@@ -185,6 +185,6 @@ def test_a_class_with_code_of_its_own_is_not_built(monkeypatch, kind):
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1,", "nul", "[" * 100_000, '"\\ud8"'])
-def test_a_text_that_is_no_json_is_refused(text):
+def test_invalid_json_is_refused(text):
     with pytest.raises(NotReadableError):
         read(text)

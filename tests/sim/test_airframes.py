@@ -18,7 +18,7 @@ def test_without_a_name_the_world_keeps_its_own() -> None:
     assert flown_with(world, "") is world
 
 
-def test_another_name_is_told_with_the_nearest() -> None:
+def test_an_unknown_name_is_reported_with_the_nearest() -> None:
     with pytest.raises(UsageError, match="did you mean 'sih'"):
         flown_with(World(world="test"), "sim")
 

@@ -36,7 +36,7 @@ def test_flow_is_the_velocity_over_the_height():
         assert 0.9 < flow.quality < 1.0
 
 
-def test_turns_are_seen_too_and_its_gyroscope_tells_them():
+def test_turns_are_seen_too_and_its_gyroscope_measures_them():
     states = [state((0, 0, -3.0), angles=(0.01 * n, 0.0, 0.0)) for n in range(3)]
     for flow in measured(PERFECT, states):
         np.testing.assert_allclose(flow.rates, [0.2, 0.0, 0.0], atol=1e-9)

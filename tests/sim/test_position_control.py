@@ -34,7 +34,7 @@ def test_a_position_setpoint_is_reached_and_held(perfect: World, pilot: Make) ->
 def test_an_attitude_is_refused_by_name(perfect: World, pilot: Make) -> None:
     flight = pilot(perfect)
     flight.rise()
-    with pytest.raises(VehicleError, match="no attitude setpoints: use missionkit sitl"):
+    with pytest.raises(VehicleError, match="does not fly attitude setpoints: use missionkit sitl"):
         flight.vehicle.apply(Command(AttitudeSetpoint(IDENTITY, 0.5)))
 
 
@@ -63,6 +63,6 @@ def test_a_velocity_is_left_as_it_is() -> None:
 @pytest.mark.parametrize(
     "bad", [PositionSetpoint(vec(math.nan, 0, 0), 0.0), PositionSetpoint(vec(0, 0, 0), math.inf)]
 )
-def test_a_place_that_is_none_is_refused(bad: PositionSetpoint) -> None:
+def test_an_invalid_place_is_refused(bad: PositionSetpoint) -> None:
     with pytest.raises(VehicleError, match="not finite"):
         velocity_for(bad, np.zeros(17))

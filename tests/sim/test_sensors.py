@@ -25,7 +25,7 @@ GRAVITY_NED = np.array([0.0, 0.0, 9.80665])
 Make = Callable[..., Any]
 
 
-def test_blocks_give_one_sequence_however_it_is_cut() -> None:
+def test_blocks_give_one_sequence_at_any_block_size() -> None:
     whole = Normals(np.random.default_rng(3), 2, 7).take(40)
     parts = Normals(np.random.default_rng(3), 2, 11)
     cut = np.concatenate([parts.take(n) for n in (1, 5, 0, 13, 21)])

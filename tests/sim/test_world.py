@@ -91,7 +91,7 @@ def test_marker_is_found_by_id_and_dictionary() -> None:
         ({"id": 250}, "DICT_6X6_250 has ids 0 to 249, not 250"),
     ],
 )
-def test_a_marker_that_nobody_prints_is_refused(change, says) -> None:
+def test_an_implausible_marker_size_is_refused(change, says) -> None:
     board = {"dictionary": "DICT_6X6_250", "id": 1, "size": 0.2, "position": [1, 0, 0]}
     with pytest.raises(ValidationError, match=says):
         World.model_validate({"world": "w", "markers": [{**board, **change}]})

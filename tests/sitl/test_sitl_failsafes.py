@@ -122,7 +122,7 @@ def test_ardupilot_stops_and_stays_guided_when_setpoints_stop(station: Make) -> 
     assert copter.state.mode.name == "GUIDED"
 
 
-def test_ardupilot_goes_on_to_a_position_it_was_told_once(station: Make) -> None:
+def test_ardupilot_flies_on_to_its_last_position_setpoint(station: Make) -> None:
     copter = station("ardupilot")
     copter.take_off()
     copter.send(
@@ -200,7 +200,7 @@ def test_px4_holds_returns_and_lands_as_the_battery_drains(station: Make) -> Non
     assert px4.state.mode.name == "LAND"
 
 
-def test_ardupilot_acts_on_the_charge_it_was_told_to(station: Make) -> None:
+def test_ardupilot_acts_at_its_configured_charge(station: Make) -> None:
     copter = station("ardupilot")
     copter.state.parameters.set("BATT_LOW_MAH", 600)
     copter.state.parameters.set("BATT_FS_LOW_ACT", 2)
@@ -242,7 +242,7 @@ def test_px4_wants_a_ground_station_if_it_is_to_act_on_its_loss(station: Make) -
     assert px4.command(400, 1) == 0
 
 
-def test_a_crash_is_told_and_disarms(station: Make) -> None:
+def test_a_crash_is_reported_and_disarms(station: Make) -> None:
     pole = Cylinder(use="cylinder", at=(8.0, 0.0), radius=1.0, height=9.0)
     px4 = station("px4", world=EXACT.model_copy(update={"obstacles": (pole,)}))
     flying(px4, 4.0)

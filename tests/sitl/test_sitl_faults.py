@@ -157,7 +157,7 @@ def test_stopped_streams_leave_heartbeats_and_answers(station: Make) -> None:
     assert px4.command(400, 1) == 0
 
 
-def test_lost_fixes_are_told(station: Make) -> None:
+def test_lost_fixes_are_reported(station: Make) -> None:
     px4 = talking(station, "gnss_lost@2+2")
     px4.run(3.5)
     assert px4.last("GPS_RAW_INT").fix_type == mavlink.GPS_FIX_TYPE_NO_FIX
@@ -177,7 +177,7 @@ def test_a_failure_is_injected_over_the_wire(station: Make) -> None:
     assert not px4.state.gnss_lost
 
 
-def test_a_sagging_battery_is_told(station: Make) -> None:
+def test_a_sagging_battery_is_reported(station: Make) -> None:
     px4 = talking(station, "battery_sag=0.6@2")
     px4.run(4.0)
     assert px4.last("BATTERY_STATUS").battery_remaining == pytest.approx(40, abs=1)
@@ -198,7 +198,7 @@ def test_faults_that_need_a_state_wait_for_it(station: Make) -> None:
     ("text", "hint"),
     [
         ("link_cutt", "link_cut"),
-        ("camera_off", "none of the autopilot's"),
+        ("camera_off", "not a fault of the autopilot"),
         ("packets_lost=2", "range"),
         ("link_cut=3", "no value"),
         ("acks_delayed=soon", "number"),
@@ -206,7 +206,7 @@ def test_faults_that_need_a_state_wait_for_it(station: Make) -> None:
         ("link_cut@", "form"),
     ],
 )
-def test_mistakes_in_faults_are_told(text: str, hint: str) -> None:
+def test_mistakes_in_faults_are_reported(text: str, hint: str) -> None:
     with pytest.raises(UsageError, match=hint):
         read_fault(text, PX4)
 

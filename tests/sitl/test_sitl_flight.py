@@ -71,7 +71,7 @@ def test_an_acceleration_builds_up_speed(either: Any) -> None:
 
 
 @pytest.mark.parametrize("rates", [False, True])
-def test_it_leans_as_told(station: Make, rates: bool) -> None:
+def test_it_leans_as_commanded(station: Make, rates: bool) -> None:
     px4 = station("px4")
     px4.take_off()
     pitch = -0.1

@@ -24,7 +24,7 @@ def test_a_heartbeat_names_the_autopilot(either: Any) -> None:
     assert {(beat.type, beat.get_srcComponent()) for beat in beats} == {(2, 1)}
 
 
-def test_nothing_but_heartbeats_goes_to_a_port_where_nobody_answers(station: Make) -> None:
+def test_only_heartbeats_go_to_a_silent_port(station: Make) -> None:
     px4 = station("px4")
     px4.run(1.0)
     assert {message.get_type() for message in px4.seen} == {"HEARTBEAT"}
@@ -33,7 +33,7 @@ def test_nothing_but_heartbeats_goes_to_a_port_where_nobody_answers(station: Mak
     assert {message.get_msgId() for message in px4.seen} == set(RATES["px4"])
 
 
-def test_ardupilot_sends_nothing_unless_asked(station: Make) -> None:
+def test_ardupilot_sends_nothing_unless_requested(station: Make) -> None:
     copter = station("ardupilot")
     copter.send(HEARTBEAT)
     copter.run(2.0)
@@ -72,7 +72,7 @@ def test_packets_are_numbered_without_gaps(station: Make) -> None:
     assert numbers == [n % 256 for n in range(len(numbers))]
 
 
-def test_rates_are_those_asked_for(station: Make) -> None:
+def test_rates_are_as_requested(station: Make) -> None:
     px4 = station("px4")
     assert px4.command(511, mavlink.MAVLINK_MSG_ID_HIGHRES_IMU, 10_000) == 0
     assert px4.command(511, mavlink.MAVLINK_MSG_ID_ATTITUDE, -1) == 0
@@ -99,7 +99,7 @@ def test_an_inertial_sample_says_which_sensors_are_new(station: Make) -> None:
     assert sum(bool(flag & 0x800) for flag in flags) == pytest.approx(10, abs=1)
 
 
-def test_the_estimator_tells_when_the_position_is_lost(either: Any) -> None:
+def test_the_estimator_reports_a_lost_position(either: Any) -> None:
     number, kind = (230, "ESTIMATOR_STATUS") if either.px4 else (193, "EKF_STATUS_REPORT")
     either.run(1.5)
     assert either.command(512, number) == 0
@@ -110,14 +110,14 @@ def test_the_estimator_tells_when_the_position_is_lost(either: Any) -> None:
     assert not either.last(kind).flags & 16
 
 
-def test_a_fix_is_sent_once_however_often_it_is_asked_for(either: Any) -> None:
+def test_a_fix_is_sent_once_however_often_it_is_requested(either: Any) -> None:
     assert either.command(511, mavlink.MAVLINK_MSG_ID_GPS_RAW_INT, 20_000) == 0
     either.run(3.0)
     times = [message.time_usec for message in either.all("GPS_RAW_INT") if message.fix_type == 3]
     assert len(times) == len(set(times)) == pytest.approx(14, abs=1)
 
 
-def test_telemetry_tells_the_truth(either: Any) -> None:
+def test_telemetry_matches_ground_truth(either: Any) -> None:
     either.take_off()
     for number in (32, 33, 31, 105 if either.px4 else 27, 24):
         either.command(511, number, 20_000)
@@ -155,7 +155,7 @@ def test_a_scan_shows_obstacles_where_they_are(station: Make) -> None:
     assert scan.distances[54] == scan.max_distance + 1
 
 
-def test_an_acknowledgement_goes_to_who_asked(station: Make) -> None:
+def test_an_acknowledgement_goes_to_the_sender(station: Make) -> None:
     px4 = station("px4", who=(42, 191))
     assert px4.command(512, 148) == 0
     ack = px4.last("COMMAND_ACK")
@@ -163,11 +163,11 @@ def test_an_acknowledgement_goes_to_who_asked(station: Make) -> None:
     assert px4.last("AUTOPILOT_VERSION").capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2
 
 
-def test_unknown_commands_are_said_to_be_unsupported(either: Any) -> None:
+def test_unknown_commands_are_answered_as_unsupported(either: Any) -> None:
     assert either.command(31999) == mavlink.MAV_RESULT_UNSUPPORTED
 
 
-def test_messages_for_somebody_else_are_left_alone(either: Any) -> None:
+def test_messages_for_other_systems_are_ignored(either: Any) -> None:
     either.send(mavlink.MAVLink_command_long_message(7, 1, 512, 0, 148, 0, 0, 0, 0, 0, 0))
     assert not either.all("COMMAND_ACK")
 

@@ -90,7 +90,7 @@ def test_it_speaks_first_on_an_outgoing_udp_link() -> None:
 
 
 @pytest.mark.parametrize("link", ["udpin:127.0.0.1:0", "udpin://127.0.0.1:0"])
-def test_it_waits_for_somebody_on_an_incoming_udp_link(link: str) -> None:
+def test_it_waits_for_a_peer_on_an_incoming_udp_link(link: str) -> None:
     with serving(Setup(links=(link,), speed=10.0)) as server, udp() as (sock, _):
         sock.connect(server.addresses[0])
         remote = Remote(sock)
@@ -132,7 +132,7 @@ def test_the_control_socket_answers_and_takes_faults() -> None:
         assert ask(quit=True)["ok"]
 
 
-def test_ports_that_are_taken_and_odd_options_are_told() -> None:
+def test_taken_ports_and_odd_options_are_reported() -> None:
     with socket.create_server((LOCAL, 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(VehicleError, match=f"tcpin:127.0.0.1:{port}"):
@@ -150,7 +150,7 @@ def test_ports_that_are_taken_and_odd_options_are_told() -> None:
             Server(wrong)
 
 
-def test_the_command_says_its_ports_and_ends_when_told() -> None:
+def test_the_command_prints_its_ports_and_ends_on_request() -> None:
     with udp() as (sock, port):
         command = (sys.executable, "-m", "missionkit", "sitl", "--dialect", "ardupilot")
         options = ("--link", f"udpout:{LOCAL}:{port}", "--speed", "8", "--json")
@@ -164,7 +164,7 @@ def test_the_command_says_its_ports_and_ends_when_told() -> None:
 
 
 @pytest.mark.parametrize("home", ["47.4,8.5", "north,8.5,488", "97,8.5,488", "nan,8.5,488"])
-def test_a_home_that_is_no_place_is_refused(home: str) -> None:
+def test_an_invalid_home_is_refused(home: str) -> None:
     result = CliRunner().invoke(app, ["sitl", "--home", home])
     assert result.exit_code == 2
     assert "home" in result.stderr

@@ -68,12 +68,12 @@ def test_a_pack_of_another_component_is_another_one():
     assert charge(own, said(0, 30, ALL, component=180)) == 0.3
 
 
-def test_a_pack_heard_once_is_not_believed_beside_one_heard_often():
+def test_a_pack_reported_once_is_ignored_beside_one_reported_often():
     known = all_of([*((said(0, 80), float(n)) for n in range(20)), (said(7, 1), 20.0)])
     assert battery(known).charge == 0.8
 
 
-def test_the_charge_is_as_old_as_the_oldest_reading_that_it_stands_on():
+def test_the_charge_is_as_old_as_its_oldest_reading():
     both = [(said(ident, 80 - ident), float(n)) for n in range(3) for ident in (0, 1)]
     silent = all_of([*both, *((said(1, 70), 3.0 + n) for n in range(10))])
     assert battery(silent).at == 2.0

@@ -8,7 +8,7 @@ from missionkit.vehicle.camera.image_source import found, is_device, is_film
 @pytest.mark.parametrize(
     "source", [0, "/dev/video9", "rtsp://10.0.0.2/live", "v4l2src ! appsink", "shots/%04d.png"]
 )
-def test_what_is_no_file_stays_as_it_is(source, tmp_path):
+def test_a_source_that_is_not_a_file_is_unchanged(source, tmp_path):
     assert found(source, tmp_path) == source
 
 
@@ -31,7 +31,7 @@ def test_the_nearest_is_named_among_films(tmp_path):
         found("mornign.mp4", tmp_path)
 
 
-def test_a_folder_is_no_film(tmp_path):
+def test_a_folder_is_not_a_film(tmp_path):
     with pytest.raises(ValueError, match="this is no file"):
         found(".", tmp_path)
 
@@ -41,7 +41,7 @@ def test_nothing_lies_in_a_folder_that_is_not_there(tmp_path):
         found("away/film.mp4", tmp_path)
 
 
-def test_a_film_waits_for_nobody_but_a_device_does(tmp_path):
+def test_a_film_plays_without_waiting_but_a_device_waits(tmp_path):
     (tmp_path / "film.avi").touch()
     assert is_film(str(tmp_path / "film.avi"))
     assert not is_film(0)

@@ -91,7 +91,7 @@ def test_the_table_is_complete():
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_a_mode_is_asked_for_only_while_nothing_is_doubted(state):
+def test_a_mode_is_requested_only_while_no_heartbeat_is_doubted(state):
     authority = Desk().authority
     authority.state = state
     assert authority.order("land") is (state in {"ground", "commanding"})
@@ -110,12 +110,12 @@ def test_a_whole_flight_takes_nothing_over():
 
 
 @pytest.mark.parametrize("mode", ["position", "manual", "hold", "return", "altitude", "land"])
-def test_leaving_offboard_without_being_asked_is_a_takeover(mode):
+def test_leaving_offboard_unrequested_is_a_takeover(mode):
     desk = Desk().fly().hear(mode)
     assert desk.authority.state == "pilot"
     assert desk.told == ["let go", "pilot_takeover"]
     (why,) = desk.notes
-    assert f"mode {mode}, which missionkit did not choose (it asked for offboard)" in why
+    assert f"mode {mode}, which missionkit did not choose (it had requested offboard)" in why
 
 
 @pytest.mark.parametrize(
@@ -199,7 +199,7 @@ def test_an_accepted_order_is_not_overridden_on_the_ground_where_it_ended_or_onc
         assert desk.hear(modes[2]).authority.ours is (where is GROUND)
 
 
-def test_the_climb_may_end_while_offboard_is_being_asked_for():
+def test_the_climb_may_end_while_offboard_is_being_requested():
     desk = Desk()
     desk.authority.order("take_off", 5.0)
     desk.where = Whereabouts(on_ground=False, height=5.0)
@@ -209,7 +209,7 @@ def test_the_climb_may_end_while_offboard_is_being_asked_for():
     assert not desk.hear("hold").authority.ours
 
 
-def test_the_pilot_keeps_it_until_asked_even_back_in_offboard_or_on_the_ground():
+def test_the_pilot_keeps_control_until_giving_it_back_even_in_offboard_or_on_the_ground():
     desk = Desk().fly().hear("position", "offboard")
     assert not desk.authority.ours
     assert not desk.hear("hold", armed=False).authority.ours
@@ -257,7 +257,7 @@ def test_another_kind_of_vehicle_is_not_commanded():
 
 
 @pytest.mark.parametrize("unheard", [True, False])
-def test_whether_it_had_heard_us_counts_from_the_first_doubt_on(unheard):
+def test_link_loss_counts_from_the_first_doubt(unheard):
     desk = Desk().fly()
     desk.unheard = unheard
     desk.authority.doubt()
@@ -276,13 +276,13 @@ def test_whether_it_had_heard_us_counts_from_the_first_doubt_on(unheard):
         ("offboard", False, GROUND, True),
     ],
 )
-def test_what_comes_as_no_surprise(mode, armed, where, expected):
+def test_expected_modes_are_not_surprises(mode, armed, where, expected):
     desk = Desk().fly()
     desk.where = where
     assert desk.authority.expects(Said(PX4_MODES[mode], armed)) is expected
 
 
-def test_arming_surprises_unless_a_mode_was_asked_for():
+def test_arming_is_a_surprise_unless_a_mode_was_requested():
     desk = Desk().hear("hold", armed=False)
     assert not desk.authority.expects(Said(PX4_MODES["hold"], armed=True))
     desk.authority.order("hold")
@@ -305,5 +305,5 @@ def test_a_guardian_that_holds_ends_commanding_until_a_person_resumes():
     desk.authority.overruled()
     assert desk.authority.state == "failsafe"
     assert desk.told == ["let go", "failsafe_takeover"]
-    assert "its guardian holds" in desk.notes[0]
+    assert "its guardian made the vehicle hold" in desk.notes[0]
     assert desk.authority.resume()

@@ -72,7 +72,7 @@ def test_nothing_is_shared_unless_wanted():
     assert Station(NOTHING).tick(seen()) == []
 
 
-def test_both_go_out_with_the_time_of_what_they_tell():
+def test_both_messages_carry_the_time_of_their_data():
     station = Station(BOTH)
     assert station.tick(seen()) == ["VISION_POSITION_ESTIMATE", "LANDING_TARGET"]
     assert station.sent[0][1]["usec"] == 105_000_000

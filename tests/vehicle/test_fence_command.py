@@ -37,7 +37,7 @@ def test_the_box_is_round_all_fences_and_wider():
     assert box_of(mission, 2.0) == Box((-32.0, 102.0), (-42.0, 62.0), 32.0)
 
 
-def test_a_mission_without_a_fence_is_told_what_one_looks_like():
+def test_a_mission_without_a_fence_gets_an_example_of_one():
     with pytest.raises(UsageError, match="no failsafe has a fence; add one such as"):
         box_of(parse(HOP, "hop", builtin()), 5.0)
 
@@ -88,9 +88,7 @@ def test_an_armed_vehicle_is_left_alone(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("point", ["10,-5", "a,b,c", "1,2,nan", "1,2,3,4", ""])
-def test_a_rally_point_that_is_none_is_refused_before_anybody_is_called(
-    point, tmp_path, monkeypatch
-):
+def test_an_invalid_rally_point_is_refused_before_connecting(point, tmp_path, monkeypatch):
     given = asked(tmp_path, monkeypatch, "udpin://127.0.0.1:9", "--rally", point)
     assert given.exit_code == 2
     assert "NORTH,EAST,HEIGHT" in given.stderr

@@ -85,7 +85,7 @@ def test_what_waits_for_a_slow_line_can_be_dropped():
         assert not link._waiting
 
 
-def test_everybody_who_called_hears_and_noise_is_nobody():
+def test_every_caller_is_answered_and_noise_is_ignored():
     end = End()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
@@ -126,12 +126,12 @@ def test_the_autopilots_frames_gather_and_what_is_urgent_passes_at_once():
 
 
 @pytest.mark.parametrize(("device", "baud"), [("/dev/null", 57600), ("/dev/nowhere", 57600)])
-def test_what_is_no_serial_line_is_said(device, baud):
+def test_a_device_that_is_not_serial_is_reported(device, baud):
     with pytest.raises(OSError, match=r"serial line|No such file"):
         open_link("serial", device, baud, Poller(), list)
 
 
-def test_an_unknown_baud_rate_is_said():
+def test_an_unknown_baud_rate_is_reported():
     ours, theirs = os.openpty()
     with pytest.raises(OSError, match="12345 is no baud rate"):
         open_link("serial", os.ttyname(theirs), 12345, Poller(), list)

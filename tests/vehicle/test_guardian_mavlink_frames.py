@@ -59,7 +59,7 @@ def test_frames_are_found_in_pieces_and_between_noise():
     assert rest == b""
 
 
-def test_a_damaged_frame_is_not_believed():
+def test_a_damaged_frame_is_rejected():
     data = bytearray(packed(HEARTBEAT))
     data[12] ^= 1
     assert mavlink_frames.read(bytes(data)) is None

@@ -78,7 +78,7 @@ def test_zero_velocity_comes_at_once_and_another_mode_only_after_a_heartbeat_tha
 
 
 @pytest.mark.parametrize("event", ["in_another", "stands", "after_6_s"])
-def test_it_ends_when_the_process_is_gone_and_nothing_is_left_to_stop(event):
+def test_it_ends_with_its_process_when_nothing_is_left_to_stop(event):
     holding = policy.gone(STATES["holding"], 10.6)
     assert not holding.over
     assert EVENTS[event](holding).over
@@ -99,4 +99,4 @@ def test_a_mission_that_wakes_up_is_refused_until_a_person_gives_control_back():
 
 
 def test_setpoints_from_before_the_process_took_control_count_for_nothing():
-    assert policy.given(STEERED).told == NEVER
+    assert policy.given(STEERED).last_setpoint_at == NEVER

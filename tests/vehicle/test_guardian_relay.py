@@ -101,7 +101,7 @@ def test_all_passes_while_nothing_is_wrong():
             assert passed.get_type() == message.get_type()
 
 
-def test_a_mission_that_is_gone_is_stopped_and_its_orders_pass_no_more():
+def test_a_dead_mission_is_stopped_and_its_commands_are_blocked():
     with bench() as it:
         steered(it)
         it.words.shutdown(socket.SHUT_RDWR)
@@ -132,7 +132,7 @@ def test_a_mission_that_ends_while_the_autopilot_carries_out_its_order_is_left_t
         assert it.act() == []
 
 
-def test_streams_that_nobody_needs_are_left_out_and_the_rest_comes_in_one_datagram():
+def test_unused_streams_are_left_out_and_the_rest_comes_in_one_datagram():
     with bench() as it:
         it.send(PARAMETER)
         mav = mavlink.MAVLink(None, 1, 1)

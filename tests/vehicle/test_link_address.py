@@ -25,7 +25,7 @@ def test_a_serial_device_has_a_baud_rate_by_default():
     ("text", "says"),
     [
         ("14540", "expected an address such as udpin://0.0.0.0:14540"),
-        ("udp://:14540", "udp:// is not precise, write udpin://0.0.0.0:14540"),
+        ("udp://:14540", "udp:// is ambiguous, write udpin://0.0.0.0:14540"),
         ("udpinn://0.0.0.0:14540", "did you mean 'udpin'?"),
         ("udpin://0.0.0.0", "host and port are missing, as in udpin://0.0.0.0:14540"),
         ("udpin://:14540", "host and port are missing"),
@@ -36,7 +36,7 @@ def test_a_serial_device_has_a_baud_rate_by_default():
         ("", "expected an address"),
     ],
 )
-def test_what_is_no_address_is_refused_with_an_example(text, says):
+def test_an_invalid_address_is_refused_with_an_example(text, says):
     with pytest.raises(UsageError) as refused:
         parse(text)
     assert says in str(refused.value)
@@ -121,7 +121,7 @@ def test_the_lock_folder_is_the_users_own(tmp_path, monkeypatch):
         assert lock.path.read_text() == f"{os.getpid()}\n"
 
 
-def test_a_guardian_whose_mission_is_gone_is_waited_for(tmp_path):
+def test_the_lock_waits_for_a_guardian_whose_mission_has_ended(tmp_path):
     address = parse("udpin://0.0.0.0:14540")
     with LinkLock(address, tmp_path) as held:
         held.path.write_text(f"{HOLDER} 1234\n")

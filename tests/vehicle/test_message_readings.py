@@ -35,7 +35,7 @@ def test_inertial_sample_field_and_height_are_read():
 
 
 @pytest.mark.parametrize("name", ["xacc", "zgyro"])
-def test_a_sample_with_an_unknown_part_is_no_sample(name):
+def test_a_sample_with_an_unknown_part_is_dropped(name):
     assert message_readings.imu({**HIGHRES, name: None}, 3.0) is None
 
 
@@ -53,7 +53,7 @@ def test_a_fix_is_read_in_metres_from_home():
     np.testing.assert_allclose(fix.velocity_sd, 0.08)
 
 
-def test_no_fix_is_no_reading_and_unknown_accuracy_is_coarse():
+def test_no_fix_gives_no_reading_and_unknown_accuracy_is_coarse():
     assert message_readings.gnss({**FIX, "fix_type": 2}, 3.0, HOME, 0.0) is None
     assert message_readings.gnss({**FIX, "h_acc": 0}, 3.0, HOME, 0.0).position_sd[0] == 2.5
 
@@ -70,7 +70,7 @@ def test_standing_still_needs_no_course():
     np.testing.assert_array_equal(fix.velocity, 0.0)
 
 
-def test_a_climb_that_is_not_known_is_not_said_to_be_zero():
+def test_an_unknown_climb_rate_is_not_sent_as_zero():
     fix = message_readings.gnss(FIX, 3.0, HOME, climb=None)
     np.testing.assert_allclose(fix.velocity[:2], (0.0, 5.0), atol=1e-9)
     np.testing.assert_array_equal(fix.velocity_sd, (0.08, 0.08, math.inf))
@@ -97,14 +97,14 @@ def test_metres_agree_with_the_length_of_a_degree():
     np.testing.assert_allclose(north[:2], (111.1318, 78.8468), rtol=2e-5)
 
 
-def test_modes_have_the_missions_words():
+def test_modes_have_the_missions_names():
     assert word(PX4, 6 << 16) == "offboard"
     assert word(PX4, 4 << 16 | 3 << 24) == "hold"
     assert word(ARDUPILOT, 9) == "land"
     assert word(ARDUPILOT, 99) == "mode_63"
 
 
-def test_the_heartbeat_tells_the_dialect():
+def test_the_heartbeat_identifies_the_dialect():
     assert dialect_of(12) is PX4
     assert dialect_of(3) is ARDUPILOT
     assert dialect_of(8) is None

@@ -62,7 +62,7 @@ def test_a_fix_without_course_is_a_fix(listening):
     assert seen.gnss.velocity is None
 
 
-def test_the_climb_is_that_of_the_autopilot_while_it_tells(listening):
+def test_the_climb_rate_is_the_autopilots_while_it_reports_one(listening):
     local = {"x": 0.0, "y": 0.0, "z": -10.0, "vx": 0.0, "vy": 0.0, "vz": -1.5}
     seen = listening.see(HOME_POSITION=HOME, LOCAL_POSITION_NED=local, GPS_RAW_INT=FIX)
     assert seen.gnss.velocity[2] == -1.5
@@ -82,14 +82,14 @@ def test_a_second_receiver_speaks_while_the_first_has_no_fix(listening):
     assert listening.see(GPS_RAW_INT=FIX, GPS2_RAW=other).gnss.position[2] == pytest.approx(-10.0)
 
 
-def test_a_home_of_zeros_is_no_home(listening):
+def test_a_home_of_zeros_does_not_count(listening):
     nowhere = {**HOME, "latitude": 0, "longitude": 0, "altitude": 0}
     assert listening.see(HOME_POSITION=nowhere, GPS_RAW_INT=FIX).gnss is None
     assert listening.observer.origin is None
     assert listening.see(HOME_POSITION=HOME, GPS_RAW_INT=FIX).gnss is not None
 
 
-def test_where_home_is_in_the_local_frame_follows_from_its_origin_where_it_is_not_told(listening):
+def test_home_follows_from_the_local_origin_when_it_is_not_sent(listening):
     """Home 10 m above the origin and 0.0001 deg north of it, x, y and z left zero."""
     origin = {"latitude": HOME["latitude"] - 1000, "longitude": HOME["longitude"]}
     listening.see(HOME_POSITION=HOME, GPS_GLOBAL_ORIGIN={**origin, "altitude": 478000})
@@ -119,7 +119,7 @@ def test_a_silent_link_does_not_turn_standing_into_flying(listening):
     assert listening.state.in_air is False
 
 
-def test_packs_that_report_in_one_tick_are_all_heard(listening):
+def test_packs_that_report_in_one_tick_all_count(listening):
     for _ in range(3):
         seen = listening.see(BATTERY_STATUS=[said(0, 8, ALL), said(1, 95, PAYLOAD)])
     assert seen.battery.charge == 0.08

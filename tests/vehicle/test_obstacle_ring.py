@@ -44,7 +44,7 @@ def test_a_ring_of_the_body_is_level_and_begins_at_the_front(frame):
 
 
 @pytest.mark.parametrize("frame", [0, 1])
-def test_a_ring_of_the_world_begins_at_north_however_the_vehicle_is_turned(frame):
+def test_a_world_ring_begins_at_north_at_any_heading(frame):
     world = places(ring({0: 300, 18: 500}, frame=frame))
     np.testing.assert_allclose(world, [at(3.0, 0.0), at(5.0, math.pi / 2)], atol=1e-9)
 
@@ -59,7 +59,7 @@ def test_offset_and_increment_are_clockwise_and_the_finer_increment_counts(frame
     np.testing.assert_allclose(one, at(3.0, math.radians(-2.5)), atol=1e-9)
 
 
-def test_unknown_is_no_obstacle_and_too_near_to_be_measured_is_one():
+def test_unknown_is_not_an_obstacle_and_below_minimum_range_is_one():
     fields = ring({0: 65535, 1: 10, 2: 0, 3: 1200, 4: NOWHERE, 5: 20})
     reach = np.linalg.norm(points_of(fields, LEVEL), axis=1)
     np.testing.assert_allclose(reach, [0.10, 0.05, 12.0, 0.2])

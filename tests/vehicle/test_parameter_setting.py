@@ -60,7 +60,7 @@ def test_what_is_read_back_counts():
     assert write(Keeper(), change).says == "GUID_TIMEOUT was 3, is 1"
     refused = write(Keeper(refuses=True, GUID_TIMEOUT=3.0), change)
     assert not refused.good
-    assert refused.says == "GUID_TIMEOUT was 3, is still 3: look at it by hand"
+    assert refused.says == "GUID_TIMEOUT was 3, is still 3: check it by hand"
     assert "could not be read back" in Written(change, None).says
 
 
@@ -105,7 +105,7 @@ def test_integers_of_px4_are_written_too(tmp_path, monkeypatch, capsys):
         (PreflightOptions("udpin://127.0.0.1:14801", as_json=True, write=True), "leave out --json"),
     ],
 )
-def test_it_writes_nothing_where_nobody_can_answer(wanted, says, monkeypatch):
+def test_it_writes_nothing_without_a_terminal(wanted, says, monkeypatch):
     monkeypatch.setattr(command.sys, "stdin", io.StringIO(""))
     with pytest.raises(UsageError, match=says):
         preflight(wanted)

@@ -28,14 +28,14 @@ class Actuator:
         self.payload.want(name)
 
 
-def test_it_is_told_once_per_change():
+def test_it_is_reported_once_per_change():
     made = Actuator()
     for name in (None, "sprayer", "sprayer", None, None):
         made.tick(name)
     assert made.told == [1.0, -1.0]
 
 
-def test_what_is_not_acknowledged_is_told_again():
+def test_an_unacknowledged_command_is_sent_again():
     made = Actuator()
     made.heard = False
     for _ in range(3):
@@ -54,7 +54,7 @@ def test_at_the_end_it_is_switched_off():
     assert made.told == [1.0, -1.0]
 
 
-def test_at_the_end_nothing_is_told_that_was_not_on():
+def test_at_the_end_only_active_actuators_are_switched_off():
     made = Actuator()
     made.payload.release()
     made.tick("sprayer")

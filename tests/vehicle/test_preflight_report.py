@@ -69,7 +69,7 @@ FAULTS = [
         {"fix": {**GOOD.fix, "vel": 65535}},
         "gnss",
         FailsafeLevel.WARNING,
-        "does not tell its velocity",
+        "does not report its velocity",
     ),
     ({"fix": LOST, "second_fix": GOOD.fix}, "gnss", FailsafeLevel.GOOD, "of the second receiver"),
     ({"fix": LOST}, "gnss", FailsafeLevel.BAD, "missions do not take off without one"),
@@ -102,7 +102,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("fault", "what", "level", "says"), FAULTS)
-def test_each_fault_is_found_and_said(fault, what, level, says):
+def test_each_fault_is_found_and_reported(fault, what, level, says):
     report = judged("PX4", PX4, GOOD._replace(**fault))
     (check,) = [check for check in report.checks if check.what == what]
     assert check.level is level

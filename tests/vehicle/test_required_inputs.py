@@ -30,12 +30,12 @@ def watched(names, *spans):
     return found
 
 
-def test_what_comes_is_no_problem():
+def test_arriving_inputs_are_not_a_problem():
     assert watched(["scan"], (10.0, True), (2.9, False), (10.0, True)) == []
     assert watched([], (10.0, False)) == []
 
 
-def test_what_does_not_come_is_said_each_time_it_goes_missing():
+def test_a_missing_input_is_reported_each_time():
     found = watched(["scan"], (5.0, False), (1.0, True), (5.0, False), (1.0, True))
     assert [at for at, _ in found] == [pytest.approx(3.1, abs=0.1), pytest.approx(9.05, abs=0.1)]
     assert "the mission's avoidance sees nothing" in found[0][1]

@@ -27,7 +27,7 @@ def test_raw_numbers_become_the_units_of_an_inertial_sample():
     assert fields["time_usec"] == RAW["time_usec"]
 
 
-def test_a_pressure_is_told_once():
+def test_a_pressure_is_sent_once():
     pressure = ("SCALED_PRESSURE", {"press_abs": 954.61})  # 500 m in the ICAO atmosphere
     came = [it for name, it in given(pressure, ("RAW_IMU", RAW), ("RAW_IMU", RAW)) if "xacc" in it]
     heights = [message_readings.pressure_height(it) for it in came if "pressure_alt" in it]

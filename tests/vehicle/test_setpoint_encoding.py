@@ -111,5 +111,5 @@ def test_the_missions_origin_stays_where_home_was_first():
     observer.observe(0.0, None, ())
     assert observer.start == pytest.approx([1.0, 2.0, -0.5])
     moved = {**home, "altitude": 489000, "x": 1.0, "y": 2.0, "z": -1.5}
-    cache.put("HOME_POSITION", moved)  # taken anew on arming, 1 m higher
+    cache.put("HOME_POSITION", moved)  # set again on arming, 1 m higher
     assert observer.start == pytest.approx([1.0, 2.0, -0.5])

@@ -38,11 +38,11 @@ class Bench:
     ("age", "sent"),
     [(0.0, NORTH), (0.49, NORTH), (0.51, STILL), (1.49, STILL), (1.51, None), (60.0, None)],
 )
-def test_age_decides_what_goes_out(age, sent):
+def test_the_age_of_a_command_decides_the_setpoint(age, sent):
     assert due(Told(NORTH, 10.0), 10.0 + age) is sent
 
 
-def test_nothing_goes_out_before_anybody_has_commanded():
+def test_nothing_is_sent_before_the_first_command():
     assert due(None, 10.0) is None
 
 
@@ -72,7 +72,7 @@ def test_a_process_that_was_stopped_wakes_up_silent():
     assert len(bench.sent) == before
 
 
-def test_a_standstill_is_noticed_when_it_ends():
+def test_a_process_pause_is_noticed_when_it_ends():
     bench = Bench()
     bench.run(1.0)
     assert bench.streamer.woken == float("-inf")
@@ -81,7 +81,7 @@ def test_a_standstill_is_noticed_when_it_ends():
     assert bench.streamer.woken == pytest.approx(104.05)
 
 
-def test_a_standstill_between_deciding_and_sending_sends_nothing():
+def test_a_pause_between_deciding_and_sending_sends_nothing():
     bench = Bench()
 
     def stands_still():
@@ -101,7 +101,7 @@ def test_ticks_that_catch_up_are_not_fresh():
     assert bench.sent == []
 
 
-def test_the_pilot_is_not_spoken_to():
+def test_nothing_is_sent_while_a_pilot_flies():
     bench = Bench()
     bench.streamer.tell(NORTH, bench.now)
     bench.listens = False

@@ -44,7 +44,7 @@ def test_a_mode_of_a_critical_autopilot_is_its_own_unless_only_a_pilot_flies_it(
 
 
 @pytest.mark.parametrize(("armed", "flies"), [(True, True), (False, False)])
-def test_a_vehicle_that_has_disarmed_does_not_fly_whatever_was_said_last(armed, flies):
+def test_a_disarmed_vehicle_is_not_flying_whatever_it_last_reported(armed, flies):
     cache = Cache(lambda: 0.0)
     cache.put("EXTENDED_SYS_STATE", {"landed_state": IN_AIR})
     cache.put("HEARTBEAT", beat(LAND, armed=armed))
@@ -52,7 +52,7 @@ def test_a_vehicle_that_has_disarmed_does_not_fly_whatever_was_said_last(armed, 
 
 
 @pytest.mark.parametrize(("status", "flies"), [(3, False), (ACTIVE, True), (CRITICAL, True)])
-def test_under_power_counts_as_flying_where_nothing_else_is_said(status, flies):
+def test_under_power_counts_as_flying_without_a_landed_state(status, flies):
     cache = Cache(lambda: 0.0)
     cache.put("HEARTBEAT", beat(LAND, status))
     assert AutopilotState(cache, PX4).in_air is flies

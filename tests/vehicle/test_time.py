@@ -111,7 +111,7 @@ def run(made, cache, wall, seconds, rate=20.0, boot=0.0):
         made.tend()
 
 
-def test_streams_are_asked_for_once_and_then_only_if_they_do_not_come():
+def test_streams_are_requested_once_and_again_only_if_missing():
     made, cache, wall, wire = streams()
     run(made, cache, wall, 10.0)
     assert wire.ids == [32]
@@ -121,7 +121,7 @@ def test_streams_are_asked_for_once_and_then_only_if_they_do_not_come():
     assert wire.ids.count(32) in {3, 4}
 
 
-def test_a_stream_that_comes_too_slowly_is_asked_for_again():
+def test_a_slow_stream_is_requested_again():
     made, cache, wall, wire = streams()
     run(made, cache, wall, 10.0, rate=4.0)
     assert wire.ids.count(32) >= 4

@@ -108,7 +108,7 @@ def test_a_vehicle_whose_time_passes_slowly_does_not_seem_silent(rate):
     assert rows[20:, 3].max() < 0.4
 
 
-def test_a_vehicle_that_stood_still_is_believed_again_as_soon_as_it_goes_on():
+def test_a_paused_vehicle_is_trusted_again_as_soon_as_it_continues():
     vehicle = Starved()
     vehicle.fly(5.0)
     vehicle.rate = 0.0
@@ -117,7 +117,7 @@ def test_a_vehicle_that_stood_still_is_believed_again_as_soon_as_it_goes_on():
     assert not vehicle.fly(10.0)[30:, 2].any()
 
 
-def test_it_is_said_once_that_its_time_passes_slowly():
+def test_a_slow_vehicle_clock_is_reported_once():
     punctual, slow = Starved(0.97), Starved(0.75)
     punctual.fly(40.0)
     slow.fly(40.0)
@@ -133,15 +133,15 @@ def test_messages_that_queue_up_on_the_link_are_not_taken_for_fresh_ones():
     np.testing.assert_allclose(asked[:, 3], unasked[:, 3], atol=0.02)
 
 
-def test_an_answer_to_somebody_else_or_of_another_clock_moves_nothing():
+def test_an_answer_to_another_peer_or_from_another_clock_changes_nothing():
     wall, clock = Wall(), BootClock()
     sync = TimeSync(Starved(), wall, 1.0, [].append)
     sync.hear(Message("TIMESYNC", {"tc1": 10**9, "ts1": 12345}, wall.now))
     assert sync.take() == []
     clock.hear(boot=5.0, arrived=7.1)
-    clock.answered(boot=5.2, asked=7.2)
+    clock.answered(boot=5.2, requested_at=7.2)
     assert clock.mission(5.0) == pytest.approx(7.1)
-    clock.answered(boot=1.0, asked=7.2)
+    clock.answered(boot=1.0, requested_at=7.2)
     assert clock.mission(5.0) == pytest.approx(7.1)
 
 
@@ -150,9 +150,9 @@ def test_the_offset_follows_answers_until_a_message_shows_that_the_vehicle_has_c
     clock.hear(boot=5.0, arrived=7.0)
     clock.hear(boot=6.0, arrived=9.0)
     assert clock.mission(6.0) == pytest.approx(8.0)
-    clock.answered(boot=6.0, asked=8.1)
+    clock.answered(boot=6.0, requested_at=8.1)
     assert clock.mission(6.0) == pytest.approx(8.0)
-    clock.answered(boot=6.0, asked=8.7)
+    clock.answered(boot=6.0, requested_at=8.7)
     assert clock.mission(6.0) == pytest.approx(8.7 - SLACK)
     clock.hear(boot=7.0, arrived=9.4)
     assert clock.mission(7.0) == pytest.approx(9.4 - SLACK)

@@ -133,7 +133,7 @@ def test_a_camera_that_goes_away_is_opened_again_and_the_mission_hears_both(monk
     assert all(film.released for film in films)
 
 
-def test_a_camera_that_was_never_there_is_gone_once_and_says_why(monkeypatch):
+def test_a_missing_camera_is_reported_lost_once_with_its_reason(monkeypatch):
     monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.001)
     camera = watched([Film(0, opens=False) for _ in range(4000)])
     with running(camera) as around:
@@ -142,7 +142,7 @@ def test_a_camera_that_was_never_there_is_gone_once_and_says_why(monkeypatch):
         assert camera.problem == "it cannot be opened"
 
 
-def test_the_driver_is_asked_for_the_images_of_the_mission():
+def test_the_missions_image_size_is_requested_from_the_driver():
     film = Film(10**9, shape=(24, 32, 3), obeys=True)
     camera = watched([film])
     with running(camera):

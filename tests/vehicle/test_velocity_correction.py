@@ -54,7 +54,7 @@ def test_it_becomes_the_difference_with_its_time_constant() -> None:
     assert run(60, still, biased).offset == pytest.approx(BIAS, abs=1e-5)
 
 
-def test_speeding_up_is_no_difference_however_late_the_autopilots_word_is() -> None:
+def test_acceleration_is_not_a_difference_at_any_telemetry_delay() -> None:
     def own(now):
         return TimedVelocity(now, vec(2.0 * now, 0.0, 0.0))
 
@@ -92,7 +92,7 @@ def test_it_is_bounded_and_keeps_its_direction() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), MOVING, MOVING), max_size=12))
-def test_whatever_is_said_it_is_finite_and_bounded(ticks) -> None:
+def test_any_input_gives_a_finite_and_bounded_result(ticks) -> None:
     correction = Correction()
     for now, own, said in ticks:
         correction = step(correction, now, own, said)

@@ -31,7 +31,7 @@ async def left_to_the_pilot(flight, autopilot, wish):
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_pilots_hold_while_it_lands_is_no_end_of_the_landing(dialect, tmp_path):
+def test_a_pilots_hold_does_not_count_as_the_end_of_a_landing(dialect, tmp_path):
     async def land(flight, autopilot):
         await flight.take_off()
         await flight.until(lambda: autopilot.truth["mode"] == "LAND", LAND)
@@ -43,7 +43,7 @@ def test_a_pilots_hold_while_it_lands_is_no_end_of_the_landing(dialect, tmp_path
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_pilots_hold_while_it_takes_off_is_no_end_of_the_climb(dialect, tmp_path):
+def test_a_pilots_hold_does_not_count_as_the_end_of_a_take_off(dialect, tmp_path):
     async def climb(flight, autopilot):
         await flight.arm()
         await flight.until(lambda: autopilot.truth["position"][2] < -1.0, HIGH)
@@ -54,7 +54,7 @@ def test_a_pilots_hold_while_it_takes_off_is_no_end_of_the_climb(dialect, tmp_pa
     over_the_wire(tmp_path, climb, dialect)
 
 
-def test_a_pilots_hold_while_it_returns_is_no_end_of_the_return(tmp_path):
+def test_a_pilots_hold_does_not_count_as_the_end_of_a_return(tmp_path):
     async def turn_back(flight, autopilot):
         await flight.cruise(autopilot)
         await flight.until(lambda: autopilot.truth["position"][0] > 8.0, NORTH)
@@ -79,7 +79,7 @@ ODD = [
 
 
 @pytest.mark.parametrize("odd", ODD)
-def test_one_odd_heartbeat_takes_nothing_over_and_is_told(odd, tmp_path):
+def test_one_odd_heartbeat_is_not_a_takeover_and_is_reported(odd, tmp_path):
     async def fly(flight, autopilot):
         link = MessageFilter(autopilot)
         await flight.cruise(autopilot)
@@ -112,7 +112,7 @@ def test_a_stamp_from_the_future_or_the_past_ends_nothing(ahead, tmp_path):
     over_the_wire(tmp_path, fly)
 
 
-def test_two_vehicles_with_one_id_are_told(tmp_path):
+def test_two_vehicles_with_one_id_are_reported(tmp_path):
     async def look(flight, autopilot):
         link = MessageFilter(autopilot)
         await flight.ready()

@@ -93,7 +93,7 @@ def test_it_flies_to_its_goal_by_what_looks_down(dialect, tmp_path):
     assert {record.estimate.health.gnss_at for record in records} == {None}
 
 
-def test_launched_by_a_pilots_hand_it_is_flown_from_there_on_his_word(tmp_path):
+def test_launched_by_a_pilot_it_is_flown_after_control_is_given_back(tmp_path):
     flown, records, truth, commands = fly("px4", tmp_path, "pilot")
     assert arrived(flown, truth)
     assert not [note for note in commands if note["which"].startswith(("400", "22 "))]

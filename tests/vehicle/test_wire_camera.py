@@ -80,7 +80,7 @@ class Plug:
         pass
 
 
-def test_it_is_missed_within_its_window_reopened_and_believed_again(tmp_path, monkeypatch):
+def test_a_lost_camera_is_noticed_reopened_and_trusted_again(tmp_path, monkeypatch):
     monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.05)
     plug = Plug()
 

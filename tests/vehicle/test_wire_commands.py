@@ -23,7 +23,7 @@ def test_with_late_acknowledgements_a_flight_is_a_flight(dialect, tmp_path):
     over_the_wire(tmp_path, script, dialect)
 
 
-def test_neither_setpoints_nor_the_last_hold_wait_for_calls_that_nobody_answers(tmp_path):
+def test_setpoints_and_the_last_hold_do_not_wait_for_unanswered_calls(tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)
         since, answered = autopilot.now, threading.Event()

@@ -8,7 +8,7 @@ STREAMS = "511 "  # MAV_CMD_SET_MESSAGE_INTERVAL commands nobody
 
 
 @pytest.mark.parametrize(("dialect", "mode"), [("px4", "POSCTL"), ("ardupilot", "LOITER")])
-def test_the_pilot_wins_within_a_heartbeat_and_until_asked(dialect, mode, tmp_path):
+def test_the_pilot_wins_within_a_heartbeat_until_giving_control_back(dialect, mode, tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)
         since = autopilot.now
@@ -64,7 +64,7 @@ def test_a_landing_is_not_forced_on_a_pilot(tmp_path):
     over_the_wire(tmp_path, script)
 
 
-def test_a_link_that_is_cut_for_long_ends_in_the_failsafe_and_is_told(tmp_path):
+def test_a_long_link_loss_ends_in_the_failsafe_and_is_reported(tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)
         autopilot.patient(1.0)
@@ -95,7 +95,7 @@ def test_a_short_cut_is_flown_through(tmp_path):
     over_the_wire(tmp_path, script)
 
 
-def test_rates_are_asked_for_again_after_a_reboot_in_flight_and_nothing_is_resumed(tmp_path):
+def test_rates_are_requested_again_after_a_reboot_in_flight_and_nothing_is_resumed(tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)
         autopilot.ask(fault="reboot=2")
@@ -139,7 +139,7 @@ def test_lost_delayed_and_reordered_packets_are_flown_through(tmp_path):
     over_the_wire(tmp_path, script)
 
 
-def test_rates_that_were_asked_for_in_vain_are_asked_for_again(tmp_path):
+def test_unanswered_rate_requests_are_repeated(tmp_path):
     async def script(flight, autopilot):
         await flight.until(lambda: autopilot.now > 12.0)
         flight.seen.clear()
@@ -150,7 +150,7 @@ def test_rates_that_were_asked_for_in_vain_are_asked_for_again(tmp_path):
     over_the_wire(tmp_path, script, "ardupilot", faults=("packets_lost=0.8@0+10",))
 
 
-def test_a_take_off_that_is_denied_is_told_and_can_be_landed(tmp_path):
+def test_a_denied_take_off_is_reported_and_can_be_landed(tmp_path):
     async def script(flight, autopilot):
         await flight.arm()
         autopilot.ask(fault="command_denied=22")

@@ -39,7 +39,7 @@ def test_after_a_cut_that_is_too_long_a_link_that_is_back_resumes_nothing(tmp_pa
     over_the_wire(tmp_path, script)
 
 
-def test_a_vehicle_that_is_no_longer_heard_still_hears_that_it_is_to_land(tmp_path):
+def test_a_silent_vehicle_is_still_ordered_to_land(tmp_path):
     deaf = strike("link_lost+7")
     with sitl() as autopilot:
         text = stay(AHEAD, failsafe="{use: link_lost, longer_than: 2}")

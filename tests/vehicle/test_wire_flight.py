@@ -17,7 +17,7 @@ from missionkit.vehicle.preflight.inspection import inspect
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_flight_is_what_was_commanded_by_the_truth(dialect, tmp_path):
+def test_ground_truth_follows_the_commands(dialect, tmp_path):
     async def fly(autopilot):
         async with flying(autopilot, tmp_path) as flight:
             await flight.take_off()
@@ -72,7 +72,7 @@ def test_what_is_observed_is_complete_timely_and_near_the_truth(tmp_path):
     assert all(f.at < seen[-1].now for f in fixes)
 
 
-def test_nobody_there_is_said_within_the_patience_with_what_to_check(tmp_path):
+def test_a_missing_vehicle_is_reported_in_time_with_a_checklist(tmp_path):
     port = free_port()
     address = parse(f"udpin://127.0.0.1:{port}")
     vehicle = MavsdkVehicle(address, patience=0.5, lock=LinkLock(address, tmp_path))
@@ -126,7 +126,7 @@ def test_a_fence_reaches_the_autopilot(tmp_path):
         assert len(asyncio.run(upload(autopilot))) == 4
 
 
-def test_arming_that_is_denied_is_told_and_nothing_turns(tmp_path):
+def test_denied_arming_is_reported_and_no_rotor_turns(tmp_path):
     async def try_it(autopilot):
         async with flying(autopilot, tmp_path) as flight:
             await flight.ready()

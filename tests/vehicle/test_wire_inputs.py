@@ -54,7 +54,7 @@ def test_without_any_fix_it_stays_on_the_ground_though_the_autopilot_is_ready(
         )
     assert told.flown.end is FlightEnd.NEVER_LEFT
     assert any(record.estimate.status.ready for record in told.records if record.estimate.status)
-    assert any("waiting for a position" in record.step_note for record in told.records)
+    assert any("waiting for a position fix" in record.step_note for record in told.records)
     assert truth["on_ground"]
     assert not armed
 

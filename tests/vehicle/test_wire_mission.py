@@ -94,8 +94,8 @@ def test_a_run_does_not_begin_while_the_preflight_report_says_no(tmp_path, monke
         words += ["--vehicle", autopilot.url, "--speed", str(autopilot.speed)]
         refused = CliRunner().invoke(app, words)
         assert refused.exit_code == 1, refused.output
-        assert "not fit to fly, nothing was armed:\n  - battery: 12%" in refused.stderr
-        assert "--anyway flies nevertheless" in refused.stderr
+        assert "not fit to fly, so it was not armed:\n  - battery: 12%" in refused.stderr
+        assert "--anyway overrides this" in refused.stderr
         assert "400" not in {it["which"][:3] for it in autopilot.notes("command")}
         flown = CliRunner().invoke(app, [*words, "--anyway"])
         assert flown.exit_code == 0, flown.output

@@ -47,7 +47,7 @@ def test_a_full_disk_in_the_air_is_named_and_the_vehicle_lands(dialect, tmp_path
     assert result.exit_code == 0, result.output
     assert (truth["on_ground"], truth["armed"]) == (True, False)
     for what in ("the flight record", "checkpoints"):
-        assert f"{what}: No space left on device; the flight goes on" in result.stderr
+        assert f"{what}: No space left on device; the flight continues" in result.stderr
 
 
 def test_a_folder_that_is_removed_in_the_air_is_named_and_the_vehicle_lands(tmp_path, monkeypatch):
@@ -62,7 +62,7 @@ def test_a_folder_that_is_removed_in_the_air_is_named_and_the_vehicle_lands(tmp_
     result, truth = flown("ardupilot", tmp_path, monkeypatch)
     assert result.exit_code == 0, result.output
     assert (truth["on_ground"], truth["armed"]) == (True, False)
-    assert "the flight record: it was removed while it was written" in result.stderr
+    assert "the flight record: it was removed while being written" in result.stderr
     assert "summary.json: No such file or directory" in result.stderr
 
 

@@ -26,7 +26,7 @@ states:
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_killed_flight_is_gone_on_with_and_ends_on_the_ground(dialect, tmp_path):
+def test_a_killed_flight_is_resumed_and_ends_on_the_ground(dialect, tmp_path):
     (tmp_path / "stay.yaml").write_text(STAY)
     env = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
     folder = tmp_path / "runs" / "stay-vehicle"

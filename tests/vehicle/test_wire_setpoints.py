@@ -55,7 +55,7 @@ def test_an_attitude_leans_the_vehicle_and_a_stale_one_stops_it(tmp_path):
 
 
 @pytest.mark.parametrize(("dialect", "most"), [("px4", 15.0), ("ardupilot", 3.5)])
-def test_nobody_flies_on_to_a_position_when_missionkit_falls_silent(dialect, most, tmp_path):
+def test_no_autopilot_flies_on_to_a_position_when_missionkit_goes_silent(dialect, most, tmp_path):
     far = Command(PositionSetpoint(vec(40.0, 0.0, -3.0), 0.0))
 
     async def fly(autopilot):

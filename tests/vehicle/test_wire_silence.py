@@ -127,7 +127,7 @@ def test_with_the_guardian_killed_as_well_the_autopilots_own_time_out_acts(diale
         assert modes == (["POSCTL"] if dialect == "px4" else [])
 
 
-def test_a_guardian_that_is_killed_is_replaced_and_the_flight_goes_on(tmp_path):
+def test_a_killed_guardian_is_replaced_and_the_flight_continues(tmp_path):
     async def script(flight, autopilot):
         await flight.cruise(autopilot)
         first = flight.vehicle.guardian.process

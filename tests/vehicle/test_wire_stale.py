@@ -11,9 +11,7 @@ from missionkit.engine.flight_loop import FlightEnd
 @pytest.mark.parametrize(
     ("dialect", "fault"), [("px4", "streams_stopped"), ("ardupilot", "streams_frozen")]
 )
-def test_a_vehicle_that_is_no_longer_felt_is_landed_and_seen_to_have_landed(
-    dialect, fault, tmp_path
-):
+def test_a_vehicle_without_inertial_data_is_landed(dialect, fault, tmp_path):
     with sitl(dialect, BRISK) as autopilot:
         text = stay(AHEAD, failsafe="estimate_bad")
         told = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})

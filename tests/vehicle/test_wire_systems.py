@@ -34,7 +34,7 @@ def connected(autopilot, tmp_path, **options):
         ("px4", 22, "VTOL"),
     ],
 )
-def test_what_is_no_multicopter_is_refused_by_its_name(dialect, kind, name, tmp_path):
+def test_a_vehicle_that_is_not_a_multicopter_is_refused_by_name(dialect, kind, name, tmp_path):
     with sitl(dialect) as autopilot:
         MessageFilter(autopilot).change("HEARTBEAT", type=kind)
         with pytest.raises(VehicleError, match=rf"system 1 is not flown: it is a {name} \(MAV"):
@@ -107,7 +107,7 @@ def test_several_vehicles_are_listed_and_one_is_named(tmp_path):
 
 def test_a_system_is_named_for_a_vehicle_only(tmp_path):
     done = CliRunner().invoke(app, ["run", "stay.yaml", "--system", "3"])
-    assert (done.exit_code, "--system is for --vehicle" in done.stderr) == (2, True)
+    assert (done.exit_code, "--system needs --vehicle" in done.stderr) == (2, True)
 
 
 @pytest.mark.parametrize("command", ["preflight", "run"])

@@ -21,7 +21,7 @@ TAKEN = 3.0  # s for which the pilot has control
 
 
 @pytest.mark.parametrize(("dialect", "mode"), [("px4", "LOITER"), ("ardupilot", "BRAKE")])
-def test_a_climb_that_a_pilot_cut_short_is_finished_before_the_mission_goes_on(
+def test_a_climb_interrupted_by_a_pilot_is_finished_before_the_mission_continues(
     dialect, mode, tmp_path
 ):
     catalogue, heights, taken, back = builtin(), {}, [], []

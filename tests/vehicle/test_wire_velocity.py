@@ -41,7 +41,7 @@ def test_a_velocity_is_flown_although_the_autopilot_is_wrong_about_its_own(diale
     over_the_wire(tmp_path, script, dialect, speed=SPEED)
 
 
-def test_without_the_autopilots_word_nothing_is_corrected_any_more(tmp_path):
+def test_without_the_autopilots_velocity_nothing_is_corrected(tmp_path):
     async def script(flight, autopilot):
         await off_the_ground(flight, autopilot)
         autopilot.ask(fault=f"velocity_bias={WRONG}")

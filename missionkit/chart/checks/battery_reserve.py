@@ -40,12 +40,13 @@ def problems_of(chart: AnalysedChart, endurance: float) -> Iterator[Problem]:
             yield Problem(
                 failsafe.place("when"),
                 f"failsafe {failsafe.name!r}: from the goal of {leg.state!r}, "
-                f"{_distance(leg):.0f} m away, the way home takes {seconds:.0f} s, with a margin "
-                f"of {MARGIN:g} that is {100.0 * needed:.0f} % of the battery, but it waits until "
-                f"{100.0 * floor:g} %",
+                f"{_distance(leg):.0f} m away, the way home takes {seconds:.0f} s; with a margin "
+                f"of {MARGIN:g} that needs {100.0 * needed:.0f} % of the battery, but it waits "
+                f"until {100.0 * floor:g} %",
                 Level.WARNING,
                 "energy",
-                f"a floor of at least {math.ceil(100.0 * needed) / 100.0:g}, or a faster way home",
+                f"use a floor of at least {math.ceil(100.0 * needed) / 100.0:g}, or fly home "
+                "faster",
             )
 
 

@@ -12,15 +12,15 @@ SHOWN = 4  # quantities in a sentence
 def example(boxes: Boxes) -> str:
     """Return a situation as words: "battery 0.15"; empty if any situation will do."""
     best = min(boxes, key=lambda box: (None in box.values(), len(box)), default={})
-    said = [_said(quantity, span) for quantity, span in best.items()]
-    rest = len(said) - SHOWN
-    return ", ".join(said[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")
+    parts = [_said(quantity, span) for quantity, span in best.items()]
+    rest = len(parts) - SHOWN
+    return ", ".join(parts[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def at(boxes: Boxes) -> str:
     """Return "at battery 0.15", or "always"."""
-    said = example(boxes)
-    return f"at {said}" if said else "always"
+    parts = example(boxes)
+    return f"at {parts}" if parts else "always"
 
 
 def _said(quantity: Quantity, span: Interval | None) -> str:

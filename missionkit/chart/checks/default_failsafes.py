@@ -31,8 +31,7 @@ def problems_of(mission: Mission, catalogue: Catalogue) -> Iterator[Problem]:
                     f"state {name!r}: {what} {wrong}",
                     Level.WARNING,
                     "default-way",
-                    f"add a transition of its own from {name!r} to the state of kind {kind!r} "
-                    "that is meant",
+                    f"add a transition from {name!r} to the state of kind {kind!r} that you mean",
                 )
 
 
@@ -52,7 +51,7 @@ def _nowhere(name: str, kind: str, nearest: Nearest) -> str:
     why = (
         "is in another file"
         if nearest.included(name) is not None
-        else "was made for an event from outside"
+        else "is reached only by an external event"
     )
     return f"leads nowhere: {others[0]!r}, of kind {kind!r}, {why}"
 
@@ -63,5 +62,5 @@ def _doubt(found: FoundState, nearest: Nearest) -> str:
         targets = () if works is None else works.plugin.targets()
         return f"leads to {found.name!r}, which works on another target, {', '.join(targets)}"
     if not found.alone:
-        return f"leads to {found.name!r}, the first in the file of several that are as near"
+        return f"leads to {found.name!r}, the first in the file of several equally near"
     return ""

@@ -157,10 +157,10 @@ def _problem(leg: PlannedLeg, failsafe: Failsafe, at: Point3, acts: Broken) -> P
     where = _said(leg.end if goal else at)
     return Problem(
         leg.place,
-        f"state {leg.state!r}: {what} is where failsafe {failsafe.name!r} acts, at {where}",
+        f"state {leg.state!r}: {what} lies where failsafe {failsafe.name!r} acts, at {where}",
         Level.ERROR,
         "outside-fence",
-        "move the goal, fly round by another state between, or widen the fence",
+        "move the goal, fly round it through another state, or widen the fence",
     )
 
 

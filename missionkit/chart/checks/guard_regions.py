@@ -255,7 +255,7 @@ def _variables(tree: StateTree) -> Iterator[tuple[str, Quantity]]:
 def _quantity(name: str, variable: Variable, given: list[Assign], compared: set[str]) -> Quantity:
     if isinstance(variable.initial, str):
         words = tuple(sorted(compared | {str(variable.initial)}))
-        others = () if not given else ("another text",)
+        others = () if not given else ("another string",)
         most = float(len(words) + len(others) - 1)
         return Quantity(name, 0.0, most, whole=True, words=(*words, *others))
     least, most = _range(variable, given)

@@ -49,7 +49,7 @@ class GuardedTransition(NamedTuple):
         return self.eventless and model.when is None and bool(model.to) and not model.internal
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """Name in messages: "'battery below (floor 0.2)' to 'home'"."""
         to = f" to {_quoted(self.model.targets)}" if self.model.to else ""
         return f"{self.reason}{to}"

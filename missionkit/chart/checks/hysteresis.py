@@ -30,28 +30,28 @@ def _contrary(chart: AnalysedChart, latch: ex.Hysteresis) -> Iterator[Problem]:
         return
     grows = latch.enter > latch.exit
     side = Interval.at_least if grows else Interval.at_most
-    said = shortened(ex.text(latch.part))
+    guard_text = shortened(ex.text(latch.part))
     if within(quantity, side(latch.enter)) is None:
         yield _problem(
             latch,
-            f"{said!r} is never {'at least' if grows else 'at most'} {latch.enter:g}: "
-            f"{_range(quantity)}; the latch never begins to hold",
-            "an 'enter' that can be reached",
+            f"{guard_text!r} is never {'at least' if grows else 'at most'} {latch.enter:g}: "
+            f"{_range(quantity)}; the latch can never close",
+            "use an 'enter' value that can be reached",
         )
     elif within(quantity, side(latch.exit)) == within(quantity, WHOLE):
         yield _problem(
             latch,
-            f"{said!r} is never {'below' if grows else 'above'} {latch.exit:g}: "
-            f"{_range(quantity)}; once the latch holds it never ends",
-            "an 'exit' that can be crossed",
+            f"{guard_text!r} is never {'below' if grows else 'above'} {latch.exit:g}: "
+            f"{_range(quantity)}; once closed, the latch never opens",
+            "use an 'exit' value that can be crossed",
         )
     elif _turned(chart, latch, quantity, grows=grows):
         value = f"{latch.enter:g} {quantity.unit}".strip()
         yield _problem(
             latch,
-            f"at {quantity.name} {value} the latch begins to hold, where {said!r} itself does "
+            f"at {quantity.name} {value} the latch closes, where {guard_text!r} itself does "
             f"not: 'exit: {latch.exit:g}' is on the wrong side of 'enter: {latch.enter:g}'",
-            "exchange 'enter' and 'exit', or write 'not' around the latch of the opposite",
+            "swap 'enter' and 'exit', or write 'not' around the latch of the opposite",
         )
 
 

@@ -69,8 +69,8 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         more = f" and {len(stuck) - SHOWN} more" if len(stuck) > SHOWN else ""
         yield Problem(
             place,
-            f"{danger.says}: no failsafe or timer is sure to lead from {named}{more} to a state "
-            f"of kind land or return; {_because(chart, danger, stuck[0])}",
+            f"{danger.says}: no failsafe or timer is guaranteed to lead from {named}{more} to a "
+            f"state of kind land or return; {_because(chart, danger, stuck[0])}",
             Level.WARNING,
             f"unsafe-{danger.name}",
             danger.remedy,
@@ -80,11 +80,11 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
 def _because(chart: AnalysedChart, danger: Loss, escape: Escape) -> str:
     where = f"in {escape.state!r}"
     if escape.first:
-        return f"{where} {escape.first} acts, and from there it may go on without end"
+        return f"{where} {escape.first} acts, but from there the flight may never end"
     for failsafe in chart.failsafes:
         read = {quantity for box in failsafe.surely for quantity in box}
         if read & danger.box.keys() and failsafe.model.to != escape.state:
-            return f"{where} failsafe {failsafe.model.name!r} asks for more than that"
+            return f"{where} failsafe {failsafe.model.name!r} needs more than that to act"
     return f"{where} nothing acts then"
 
 
@@ -209,7 +209,7 @@ def _sure(chart: AnalysedChart, name: str, danger: Box) -> dict[str, list[Out]]:
             after = max(lasting, way.soonest)
             before = found.get(way.source)
             if before is None or after < before[0].seconds:
-                found[way.source] = [Out(each, after, way.said) for each in to]
+                found[way.source] = [Out(each, after, way.label) for each in to]
     return found
 
 

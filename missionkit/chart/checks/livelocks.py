@@ -28,10 +28,10 @@ def livelocks(chart: AnalysedChart) -> Iterator[Problem]:
         shown = example(held if first.model.to else first.truth.may)
         where = f"state {first.source!r}: {f'at {shown} ' if shown else ''}"
         if first.model.to:
-            message = f"{_tour(circle)} are ready at once: the chart goes round within one tick"
-            remedy = "let the guards exclude each other, or a 'dwell' pass between them"
+            message = f"{_tour(circle)} hold at the same time: the chart loops within one tick"
+            remedy = "make the guards mutually exclusive, or put a 'dwell' between them"
         else:
-            message = f"{first.reason} is ready and leads nowhere: it is taken again without end"
+            message = f"{first.reason} holds and leads nowhere: it fires again and again"
             remedy = "wait for an 'event', or for a variable that its 'do' changes"
         yield Problem(first.place, f"{where}{message}", Level.ERROR, "livelock", remedy)
 
@@ -43,19 +43,18 @@ def oscillations(chart: AnalysedChart) -> Iterator[Problem]:
         period = sum(way.dwell for way in circle)
         yield Problem(
             first.place,
-            f"state {first.source!r}: {at(held)} {_tour(circle)} hold: the chart goes round every "
+            f"state {first.source!r}: {at(held)} {_tour(circle)} hold: the chart loops every "
             f"{period:g} s, as fast as the dwell allows",
             Level.WARNING,
             "oscillation",
-            "let the guards exclude each other with a gap between them (hysteresis), or ask for a "
-            "time with 'for' or 'after'",
+            "separate the guards by a gap (hysteresis), or require a time with 'for' or 'after'",
         )
 
 
 def _tour(circle: Circle) -> str:
-    told = " and ".join(way.said for way in circle[:3])
+    reported = " and ".join(way.label for way in circle[:3])
     more = f" and {len(circle) - 3} more" if len(circle) > 3 else ""
-    return f"{'both ' if len(circle) == 2 else ''}{told}{more}"
+    return f"{'both ' if len(circle) == 2 else ''}{reported}{more}"
 
 
 def _at_once(way: GuardedTransition) -> Boxes:
@@ -98,15 +97,15 @@ def _circles(
     ways = [way for each in chart.ways.values() for way in each]
     steps = [(way, region) for way in ways for region in (region_of(way),) if region]
     search = _Search(chart, steps, _trimmed(_followers(chart, steps)))
-    told: set[int] = set()
+    reported: set[int] = set()
     for start in search.follows:
         if search.budget <= 0:
             return
-        found = None if start in told else search.shortest(start)
+        found = None if start in reported else search.shortest(start)
         if found is None:
             continue
         circle, held = found
-        told.update(circle)
+        reported.update(circle)
         tour = tuple(steps[each][0] for each in circle)
         if held and not _changes_itself(chart, tour, held):
             yield tour, held

@@ -16,7 +16,7 @@ MOST_COMPARED = 10_000  # pairs in one mission
 def overlaps(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield transitions that leave a parallel state for different places and hold together."""
     left = MOST_COMPARED
-    told: set[Place] = set()
+    reported: set[Place] = set()
     for name, (_, state, _) in chart.tree.states.items():
         if not state.parallel:
             continue
@@ -27,9 +27,9 @@ def overlaps(chart: AnalysedChart) -> Iterator[Problem]:
                     left -= 1
                     if left < 0:
                         return
-                    if other.place not in told:
+                    if other.place not in reported:
                         found = list(_undecided(name, one, other))
-                        told.update(problem.place for problem in found)
+                        reported.update(problem.place for problem in found)
                         yield from found
 
 
@@ -55,8 +55,8 @@ def _undecided(name: str, one: GuardedTransition, other: GuardedTransition) -> I
     if both and one.written and other.written:
         yield Problem(
             other.place,
-            f"state {name!r}: {at(both)} both {one.said} in {one.source!r} and {other.said} in "
-            f"{other.source!r} hold; they stand in regions of equal rank, and only their order in "
+            f"state {name!r}: {at(both)} both {one.label} in {one.source!r} and {other.label} in "
+            f"{other.source!r} hold; their regions have equal rank, so only their order in "
             "the file decides",
             Level.WARNING,
             "overlap",

@@ -22,7 +22,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         if target not in seen:
             yield Problem(
                 place,
-                f"{what} needs to see {target!r}, but 'perception' has no marker of it: it is "
+                f"{what} needs to see {target!r}, but 'perception' has no marker for it, so it is "
                 "never seen",
                 Level.ERROR,
                 "no-detector",
@@ -31,7 +31,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         elif not camera:
             yield Problem(
                 place,
-                f"{what} needs to see {target!r}, but 'camera' says 'use: none': nothing is ever "
+                f"{what} needs to see {target!r}, but 'camera' is 'use: none', so nothing is ever "
                 "seen",
                 Level.ERROR,
                 "no-camera",

@@ -86,18 +86,18 @@ def traps(chart: AnalysedChart) -> Iterator[Problem]:
                 "stays until something goes wrong",
                 Level.ERROR,
                 "trap",
-                "add a transition such as {to: ..., after: 60}, or say 'stays: true' if that is "
-                "wanted",
+                "add a transition such as {to: ..., after: 60}, or set 'stays: true' if that is "
+                "intended",
             )
         elif not _ends_some_time(chart, name, exits):
             yield Problem(
                 place,
-                f"state {name!r} may be flown for ever: {exits[0].said} may never hold, and "
-                "neither time nor an empty battery leads away",
+                f"state {name!r} may be flown forever: {exits[0].label} may never hold, and "
+                "neither time nor an empty battery leads out",
                 Level.ERROR,
                 "stays-for-ever",
-                "add a transition with 'after', or a failsafe with 'battery_below', or say "
-                "'stays: true' if that is wanted",
+                "add a transition with 'after', or a failsafe with 'battery_below', or set "
+                "'stays: true' if that is intended",
             )
 
 

@@ -48,8 +48,7 @@ def _never(way: GuardedTransition) -> Problem:
     guard = way.reason
     return Problem(
         way.model.place("when"),
-        f"state {way.source!r}: {guard} can never hold, so that the transition never fires: "
-        f"{_why(way)}",
+        f"state {way.source!r}: {guard} can never hold, so the transition never fires: {_why(way)}",
         Level.ERROR,
         "never-true",
         "correct the guard, or remove the transition",
@@ -60,7 +59,7 @@ def _why(way: GuardedTransition) -> str:
     when = way.model.when
     if getattr(when, "kind", "") == "done":
         return "nothing here is ever done"
-    return "no values fulfil all of it at once"
+    return "no combination of values satisfies it"
 
 
 def _idle_timer(way: GuardedTransition) -> Iterator[Problem]:
@@ -69,7 +68,7 @@ def _idle_timer(way: GuardedTransition) -> Iterator[Problem]:
         yield Problem(
             way.model.place("after"),
             f"state {way.source!r}: 'after: {after:g}' has no effect: 'for: {held:g}' counts from "
-            f"entry at the earliest, so that at {after:g} s the guard cannot have held for "
+            f"entry at the earliest, so at {after:g} s the guard cannot have held for "
             f"{held:g} s",
             Level.WARNING,
             "contradictory-timers",
@@ -82,11 +81,11 @@ def _waits_for_dwell(way: GuardedTransition) -> Iterator[Problem]:
     if after and after < way.dwell:
         yield Problem(
             way.model.place("after"),
-            f"state {way.source!r}: 'after: {after:g}' waits for the dwell: at {after:g} s nothing "
-            f"happens, at {way.dwell:g} s it fires",
+            f"state {way.source!r}: 'after: {after:g}' is shorter than the dwell: the transition "
+            f"fires at {way.dwell:g} s, not at {after:g} s",
             Level.WARNING,
             "shorter-than-dwell",
-            "give the state a shorter 'dwell', or say 'emergency: true'",
+            "give the state a shorter 'dwell', or set 'emergency: true'",
         )
 
 
@@ -96,11 +95,11 @@ def _too_late(chart: AnalysedChart, name: str, way: GuardedTransition) -> Proble
         if other.timed and other is not way and other.soonest < way.soonest:
             return Problem(
                 way.place,
-                f"state {name!r}: {way.said} can never fire: it needs {way.soonest:g} s in the "
-                f"state, but {other.said} leaves {_it(name, other)} after {other.soonest:g} s",
+                f"state {name!r}: {way.label} can never fire: it needs {way.soonest:g} s in the "
+                f"state, but {other.label} leaves {_it(name, other)} after {other.soonest:g} s",
                 Level.ERROR,
                 "contradictory-timers",
-                f"let it need less than {other.soonest:g} s, or the other more than "
+                f"make it need less than {other.soonest:g} s, or the other more than "
                 f"{way.soonest:g} s",
             )
     return None
@@ -121,7 +120,7 @@ def _shadowed(way: GuardedTransition, before: Sequence[GuardedTransition]) -> Pr
         if covered(way.may, together):
             return Problem(
                 way.place,
-                f"state {way.source!r}: {way.said} can never fire: whenever it is ready, one of "
+                f"state {way.source!r}: {way.label} can never fire: whenever it is ready, one of "
                 f"the {len(at_once)} transitions above it is too, for example {at(way.truth.may)}",
                 Level.ERROR,
                 "shadowed-transition",
@@ -147,7 +146,7 @@ def _told_shadowed(way: GuardedTransition, one: GuardedTransition) -> Problem:
     where = f"at {shown} both" if shown else "both always"
     return Problem(
         way.place,
-        f"state {way.source!r}: {where} {one.said} and {way.said} hold; the first goes before, so "
+        f"state {way.source!r}: {where} {one.label} and {way.label} hold; the first wins, so "
         "the second can never fire",
         Level.ERROR,
         "shadowed-transition",
@@ -169,11 +168,11 @@ def _overlaps(way: GuardedTransition, before: Sequence[GuardedTransition]) -> It
         if both and not covered(one.truth.may, way.truth.may):
             yield Problem(
                 way.place,
-                f"state {way.source!r}: at {example(both)} both {one.said} and {way.said} hold; "
+                f"state {way.source!r}: at {example(both)} both {one.label} and {way.label} hold; "
                 "only their order in the file decides",
                 Level.WARNING,
                 "overlap",
-                "let the guards exclude each other, or the first be a special case of the second",
+                "make the guards mutually exclusive, or the first a special case of the second",
             )
             return
 
@@ -185,11 +184,11 @@ def _asked(way: GuardedTransition) -> frozenset[object]:
 def _not_compared(way: GuardedTransition) -> Problem:
     return Problem(
         way.place,
-        f"from here on transitions are not compared with each other: there are more than "
+        f"transitions from here on were not compared with each other: there are more than "
         f"{MOST_COMPARED} pairs",
         Level.WARNING,
         "too-many-to-compare",
-        "fewer transitions in one state",
+        "use fewer transitions in one state",
     )
 
 
@@ -200,7 +199,8 @@ def failsafes(chart: AnalysedChart) -> Iterator[Problem]:
         if not late.may:
             yield Problem(
                 late.model.place("when"),
-                f"failsafe {name!r}: its guard can never hold: no values fulfil all of it at once",
+                f"failsafe {name!r}: its guard can never hold: no combination of values satisfies "
+                "it",
                 Level.ERROR,
                 "never-true",
                 "correct the guard",

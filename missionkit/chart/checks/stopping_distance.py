@@ -27,12 +27,12 @@ def problems_of(chart: AnalysedChart, sight: float) -> Iterator[Problem]:
         behavior = state.behavior
         if behavior is None or not behavior.place.file:
             continue
-        asked = min(float(getattr(behavior.plugin, "speed", 0.0)), limits.speed)
-        if asked > top:
-            needed = stopping_distance(asked, field.stopping) + field.stopping.width
+        speed = min(float(getattr(behavior.plugin, "speed", 0.0)), limits.speed)
+        if speed > top:
+            needed = stopping_distance(speed, field.stopping) + field.stopping.width
             yield Problem(
                 behavior.place,
-                f"state {name!r}: from {asked:g} m/s it stops within {needed:.1f} m, but obstacles "
+                f"state {name!r}: from {speed:g} m/s it stops within {needed:.1f} m, but obstacles "
                 f"are seen {seen:g} m away: it will fly at {top:.1f} m/s",
                 Level.WARNING,
                 "too-fast-to-stop",

@@ -38,7 +38,7 @@ def _unreached(chart: AnalysedChart, one: Success, alive: set[str]) -> Iterator[
     if state is None:
         return
     if state not in alive and chart.tree.states[state].state.history is None:
-        says = f"it asks to visit {state!r}, which can never be reached"
+        says = f"it requires a visit to {state!r}, which can never be reached"
         remedy = "add a transition that leads there, or name another state"
         yield _problem(one.place("visit"), says, Level.ERROR, NEVER, remedy)
     elif one.target is None and state in chart.mission.initial.to:
@@ -57,15 +57,17 @@ def _unfinished(chart: AnalysedChart, one: Success, alive: set[str]) -> Iterator
         return
     else:
         why = _endless(chart.tree.states[name].state)
-    says = f"it asks that {name!r} has finished, but {why}"
-    remedy = "name a state whose behaviour ends by itself, or ask to 'visit' the state after it"
+    says = f"it requires that {name!r} finishes, but {why}"
+    remedy = (
+        "name a state whose behaviour ends by itself, or require a 'visit' to the state after it"
+    )
     yield _problem(one.place("done"), says, Level.ERROR, NEVER, remedy)
 
 
 def _endless(state: State) -> str:
     if state.states or state.behavior is None:
         return "it has no final state inside"
-    return f"{state.behavior.kind!r} goes on until something else ends it"
+    return f"{state.behavior.kind!r} runs until something else ends it"
 
 
 def _goal(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
@@ -73,9 +75,7 @@ def _goal(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
         return
     target, place = chart.mission.targets[one.target], one.place("target")
     if one.target not in looked_for(chart):
-        says = (
-            f"it asks to stand before the marker of {one.target!r}, of which 'perception' has none"
-        )
+        says = f"it needs the marker of {one.target!r}, which 'perception' does not list"
         remedy = f"perception: [{{use: aruco, target: {one.target}, id: ..., size: ...}}]"
         yield _problem(place, says, Level.ERROR, NEVER, remedy)
         return
@@ -105,8 +105,8 @@ def _not_aimed_at(chart: AnalysedChart, one: Success, place: Place) -> Iterator[
     (least, within), kind = min(misses)
     if least > one.position + within:
         says = (
-            f"it asks for {_listed(one.standoff)} off {one.target!r}, within {one.position:g} m, "
-            f"but the nearest behaviour, {kind!r}, goes {least:.2g} m beside that"
+            f"it requires {_listed(one.standoff)} from {one.target!r}, within {one.position:g} m, "
+            f"but the nearest behaviour, {kind!r}, goes {least:.2g} m away from that"
         )
         remedy = "the 'standoff' of the behaviour that goes there"
         yield _problem(place, says, Level.WARNING, NEVER, remedy)
@@ -142,17 +142,17 @@ def _listed(point: Point3) -> str:
 
 
 def _clearance(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
-    asked = one.clearance
-    if asked is None:
+    required = one.clearance
+    if required is None:
         return
-    if asked > MOST_CLEARANCE:
-        says = f"it asks for {asked:g} m from every obstacle: more than {MOST_CLEARANCE:g} m"
-        yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, "metres are meant")
+    if required > MOST_CLEARANCE:
+        says = f"it requires {required:g} m from every obstacle: more than {MOST_CLEARANCE:g} m"
+        yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, "give it in metres")
         return
     nearest = min(_kept(chart), default=None)
-    if nearest is not None and asked > nearest[0]:
+    if nearest is not None and required > nearest[0]:
         kept, what = nearest
-        says = f"it asks for {asked:g} m from every obstacle, but {what} {max(0.0, kept):.2g} m"
+        says = f"it requires {required:g} m from every obstacle, but {what} {max(0.0, kept):.2g} m"
         remedy = f"a clearance of at most {max(0.0, kept):.2g}, or a behaviour that keeps more"
         yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, remedy)
 

@@ -39,8 +39,8 @@ def transition_text(transition: Transition) -> str:
 def failsafe_text(failsafe: Failsafe) -> str:
     """Say when a failsafe is taken and where it leads."""
     unknown = "" if failsafe.unknown == "take" else ", not when unknown"
-    said = f"{text(failsafe.when)}{_lasting(failsafe.for_)}{unknown}"
-    return f"{failsafe.name}: {said} → {failsafe.to}"
+    label_text = f"{text(failsafe.when)}{_lasting(failsafe.for_)}{unknown}"
+    return f"{failsafe.name}: {label_text} → {failsafe.to}"
 
 
 def state_text(state: State) -> str:
@@ -97,22 +97,22 @@ class _Marked(NamedTuple):
     overlay: Overlay
 
 
-def _with(said: str, notes: Iterable[str]) -> str:
-    return "; ".join(filter(None, (said, *notes)))
+def _with(label_text: str, notes: Iterable[str]) -> str:
+    return "; ".join(filter(None, (label_text, *notes)))
 
 
 def _moves(overlay: Overlay, ids: Mapping[str, str]) -> Iterator[str]:
     for move in overlay.moves:
         to = "[*]" if move.ends else ids[move.to]
-        said = _escaped(_with(move.to if move.ends else move.text, move.note.lines))
-        yield f"{MARGIN}{ids[move.source]} --> {to} : {said}"
+        label_text = _escaped(_with(move.to if move.ends else move.text, move.note.lines))
+        yield f"{MARGIN}{ids[move.source]} --> {to} : {label_text}"
 
 
 def _note(where: str, heading: str, lines: Iterable[str]) -> Iterator[str]:
-    said = [_escaped(" ".join(line.split())) for line in lines]
-    if said:
+    label_text = [_escaped(" ".join(line.split())) for line in lines]
+    if label_text:
         yield f"{MARGIN}note {where}"
-        yield from (f"{MARGIN}{MARGIN}{line}" for line in (heading, *said))
+        yield from (f"{MARGIN}{MARGIN}{line}" for line in (heading, *label_text))
         yield f"{MARGIN}end note"
 
 
@@ -125,8 +125,10 @@ def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterato
     ids, marks, overlay = marked
     for name, state in states.items():
         found, noted = numbered(marks.states.get(name, ())), overlay.states.get(name, NO_NOTE).lines
-        said = f"{name} {found}".rstrip()
-        label = _escaped(_with(said, noted)) if state.states else said  # it has no room below
+        label_text = f"{name} {found}".rstrip()
+        label = (
+            _escaped(_with(label_text, noted)) if state.states else label_text
+        )  # it has no room below
         yield f'{margin}state "{label}" as {ids[name]}'
         if state.states:
             yield f"{margin}state {ids[name]} {{"
@@ -138,8 +140,8 @@ def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterato
             yield from (f"{margin}{ids[name]} : {_escaped(line)}" for line in noted)
         for number, transition in enumerate(state.transitions):
             found = numbered(marks.ways.get((name, number), ()))
-            said = f"{found} {transition_text(transition)}".strip()
-            label = _escaped(_with(said, overlay.ways.get((name, number), NO_NOTE).lines))
+            label_text = f"{found} {transition_text(transition)}".strip()
+            label = _escaped(_with(label_text, overlay.ways.get((name, number), NO_NOTE).lines))
             for to in transition.targets or (name,):
                 yield f"{margin}{ids[name]} --> {ids[to]} : {label}"
 

@@ -242,8 +242,8 @@ def _strips(shown: Shown) -> Iterator[tuple[str, list[str]]]:
     if overlay.lines:
         yield "strip notes", [line for it in overlay.lines for line in svg_shapes.listed(it)]
     if mission.failsafes:
-        said = []
+        strip_lines = []
         for each in mission.failsafes:
             noted = overlay.failsafes.get(each.name, NO_NOTE).lines
-            said += svg_shapes.listed(": ".join([failsafe_text(each), *noted]))
-        yield "strip", ["Failsafes, in every flying state, the first that holds:", *said]
+            strip_lines += svg_shapes.listed(": ".join([failsafe_text(each), *noted]))
+        yield "strip", ["Failsafes, in every flying state, the first that holds:", *strip_lines]

@@ -107,7 +107,7 @@ def _parse(data: object, scope: Scope) -> Act:
 
 def _text(key: str, value: object) -> str:
     if not isinstance(value, str) or not value:
-        raise sentences(sentence(f"{key!r}: expected a text, got {shown(value)}", key))
+        raise sentences(sentence(f"{key!r}: expected a string, got {shown(value)}", key))
     return value
 
 

@@ -14,7 +14,7 @@ _WORDS: Mapping[object, tuple[str, str]] = {
     float: ("a number", "numbers"),
     int: ("a whole number", "whole numbers"),
     bool: ("true or false", "values, true or false"),
-    str: ("a text", "texts"),
+    str: ("a string", "texts"),
     dict: ("a mapping", "mappings"),
 }
 BOUNDS: Mapping[str, str] = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}

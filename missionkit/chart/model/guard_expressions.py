@@ -152,8 +152,8 @@ def _value(value: object) -> str:
 
 
 def _grouped(expression: Expression) -> str:
-    said = text(expression)
-    return f"({said})" if isinstance(expression, (All, Any)) else said
+    written = text(expression)
+    return f"({written})" if isinstance(expression, (All, Any)) else written
 
 
 def names_in(expression: Expression) -> Iterator[Named]:

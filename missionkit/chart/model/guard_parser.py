@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, core_schema
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.model_base import MissionPart, Scope
 from missionkit.chart.model.plugin_references import needs_parameters, resolve
-from missionkit.chart.model.validation_problems import relocated, said
+from missionkit.chart.model.validation_problems import error_details, relocated
 from missionkit.chart.model.variables import is_number
 from missionkit.chart.text.located_data import (
     Row,
@@ -135,7 +135,7 @@ def _hysteresis(data: Table, scope: Scope) -> ex.Expression:
     try:
         limits = _Thresholds.model_validate(data)
     except ValidationError as error:
-        found = [carried(what, path) for path, what in said(error, _Thresholds, data)]
+        found = [carried(what, path) for path, what in error_details(error, _Thresholds, data)]
         raise sentences(*errors, *found) from error
     if limits.enter == limits.exit:
         errors.append(sentence("'enter' and 'exit' must differ", "exit"))

@@ -164,10 +164,10 @@ def _plain(node: Schema) -> Schema:
     node = {key: value for key, value in node.items() if key != "title"}
     if "patternProperties" in node:
         node["additionalProperties"] = False
-    unit, said = node.get("unit"), node.get("description")
+    unit, about = node.get("unit"), node.get("description")
     if unit in {None, "1"}:
         return node
-    return {**node, "description": f"{said} ({unit})" if said else unit}
+    return {**node, "description": f"{about} ({unit})" if about else unit}
 
 
 def _resolved(node: Schema, catalogue: Catalogue, names: Names) -> Schema:

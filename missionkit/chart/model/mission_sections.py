@@ -43,7 +43,7 @@ class Success(MissionPart):
     """One condition of success, graded against the truth where it is known."""
 
     visit: StateName | None = Field(default=None, description="must have been entered")
-    target: TargetName | None = Field(default=None, description="to stand before on entry")
+    target: TargetName | None = Field(default=None, description="to be in front of on entry")
     standoff: Place3 = (0.0, 0.0, 0.0)
     position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
@@ -53,9 +53,11 @@ class Success(MissionPart):
     )
     attitude_deg: Degrees = Field(default=5.0, gt=0, description="largest error when docked")
     clearance: Metres | None = Field(
-        default=None, ge=0, description="least distance of its surface from obstacles in flight"
+        default=None, ge=0, description="least distance between its surface and obstacles in flight"
     )
-    failsafes: int | None = Field(default=None, ge=0, description="at most so many may be taken")
+    failsafes: int | None = Field(
+        default=None, ge=0, description="greatest number that may be taken"
+    )
 
     @model_validator(mode="after")
     def _asks_for_something(self) -> Self:

@@ -197,7 +197,7 @@ class Known:
 def _patterned(pattern: str, what: str) -> Any:
     def check(text: str) -> str:
         if not re.match(pattern, text):
-            raise sentences(sentence(f"{text!r} is no {what}"))
+            raise sentences(sentence(f"{text!r} is not a valid {what}"))
         return text
 
     return AfterValidator(check)

@@ -29,7 +29,7 @@ def problems_of(guards: Mapping[str, Expression]) -> Iterator[Problem]:
 
 def _circle(guards: Mapping[str, Expression], circle: list[str]) -> Problem:
     place = next(named.place for named in names_in(guards[circle[0]]) if named.name == circle[1])
-    return Problem(place, f"guard {circle[0]!r} waits for itself: {' -> '.join(circle)}")
+    return Problem(place, f"guard {circle[0]!r} refers to itself: {' -> '.join(circle)}")
 
 
 def _too_deep(

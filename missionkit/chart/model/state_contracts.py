@@ -186,7 +186,11 @@ def unmet(mission: Mission, catalogue: Catalogue) -> list[Problem]:
     """
     catalogue = catalogue.flying(mission.vehicle.use)
     if "land" not in firsts(mission.by_name()):
-        return [Problem(mission.place("states"), "no state of kind 'land': where would it end?")]
+        return [
+            Problem(
+                mission.place("states"), "no state of kind 'land': the mission needs one to end in"
+            )
+        ]
     ways = _Ways(fulfilled(mission, catalogue), catalogue)
     return [
         Problem(

@@ -31,8 +31,8 @@ def _doubled(mission: Mission) -> Iterator[Problem]:
     seen: dict[str, Place] = {}
     for name, state, _ in mission.walk():
         if name in seen:
-            message = f"state {name!r}: the name is taken already, at {seen[name]}; names of "
-            yield Problem(state.place(), message + "states are unique in the whole file")
+            message = f"state {name!r}: the name is already used, at {seen[name]}; names of "
+            yield Problem(state.place(), message + "states must be unique in the whole file")
         seen.setdefault(name, state.place())
 
 
@@ -49,10 +49,10 @@ def _shape(placed: Placed) -> Iterator[Problem]:
             f"state {name!r}: missing key 'initial': the state inside it to begin in",
         )
     if state.parallel and not state.states:
-        yield Problem(state.place("parallel"), f"state {name!r}: no 'states' to be parallel")
+        yield Problem(state.place("parallel"), f"state {name!r}: 'parallel' needs 'states'")
     if state.history is not None:
         if parent is None:
-            message = f"state {name!r}: a history is of the state around it, and there is none"
+            message = f"state {name!r}: a history belongs to its enclosing state, and there is none"
             yield Problem(state.place("history"), message)
         elif state.default is None:
             message = f"state {name!r}: missing key 'default': where it leads the first time"
@@ -78,7 +78,7 @@ def _inside(tree: Tree, placed: Placed) -> Iterator[Problem]:
         yield from _start(tree, state.default, state.place("default"), parent)
         for to in state.default.to:
             if tree[to].state.history is not None:
-                message = f"state {name!r}: the default of a history is no history, as {to!r} is"
+                message = f"state {name!r}: its default {to!r} is a history; name a state"
                 yield Problem(state.place("default"), message)
 
 
@@ -88,7 +88,7 @@ def _regions(placed: Placed) -> Iterator[Problem]:
         return
     for region, inner in state.states.items():
         if inner.final:
-            message = f"state {region!r}: a final state stands in a region of {name!r}, not beside"
+            message = f"state {region!r}: a final state belongs inside a region of {name!r}"
             yield Problem(inner.place("final"), message)
     commanding = [region for region, inner in state.states.items() if _commands(inner)]
     if len(commanding) > 1:

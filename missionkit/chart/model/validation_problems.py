@@ -37,7 +37,7 @@ def plain(model: type[M], data: object) -> M:
     try:
         return model.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as error:
-        found = [carried(what, path) for path, what in said(error, model, data)]
+        found = [carried(what, path) for path, what in error_details(error, model, data)]
         raise sentences(*found) from error
 
 
@@ -58,7 +58,7 @@ def problems_in(
         origins: places whose value came from a parameter, and the parameter's name.
     """
     found: dict[Path, tuple[Place, Mistake]] = {}
-    for path, what in said(error, model, data):
+    for path, what in error_details(error, model, data):
         place = (key_at if what.at_key else place_at)(data, path, start)
         found.setdefault(path, (place, what))
     inside = sorted(found.items(), key=lambda item: (item[1][0].line, item[1][0].column))
@@ -76,13 +76,13 @@ def _told(data: object, path: Path, what: Mistake, origin: str | None, *, hinted
     return f"{above}: {message}{source}" if above else message + source
 
 
-def said(
+def error_details(
     error: ValidationError, model: type[BaseModel], data: object
 ) -> Iterator[tuple[Path, Mistake]]:
     """Yield path and sentence for each error of `model` on `data`."""
     for item in error.errors(include_url=False):
         path = written_path(data, item["loc"])
-        carries = item["type"] == "said"
+        carries = item["type"] == "mistake"
         yield path, item["ctx"]["sentence"] if carries else describe(item, model, path)
 
 

@@ -59,8 +59,8 @@ def _key(path: Path) -> str:
     names = [at for at, step in enumerate(path) if isinstance(step, str)]
     after = path[names[-1] + 1 :] if names else path
     items = [f"item {step + 1}" for step in after if isinstance(step, int)]
-    said = [repr(path[names[-1]]), *items] if names else items
-    return f"{', '.join(said)}: " if said else ""
+    parts = [repr(path[names[-1]]), *items] if names else items
+    return f"{', '.join(parts)}: " if parts else ""
 
 
 def _missing(path: Path, field: FieldInfo | None) -> str:
@@ -96,5 +96,5 @@ def _bounds(field: FieldInfo | None, context: Mapping[str, Any]) -> str:
     unit = unit_of(field)
     given = {word: context[name] for name, word in BOUNDS.items() if name in context}
     limits = dict(limits_of(field)) or given
-    said = " and ".join(f"{word} {limit:g}" for word, limit in limits.items()) or "finite"
-    return said + (f" {unit}" if unit else "")
+    parts = " and ".join(f"{word} {limit:g}" for word, limit in limits.items()) or "finite"
+    return parts + (f" {unit}" if unit else "")

@@ -43,7 +43,7 @@ def _assigned(variables: Variables, action: Assign) -> str:
     if action.operation == "set" and not variable.admits(operand):
         return f"expected {variable.described}, got {operand!r}"
     if isinstance(variable.initial, int) and isinstance(operand, float):
-        return "it is a whole number; write its first value with a point, 0.0"
+        return "it is a whole number; write its initial value with a decimal point, 0.0"
     return ""
 
 
@@ -58,5 +58,5 @@ def _read(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
 def _compared(variables: Variables, guard: ex.Variable) -> Iterator[Problem]:
     variable, value = variables[guard.name], guard.value
     if not alike(variable.initial, value):
-        said = f"{guard.name} {guard.op.replace('_', ' ')} {value!r}"
-        yield Problem(guard.place, f"{said}: it is {variable.type_name}")
+        comparison_text = f"{guard.name} {guard.op.replace('_', ' ')} {value!r}"
+        yield Problem(guard.place, f"{comparison_text}: it is {variable.type_name}")

@@ -66,7 +66,7 @@ class Variable(MissionPart):
     @property
     def type_name(self) -> str:
         """Name of the type, for messages."""
-        return {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[
+        return {bool: "true or false", int: "a whole number", float: "a number", str: "a string"}[
             type(self.initial)
         ]
 

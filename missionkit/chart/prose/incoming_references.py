@@ -13,10 +13,10 @@ from missionkit.chart.model.state_definitions import Start, Transition
 from missionkit.chart.prose.phrases import action, listed
 
 FAILSAFE = "by the failsafe"
-Told = Mapping[str, Sequence[str]]  # name of a state or variable -> clauses
+Clauses = Mapping[str, Sequence[str]]  # name of a state or variable -> clauses
 
 
-def entrances(mission: Mission) -> Told:
+def entrances(mission: Mission) -> Clauses:
     """Return for each state what leads into it: "from gps and visual", "by the failsafe link"."""
     found: defaultdict[str, defaultdict[str, dict[str, None]]] = defaultdict(
         lambda: defaultdict(dict)
@@ -51,7 +51,7 @@ def _entrances(mission: Mission) -> Iterator[tuple[str, str, str]]:
         yield failsafe.to, FAILSAFE, failsafe.name
 
 
-def changes(mission: Mission) -> Told:
+def changes(mission: Mission) -> Clauses:
     """Return for each variable the actions that change it, and when."""
     return _gathered(
         (act.variable, f"{when} the chart {action(act)}")
@@ -83,7 +83,7 @@ def path(name: str, way: Transition) -> str:
     return f"from {name} to {' and '.join(way.targets)}" if way.targets else f"inside {name}"
 
 
-def readers(mission: Mission) -> Told:
+def readers(mission: Mission) -> Clauses:
     """Return for each variable what compares it."""
     return _gathered((name, who) for who, guard in _guards(mission) for name in _variables(guard))
 
@@ -106,7 +106,7 @@ def _guards(mission: Mission) -> Iterator[tuple[str, ex.Expression]]:
             yield f"the invariant of {name}", state.invariant.holds
 
 
-def _gathered(pairs: Iterable[tuple[str, str]]) -> Told:
+def _gathered(pairs: Iterable[tuple[str, str]]) -> Clauses:
     """Gather the clauses of each name, each clause once."""
     found: defaultdict[str, dict[str, None]] = defaultdict(dict)
     for name, clause in pairs:

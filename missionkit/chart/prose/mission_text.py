@@ -15,19 +15,19 @@ from missionkit.chart.prose.state_text import (
     ExplainedChart,
     Sentences,
     item,
-    said,
+    sentence,
     state_sentences,
     topic,
 )
 
 ANY = "the behaviour is done"
 LANDED = (
-    "and it lands unhurt where it meant to, never left its fence, knew where it was, and was "
+    "and it lands undamaged where it meant to, stays inside its fence, knows its position, and is "
     "not ordered down by the pilot, a default failsafe or the time limit"
 )
 BUILT_IN = (
-    "Two are built in and come last: the ground is touched outside take-off and landing, and it "
-    "lands; a plug-in keeps failing for 3 s, and it goes home, or lands after 6 s."
+    "Two are built in and come last: if the vehicle touches the ground outside take-off and "
+    "landing, it lands; if a plug-in keeps failing for 3 s, it goes home, or lands after 6 s."
 )
 
 
@@ -49,7 +49,7 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     if mission.success:
         yield topic("Success")
         wanted = "; ".join(_success(one) for one in mission.success)
-        yield said(f"The mission has succeeded when {wanted}, {LANDED}.")
+        yield sentence(f"The mission has succeeded when {wanted}, {LANDED}.")
 
 
 def _whole(chart: ExplainedChart) -> Iterator[Sentences]:
@@ -60,16 +60,16 @@ def _whole(chart: ExplainedChart) -> Iterator[Sentences]:
     extra = f" ({added} added by the contracts of their kinds)" if added else ""
     do = f", where the chart first {actions(mission.initial.do)}" if mission.initial.do else ""
     begins = f"{counted(count, 'state')}{extra}. It begins in {listed(mission.initial.to)}{do}."
-    yield said(f"The chart has {begins}")
+    yield sentence(f"The chart has {begins}")
     dwell = (
         ""
         if mission.dwell == 0
         else (
-            f"A state is kept for {mission.dwell:g} s at least (the dwell), unless it says "
+            f"Each state lasts at least {mission.dwell:g} s (the dwell), unless it says "
             "otherwise; failsafes, events and emergencies do not wait for that. "
         )
     )
-    yield said(f"{dwell}After {mission.settings.time_limit:g} s in all it lands.")
+    yield sentence(f"{dwell}After {mission.settings.time_limit:g} s in all it lands.")
 
 
 def _variables(mission: Mission) -> Iterator[Sentences]:
@@ -95,22 +95,24 @@ def _guards(mission: Mission) -> Iterator[Sentences]:
 def _failsafes(chart: ExplainedChart) -> Iterator[Sentences]:
     yield topic("Failsafes")
     if not chart.written.failsafes:
-        yield said("None: only what the states themselves say, and the default failsafes below.")
-        yield said(BUILT_IN)
+        yield sentence(
+            "None: only what the states themselves say, and the default failsafes below."
+        )
+        yield sentence(BUILT_IN)
         return
     where = listed(name for name, placed in chart.full.by_name().items() if chart.flies(placed))
-    yield said(
+    yield sentence(
         "They come before everything else; the first that holds wins. They act in the air in "
         f"every state that flies: {where}."
     )
     yield from (item(_failsafe(each)) for each in chart.written.failsafes)
-    yield said(BUILT_IN)
+    yield sentence(BUILT_IN)
 
 
 def _failsafe(failsafe: Failsafe) -> str:
     unknown = {
-        "take": "It is taken too when the guard cannot tell.",
-        "ignore": "It is not taken when the guard cannot tell.",
+        "take": "It is also taken when the guard is unknown.",
+        "ignore": "It is not taken when the guard is unknown.",
     }[failsafe.unknown]
     do = f", and {actions(failsafe.do)}" if failsafe.do else ""
     when = held(failsafe.when, failsafe.for_, ANY)

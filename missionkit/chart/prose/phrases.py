@@ -54,8 +54,8 @@ def _negated(part: ex.Expression, done: str) -> str:
     if _is_noun(part):
         return f"{ex.text(part)} does not hold"
     if isinstance(part, ex.Use):
-        return f"it is not so that {done}"
-    return f"it is not so that {guard(part, done)}"
+        return f"it is not true that {done}"
+    return f"it is not true that {guard(part, done)}"
 
 
 def _is_noun(expression: ex.Expression) -> bool:
@@ -127,7 +127,7 @@ def _assigned(act: Assign) -> str:
         case "copy":
             return f"copies {act.operand} to {act.variable}"
         case "toggle":
-            return f"turns {act.variable} round"
+            return f"toggles {act.variable}"
         case _:
             return f"sets {act.variable} to {value(act.operand)}"
 

@@ -13,11 +13,11 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.placed_states import Placed
 from missionkit.chart.model.state_definitions import GROUP_KIND, State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.chart.prose.incoming_references import Told
+from missionkit.chart.prose.incoming_references import Clauses
 from missionkit.chart.prose.phrases import OWN, actions, guard, listed, reason
 
 DEMANDS = {  # what the formulas of the kinds' invariants say
-    "gps_target ≠ ∅": "the place of its target is known",
+    "gps_target ≠ ∅": "the position of its target is known",
     "visual_target ≠ ∅ ∧ t - t_seen ≤ 0.5 s": "its marker was seen within the last 0.5 s",
     "‖e_p‖ ≤ ε_pos ∧ |e_ψ| ≤ ε_yaw": "it is within 0.1 m and 5 degrees of its goal",
 }
@@ -37,7 +37,7 @@ def topic(text: str, depth: int = 0) -> Sentences:
     return Sentences(text, depth, topic=True)
 
 
-def said(text: str, depth: int = 1) -> Sentences:
+def sentence(text: str, depth: int = 1) -> Sentences:
     """Return an ordinary paragraph."""
     return Sentences(text, depth)
 
@@ -54,7 +54,7 @@ class ExplainedChart:
     written: Mission
     full: Mission
     catalogue: Catalogue
-    entrances: Told
+    entrances: Clauses
 
     @cached_property
     def own(self) -> dict[str, Placed]:
@@ -83,7 +83,7 @@ def state_sentences(chart: ExplainedChart, placed: Placed, depth: int) -> Iterat
         *_remaining(chart, placed),
     ]
     if sentences:
-        yield said(" ".join(sentences), depth + 1)
+        yield sentence(" ".join(sentences), depth + 1)
     yield from _ways(chart, placed, depth + 1)
 
 
@@ -115,7 +115,7 @@ def _deeds(state: State) -> Iterator[str]:
     if state.states:
         yield _inside(state)
     if state.final:
-        yield "What is around it is done once it is entered."
+        yield "The enclosing state is done once it is entered."
     if state.entry:
         yield f"On entry the chart {actions(state.entry)}."
     if state.exit:
@@ -142,11 +142,11 @@ def _demands(chart: ExplainedChart, state: State) -> Iterator[str]:
         to = state.invariant.exit
         leaves = "that is recorded" if to is None else f"it leaves for {to}"
         says = DEMANDS.get(due.says, due.says)
-        yield f"Its kind demands that {says}; broken for {due.tolerated:g} s, {leaves}."
+        yield f"Its kind requires that {says}; broken for {due.tolerated:g} s, {leaves}."
     own = state.invariant
     if own.holds is not None:
         away = f"; if not, it leaves for {own.exit}" if own.exit else "; if not, that is recorded"
-        yield f"It demands that {guard(own.holds)}{away}."
+        yield f"It requires that {guard(own.holds)}{away}."
 
 
 def _entered(chart: ExplainedChart, placed: Placed) -> Iterator[str]:
@@ -169,7 +169,7 @@ def _remaining(chart: ExplainedChart, placed: Placed) -> Iterator[str]:
     if state.dwell is not None:
         yield f"It is kept for {state.dwell:g} s at least, instead of the mission's dwell."
     if state.stays:
-        yield "It may last for ever on purpose."
+        yield "It may last forever, on purpose."
     if not state.transitions and not state.final:
         yield _without_ways(chart, placed)
 
@@ -179,8 +179,8 @@ def _without_ways(chart: ExplainedChart, placed: Placed) -> str:
     if state.kind == "land":
         return "The mission ends here, on the ground."
     if state.states:
-        return "It has no ways out of its own."
-    around = [] if parent is None else [f"what leads out of {parent}"]
+        return "It has no transitions of its own."
+    around = [] if parent is None else [f"transitions out of {parent}"]
     flies = chart.flies(placed) and bool(chart.written.failsafes)
     return (
         f"It is left only by {listed([*around, *(['failsafes'] if flies else []), 'the pilot'])}."
@@ -197,7 +197,7 @@ def _ways(chart: ExplainedChart, placed: Placed, depth: int) -> Iterator[Sentenc
     )
     first = " by the first of these that is ready" if len(state.transitions) > 1 else ""
     inside = inner if state.states else ""
-    yield said(f"It is left{first}{inside}:", depth)
+    yield sentence(f"It is left{first}{inside}:", depth)
     own = len(chart.own[name].state.transitions) if name in chart.own else 0
     for at, way in enumerate(state.transitions):
         by_contract = at >= own and name not in chart.added
@@ -215,8 +215,8 @@ def _way(way: Transition, done: str, added_by: str) -> str:
     to = f"to {listed(way.targets)} " if way.targets else "not at all, only an action: "
     do = f"; the chart {actions(way.do)} on the way" if way.do else ""
     notes = [
-        *(["without leaving the state around"] if way.internal else []),
-        *(["waits for no dwell"] if way.emergency else []),
+        *(["without leaving the enclosing state"] if way.internal else []),
+        *(["does not wait for the dwell"] if way.emergency else []),
         *([f"added: default failsafe {way.name} of kind {added_by}"] if added_by else []),
     ]
     noted = f" ({'; '.join(notes)})" if notes else ""

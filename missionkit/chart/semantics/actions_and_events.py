@@ -27,7 +27,10 @@ def assigned(
     value = _value(values, output)
     if value is None or not variables[name].admits(value):
         shown = output.operand if value is None else value
-        return values, f"assign {name}: {shown} is not what {name} may be; it stays {values[name]}"
+        return (
+            values,
+            f"assign {name}: {shown} is not a valid value of {name}; it stays {values[name]}",
+        )
     if isinstance(variables[name].initial, float):
         value = float(value)
     return {**values, name: value}, ""
@@ -46,13 +49,13 @@ def _value(values: Values, output: Output) -> Value | None:
 
 def in_words(output: Output) -> str:
     """Return what an output does, for the record: "log hello", "assign tries add 1"."""
-    said = f"{output.verb} {output.text}"
+    assigned = f"{output.verb} {output.text}"
     match output.operation:
         case "":
-            return said
+            return assigned
         case "set":
-            return f"{said} = {output.operand}"
+            return f"{assigned} = {output.operand}"
         case "toggle":
-            return f"{said} toggled"
+            return f"{assigned} toggled"
         case operation:
-            return f"{said} {operation} {output.operand}"
+            return f"{assigned} {operation} {output.operand}"

@@ -29,9 +29,9 @@ def against_arming(chart: Chart, memory: ChartMemory, seen: Estimate, contain: C
 
 def _said(failsafe: Transition, verdict: Verdict, question: GuardContext) -> str:
     """Return such as `failsafe battery holds: battery below (floor 0.2), now 0.12`."""
-    asked = [(name, question.answers[name]) for name in failsafe.reads if name in question.answers]
-    parts = [_figure(name, answer) for name, answer in asked] or [verdict.why]
-    how = "holds" if verdict.holds else "cannot tell"
+    read = [(name, question.answers[name]) for name in failsafe.reads if name in question.answers]
+    parts = [_figure(name, answer) for name, answer in read] or [verdict.why]
+    how = "holds" if verdict.holds else "is unknown"
     return f"{failsafe.text} {how}: {', '.join(filter(None, parts))}".rstrip(": ")
 
 

@@ -77,7 +77,7 @@ class GuardCompiler:
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
-        said, count = str(ex.text(expression)), 1
+        written, count = str(ex.text(expression)), 1
         meaning: object
         match expression:
             case ex.Use():
@@ -89,11 +89,11 @@ class GuardCompiler:
             case ex.In(state=state) | ex.Finished(state=state):
                 meaning = (type(expression), state)
             case _:
-                return said
-        name = said
+                return written
+        name = written
         while self._meanings.setdefault(name, meaning) != meaning:
             count += 1
-            name = f"{said} ({count})"
+            name = f"{written} ({count})"
         return name
 
     def _remembered(self, name: str, compile_it: Callable[[], GuardFunction]) -> GuardFunction:

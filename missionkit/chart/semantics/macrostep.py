@@ -112,7 +112,7 @@ class Macrostep:
 
     def _give_up(self) -> None:
         way = " -> ".join(fired.to for fired in self.fired[-6:])
-        self.question.contain.note(f"the chart does not come to rest: ... {way}")
+        self.question.contain.note(f"the chart keeps changing state within one tick: ... {way}")
 
     def _start(self) -> None:
         """Carry out the entry of the initial states, which are active already."""
@@ -120,14 +120,14 @@ class Macrostep:
         self.memory = self.memory._replace(started=True, ended=move.ended)
         self.moves.append(move)
         self.pilot_entered = True
-        said = self._carried_out(self.chart.states[ROOT].initial.outputs)
+        outputs_text = self._carried_out(self.chart.states[ROOT].initial.outputs)
         for entry in move.entries:
-            said += self._carried_out(entry.outputs)
+            outputs_text += self._carried_out(entry.outputs)
             self.internal += entry.events
         self.stale = True
-        if said:
+        if outputs_text:
             opening = Transition(-1, (self.chart.initial,), "start", source=self.memory.state)
-            self.fired.append(self._explained(opening, said))
+            self.fired.append(self._explained(opening, outputs_text))
 
     def _selected(
         self, ways: tuple[tuple[TimedTransition, ...], ...], event: str | None
@@ -190,18 +190,18 @@ class Macrostep:
         if move.exited or move.entries:
             self._stand(move)
         self.moves.append(move)
-        said: list[str] = []
+        outputs_text: list[str] = []
         if move.says:
             outputs = [each for name in move.exited for each in chart.states[name].exit]
             outputs += [each for way in chosen for each in way.outputs]
-            said = self._carried_out(outputs)
+            outputs_text = self._carried_out(outputs)
             for entry in move.entries:
-                said += self._carried_out(entry.outputs)
+                outputs_text += self._carried_out(entry.outputs)
                 self.internal += entry.events
         for way in chosen:
-            told = way if way.source != ROOT else replace(way, source=source)
-            self.fired.append(self._explained(told, said))
-            said = []
+            shown = way if way.source != ROOT else replace(way, source=source)
+            self.fired.append(self._explained(shown, outputs_text))
+            outputs_text = []
         self.stale = True
         return not move.kept and self.here.soonest > 0.0 and not move.ended
 
@@ -232,16 +232,16 @@ class Macrostep:
 
     def _carried_out(self, outputs: Iterable[Output]) -> list[str]:
         """Do what outputs say, and return it in words."""
-        said = []
+        outputs_text = []
         for output in outputs:
-            said.append(in_words(output))
+            outputs_text.append(in_words(output))
             if output.verb == "raise":
                 self.internal.append(output.text)
             elif output.verb == "vehicle":
                 self.orders += (Action(output.text),)
             elif output.verb == "assign":
                 self._assign(output)
-        return said
+        return outputs_text
 
     def _assign(self, output: Output) -> None:
         values, wrong = assigned(self.chart.variables, self.memory.variables, output)
@@ -250,12 +250,12 @@ class Macrostep:
             self.problems += (wrong,)
             self.internal.append(ERROR)
 
-    def _explained(self, way: Transition, said: Sequence[str]) -> Fired:
-        asked: tuple[tuple[str, Verdict], ...] = ()
+    def _explained(self, way: Transition, outputs_text: Sequence[str]) -> Fired:
+        verdicts: tuple[tuple[str, Verdict], ...] = ()
         if way.reads:
             now, first = self.question.answers, self.first_answers
             answers = now if all(name in now for name in way.reads) else first | now
-            asked = tuple([(name, answers[name]) for name in way.reads if name in answers])
+            verdicts = tuple([(name, answers[name]) for name in way.reads if name in answers])
         to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
-        outputs = (self.here.mode_text, *said)
-        return _new(Fired, (way.source, to, way.text, asked, outputs))
+        outputs = (self.here.mode_text, *outputs_text)
+        return _new(Fired, (way.source, to, way.text, verdicts, outputs))

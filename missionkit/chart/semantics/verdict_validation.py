@@ -32,15 +32,15 @@ def trusted(name: str, boxed: tuple[object] | None, question: GuardContext) -> V
         return Verdict.unknown("the guard failed")
     (answer,) = boxed
     if not isinstance(answer, Verdict):
-        question.contain.note(f"{name} answered {type(answer).__name__}, expected a Verdict")
-        return Verdict.unknown("the guard's answer cannot be used")
+        question.contain.note(f"{name} returned {type(answer).__name__}, expected a Verdict")
+        return Verdict.unknown("the guard's answer is not valid")
     verdict = answer if _native(answer) else _plain(answer)
     if verdict is None:
-        question.contain.note(f"{name} answered a Verdict of {answer.holds!r}, {answer.value!r}")
-        return Verdict.unknown("the guard's answer cannot be used")
+        question.contain.note(f"{name} returned a Verdict of {answer.holds!r}, {answer.value!r}")
+        return Verdict.unknown("the guard's answer is not valid")
     if _finite(verdict):
         return verdict
-    question.contain.note(f"{name} answered with a number that is not finite")
+    question.contain.note(f"{name} returned a number that is not finite")
     return Verdict.unknown("the guard's number is not finite")
 
 

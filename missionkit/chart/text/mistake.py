@@ -43,9 +43,11 @@ def sentence(
     return carried(Mistake(message, word, known, at_key), path)
 
 
-def carried(said: Mistake, path: Path) -> InitErrorDetails:
+def carried(cause: Mistake, path: Path) -> InitErrorDetails:
     """Return a sentence as pydantic carries it."""
-    error = PydanticCustomError("said", "{message}", {"message": said.message, "sentence": said})
+    error = PydanticCustomError(
+        "mistake", "{message}", {"message": cause.message, "sentence": cause}
+    )
     return InitErrorDetails(type=error, loc=path, input=None)
 
 

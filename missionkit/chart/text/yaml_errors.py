@@ -35,8 +35,8 @@ def syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     if opened and error.context_mark is not None:
         found = f"line {mark.line + 1}, column {mark.column + 1}"
         return Problem(_place(error.context_mark, file), opened.replace("PLACE", found))
-    said = error.problem or "not valid YAML"
-    return Problem(_place(mark, file), _SENTENCES.get(said, f"not valid YAML: {said}"))
+    complaint = error.problem or "not valid YAML"
+    return Problem(_place(mark, file), _SENTENCES.get(complaint, f"not valid YAML: {complaint}"))
 
 
 def _place(mark: yaml.Mark, file: str) -> Place:

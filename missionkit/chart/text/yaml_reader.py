@@ -204,7 +204,9 @@ class _Builder:
         if allowed is None:
             self.problems.append(Problem(place, f"tag {tag!r}: tags are not used in missions"))
         elif not isinstance(value, allowed):
-            self.problems.append(Problem(place, f"{value!r} is no {tag.removeprefix(_CORE_TAG)}"))
+            self.problems.append(
+                Problem(place, f"{value!r} is not a valid {tag.removeprefix(_CORE_TAG)}")
+            )
 
     def _open(self, event: Any, node: Table | Row) -> None:
         if event.tag not in {None, "!", f"{_CORE_TAG}map", f"{_CORE_TAG}seq"}:

@@ -25,7 +25,7 @@ CHECKPOINT_PERIOD = 1.0 - 1e-6  # s of mission time between two checkpoints
 class StartsAgain(Enum):
     """Stands for a memory that was not saved."""
 
-    BEGIN = "begin anew"
+    BEGIN = "restart"
 
 
 def now_and_then(chart: Chart, fits: Fits, save: Save) -> Callable[[FlightState, Record], None]:
@@ -63,7 +63,7 @@ def keepable(
     windows = tuple(each if fits(each) else StartsAgain.BEGIN for each in memory.chart.windows)
     for slot, window in zip(chart.slots, windows, strict=True):
         if window is StartsAgain.BEGIN:
-            lost.append(f"what {slot.name} remembers cannot be saved: it begins anew")
+            lost.append(f"the memory of {slot.name} cannot be saved: it will restart on resume")
     return memory._replace(acting=acting, chart=memory.chart._replace(windows=windows)), tuple(lost)
 
 
@@ -77,7 +77,7 @@ def _hands(chart: Chart, memory: FlightMemory, fits: Fits) -> tuple[BehaviorStat
     for name in sorted(gone):
         behavior = chart.states[name].behavior
         what = name if behavior is None else behavior.kind
-        lost.append(f"what {what} remembers in {name} cannot be saved: it begins anew")
+        lost.append(f"the memory of {what} in {name} cannot be saved: it will restart on resume")
     return acting._replace(paused=paused, past=past), lost
 
 

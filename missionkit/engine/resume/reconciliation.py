@@ -30,7 +30,7 @@ FAILSAFE_MODES = frozenset(("return", "smart_return", "brake"))  # modes that fa
 class ResumeAction(Enum):
     """Action taken on resume."""
 
-    GO_ON = "the chart goes on"
+    GO_ON = "the chart continues"
     LAND = "landing"
     LEAVE = "nothing is commanded"
 
@@ -58,26 +58,26 @@ class ResumeCase(NamedTuple):
 
 CASES: tuple[ResumeCase, ...] = (
     ResumeCase(
-        "the autopilot flies by itself because of a failsafe of its own, mode {mode}",
+        "the autopilot's own failsafe is in control, mode {mode}",
         ResumeAction.LEAVE,
         lambda _, s: s.in_air and s.failsafe and s.mode not in MISSION_MODES,
     ),
     ResumeCase(
-        "a pilot flies, or the autopilot by itself, mode {mode}",
+        "a pilot or the autopilot's own failsafe is in control, mode {mode}",
         ResumeAction.LEAVE,
         lambda _, s: s.in_air and s.mode in FAILSAFE_MODES,
     ),
     ResumeCase(
-        "a pilot flies, mode {mode}",
+        "a pilot is in control, mode {mode}",
         ResumeAction.LEAVE,
         lambda _, s: s.in_air and s.mode not in MISSION_MODES,
     ),
     ResumeCase("in the air, landing", ResumeAction.GO_ON, lambda it, s: s.in_air and it.landing),
     ResumeCase(
-        "the autopilot lands", ResumeAction.LAND, lambda _, s: s.in_air and s.mode == "land"
+        "the autopilot is landing", ResumeAction.LAND, lambda _, s: s.in_air and s.mode == "land"
     ),
     ResumeCase(
-        "in the air, at a place in the chart that is no more",
+        "in the air, in a state that the chart no longer has",
         ResumeAction.LAND,
         lambda it, s: s.in_air and not it.placed,
     ),
@@ -91,7 +91,7 @@ CASES: tuple[ResumeCase, ...] = (
         "in the air, taking off", ResumeAction.GO_ON, lambda it, s: s.in_air and it.climbing
     ),
     ResumeCase(
-        "in the air, though the chart stood on the ground in {state}",
+        "in the air, although the chart was on the ground in {state}",
         ResumeAction.LAND,
         lambda _, s: s.in_air,
     ),
@@ -103,7 +103,7 @@ CASES: tuple[ResumeCase, ...] = (
     ResumeCase("on the ground, before take-off", ResumeAction.GO_ON, lambda _, s: not s.armed),
     ResumeCase("on the ground, landing", ResumeAction.GO_ON, lambda it, _: it.landing),
     ResumeCase(
-        "on the ground, though the chart flew in {state}",
+        "on the ground, although the chart was flying in {state}",
         ResumeAction.LAND,
         lambda it, _: it.flying,
     ),
@@ -143,12 +143,14 @@ def reconciled(
     says, then = _judged(facts)
     if then is ResumeAction.LAND and not plan.chart.land:
         then = ResumeAction.LEAVE
-    told = f"resumed after {gap:.2f} s: {says}; {then.value}"
+    summary = f"resumed after {gap:.2f} s: {says}; {then.value}"
     if then is ResumeAction.LEAVE:
-        raise VehicleError(told)
-    memory = _handed_back(plan, before, heard._replace(chart=chart), fresh, anew=changed)
+        raise VehicleError(summary)
+    memory = _handed_back(plan, before, heard._replace(chart=chart), fresh, restart=changed)
     events = (ABORT,) if then is ResumeAction.LAND else ()
-    return ResumedFlight(saved._replace(memory=memory, grounded_since=None), events, (told, *notes))
+    return ResumedFlight(
+        saved._replace(memory=memory, grounded_since=None), events, (summary, *notes)
+    )
 
 
 def _judged(facts: VehicleFacts) -> tuple[str, ResumeAction]:
@@ -189,12 +191,12 @@ def _handed_back(
     now: FlightMemory,
     fresh: VehicleStatus | None,
     *,
-    anew: bool,
+    restart: bool,
 ) -> FlightMemory:
     """Return the memory to tick with: control starts from how the vehicle moves now."""
     state = plan.navigator.read(now.senses.navigation)
     acting = now.acting._replace(control=plan.law.moving(state.velocity))
-    if anew:
+    if restart:
         acting = acting._replace(behavior=None, begun=False, done=False, goal=None)
         acting = acting._replace(paused={}, past={})
         acting = acting._replace(avoidance=plan.law.begin_avoidance())

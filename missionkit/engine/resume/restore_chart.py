@@ -40,7 +40,7 @@ def fitted(
         held = {number: since for number, since in saved.held.items() if number in numbers}
         return saved._replace(held=held, windows=_windows(chart, fresh, saved, gap)), True, ()
     if not stands(chart, saved):
-        lost = f"the chart has no place like {', '.join(saved.active)}: it begins anew"
+        lost = f"the chart no longer has {', '.join(saved.active)}: it restarts"
         return fresh._replace(variables=_values(chart, saved)), False, (lost,)
     kept = fresh._replace(
         active=saved.active,
@@ -50,7 +50,7 @@ def fitted(
         started=True,
         ended=saved.ended,
     )
-    return kept, True, ("guards, behaviours and histories begin anew",)
+    return kept, True, ("guards, behaviours and histories restart",)
 
 
 def stands(chart: Chart, saved: ChartMemory) -> bool:

@@ -52,6 +52,5 @@ def misfit(scatter: NisAverage) -> str:
     """Say how the sightings do not fit the filter's noise; empty if they do, or few were taken."""
     if not scatter.noisy:
         return ""
-    return (
-        f"sightings scatter {math.sqrt(scatter.mean):.1f} times as far as the filter's noise says"
-    )
+    ratio = math.sqrt(scatter.mean)
+    return f"sightings scatter {ratio:.1f} times as far as the filter's noise model predicts"

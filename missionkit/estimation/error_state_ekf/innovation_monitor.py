@@ -143,15 +143,15 @@ def divergence(
     if silence > s.silent_after:
         return f"no inertial samples for {silence:.1f} s"
     if sd > s.max_position_sd:
-        return f"the position is known to {sd:.0f} m only"
+        return f"the position is only known to {sd:.0f} m"
     if not any(monitor.refused):
         return ""
     astray = refused_for(monitor, (FIX, SIGHT), now)
     if astray > s.reset_after and (jump := lasting_jump(monitor)) is not None:
         return f"GNSS jumped {jump:.0f} m"
     if refused_for(monitor, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after:
-        return "every fix and sighting was refused"
-    return "every position was refused" if astray > s.stray_after else ""
+        return "every fix and sighting was rejected"
+    return "every position was rejected" if astray > s.stray_after else ""
 
 
 def lasting_jump(monitor: InnovationMonitor) -> float | None:

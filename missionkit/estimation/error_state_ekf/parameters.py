@@ -60,27 +60,31 @@ class VisualInertialEkf(Plugin):
     gap_rate: Number = Field(default=0.5, ge=0, description="rad/s, unseen while samples miss")
 
     align_for: Seconds = Field(default=2.0, gt=0, description="at rest on the ground")
-    rest_accel: Number = Field(default=1.0, gt=0, description="m/s², above it nothing rests")
-    rest_rate: Number = Field(default=0.05, gt=0, description="rad/s, above it nothing rests")
+    rest_accel: Number = Field(
+        default=1.0, gt=0, description="m/s², above it the vehicle is not at rest"
+    )
+    rest_rate: Number = Field(
+        default=0.05, gt=0, description="rad/s, above it the vehicle is not at rest"
+    )
     origin_sd: Metres = Field(
         default=3.0, gt=0, description="of the take-off point where there is no fix"
     )
 
     blind_after: Seconds = Field(
-        default=2.0, description="diverged: measurements come, all are refused"
+        default=2.0, description="diverged: measurements arrive, but all are rejected"
     )
     stray_after: Seconds = Field(
-        default=8.0, description="diverged: positions come, all are refused"
+        default=8.0, description="diverged: positions arrive, but all are rejected"
     )
     reset_after: Seconds = Field(
         default=5.0,
-        description="fixes refused so long that agree: believed if their velocities were refused "
-        "too or the vehicle stands disarmed, diverged otherwise (GNSS jumped)",
+        description="consistent fixes rejected for so long: accepted if their velocities were "
+        "rejected too or the vehicle stands disarmed, diverged otherwise (GNSS jumped)",
     )
     silent_after: Seconds = Field(default=0.5, description="diverged: no inertial samples")
     max_position_sd: Metres = Field(default=20.0, gt=0, description="diverged: above it")
     relocate_after: int = Field(
-        default=10, ge=3, description="believe sightings refused so often but agreeing"
+        default=10, ge=3, description="accept consistent sightings that were rejected this often"
     )
     reset_velocity_sd: MetresPerSecond = Field(default=5.0, gt=0)
     reset_angle_sd: Number = Field(default=0.1, gt=0, description="rad")

@@ -32,7 +32,7 @@ def aligned(
     if known.missing:
         cause = f"no inertial samples for {known.missing:.1f} s: aligning again"
     if known.broken:
-        cause = "the last measurements made the filter unsound"
+        cause = "the latest measurements left the filter numerically invalid"
     return NavState(
         position=x[0:3].copy(),
         velocity=x[3:6].copy(),

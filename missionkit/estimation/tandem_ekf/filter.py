@@ -159,6 +159,6 @@ def _begun(x: Vec3, imu: Mat) -> Mat:
 
 def _refused(known: FlyerMemory, now: float) -> FlyerMemory:
     """Return the memory without an observation that made the filter unsound."""
-    why = "the last measurements made the filter unsound"
+    why = "the latest measurements left the filter numerically invalid"
     lost = Acceptance(known.ranges.at, 1.0, diverged=True, why=why)
     return known._replace(now=now, ranges=lost)

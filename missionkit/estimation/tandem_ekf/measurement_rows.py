@@ -104,7 +104,7 @@ def _take_range(known: MeasurementRows, inbox: _Inbox, one: AnchorRange) -> None
     place = known.anchors.get(one.anchor)
     if place is None:
         hint = nearest(one.anchor, known.anchors)
-        inbox.unusable.append(f"range to {one.anchor!r}, which is no anchor of navigation: {hint}")
+        inbox.unusable.append(f"range to {one.anchor!r}, which is not an anchor of navigation: {hint}")
     elif not 0.0 <= one.distance < LARGEST:
         inbox.unusable.append(f"range to {one.anchor} is {one.distance:g} m")
     elif inbox.punctual("range", one.anchor, one.at):
@@ -114,7 +114,7 @@ def _take_range(known: MeasurementRows, inbox: _Inbox, one: AnchorRange) -> None
 def _take_frame(known: MeasurementRows, inbox: _Inbox, frame: Features, number: float) -> None:
     features = known.features.get(frame.target)
     if features is None:
-        inbox.unusable.append(f"features of {frame.target!r}, which is no target of navigation")
+        inbox.unusable.append(f"features of {frame.target!r}, which is not a target of navigation")
         return
     places = [features.get(name) for name in frame.names]
     fits = frame.points.shape == (len(places), 3) and None not in places

@@ -153,7 +153,7 @@ class Commander:
         if name is not None and not self._wire.set_parameter(name, height):
             return Result(CommandOutcome.UNKNOWN, f"{name} could not be set")
         if not self._order("take_off" if self._dialect.early else self._dialect.hold_word, height):
-            return Result(CommandOutcome.ABANDONED, "somebody else commands")
+            return Result(CommandOutcome.ABANDONED, "someone else has control")
         params: tuple[float | None, ...] = (
             (None,) * 7 if name is not None else (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, height)
         )
@@ -176,12 +176,12 @@ class Commander:
         if self._dialect.land is not None:
             return self._mode(self._dialect.land, "land")
         if not self._order("land", None):
-            return Result(CommandOutcome.ABANDONED, "somebody else commands")
+            return Result(CommandOutcome.ABANDONED, "someone else has control")
         return self._ask(Ask(NAV_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
 
     def _return(self) -> Result:
         if not self._order("return", None):
-            return Result(CommandOutcome.ABANDONED, "somebody else commands")
+            return Result(CommandOutcome.ABANDONED, "someone else has control")
         return self._ask(Ask(NAV_RETURN, (0.0,) * 7, self._in_mode("return"), CONFIRM))
 
     def _disarm(self) -> Result:
@@ -189,7 +189,7 @@ class Commander:
 
     def _mode(self, params: tuple[float, float, float], word: str) -> Result:
         if not self._order(word, None):
-            return Result(CommandOutcome.ABANDONED, "somebody else commands")
+            return Result(CommandOutcome.ABANDONED, "someone else has control")
         return self._ask(Ask(SET_MODE, params, self._in_mode(word), CONFIRM))
 
     def _in_mode(self, *words: str) -> Callable[[], bool]:

@@ -99,8 +99,8 @@ def transact(desk: Desk, ask: Ask) -> Result:
 
     def shown() -> bool:
         beat = desk.cache.latest("HEARTBEAT")
-        told = beat is not None and beat.arrived >= begun
-        return told and ask.shows is not None and ask.shows()
+        confirmed = beat is not None and beat.arrived >= begun
+        return confirmed and ask.shows is not None and ask.shows()
 
     heard = _asked(desk, ask, begun, shown)
     took = None if heard is None else heard[1] - begun

@@ -5,7 +5,7 @@
 
 A mode counts as ours if missionkit requested it, or where the autopilot ends the request by
 itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
-pilot's. A first heartbeat that says otherwise is only doubted: no mode is asked for until the next
+pilot's. A first heartbeat that says otherwise is only doubted: no mode is requested until the next
 one confirms it or takes it back. A landing or return that was accepted, and that two heartbeats in
 the air do not show afterwards, was overridden by a pilot.
 """
@@ -19,7 +19,7 @@ from typing import Any
 from transitions import Machine
 
 from missionkit.vehicle.autopilot_dialect import Dialect, word
-from missionkit.vehicle.link.heartbeat_check import Said, said
+from missionkit.vehicle.link.heartbeat_check import HeartbeatState, heartbeat_state
 from missionkit.vehicle.link.message_cache import Message
 from missionkit.vehicle.link.message_rates import REBOOTED
 from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
@@ -146,7 +146,7 @@ class ControlAuthority:
             self._height = self._height if height is None else height
             return True
 
-    def expects(self, now: Said) -> bool:
+    def expects(self, now: HeartbeatState) -> bool:
         """Say whether the content of a heartbeat is expected."""
         with self._lock:
             if now.armed != self._armed:
@@ -176,7 +176,7 @@ class ControlAuthority:
         """Take in a trusted heartbeat."""
         if message.name != "HEARTBEAT":
             return
-        now = said(message.fields)
+        now = heartbeat_state(message.fields)
         mode = word(self._dialect, now.mode)
         unheard = self._unheard()
         with self._lock:
@@ -186,8 +186,10 @@ class ControlAuthority:
                 self._aim = mode if now.armed else ""
             self._was_unheard = False
         if event:
-            asked = f"it asked for {aim}" if aim else "it asked for none"
-            self._give_way(event, f"mode {mode}, which missionkit did not choose ({asked}): {why}")
+            aim_text = f"it had requested {aim}" if aim else "it had requested none"
+            self._give_way(
+                event, f"mode {mode}, which missionkit did not choose ({aim_text}): {why}"
+            )
 
     def rebooted(self, *, flying: bool) -> None:
         """Note that the autopilot has restarted; if it was flying, nothing is resumed."""
@@ -214,7 +216,9 @@ class ControlAuthority:
         with self._lock:
             taken = self.ours and self.fire("hear_failsafe")
         if taken:
-            self._give_way(FAILSAFE_TAKEOVER, "missionkit fell silent, and its guardian holds")
+            self._give_way(
+                FAILSAFE_TAKEOVER, "missionkit went silent, and its guardian made the vehicle hold"
+            )
 
     def resume(self) -> bool:
         """Command again, from whatever mode it is in; say whether control had been given up."""
@@ -222,7 +226,9 @@ class ControlAuthority:
             self._aim = self._mode if self._armed else ""
             return self.fire("give_back")
 
-    def _heard(self, now: Said, mode: str, status: int, *, unheard: bool) -> tuple[str, str]:
+    def _heard(
+        self, now: HeartbeatState, mode: str, status: int, *, unheard: bool
+    ) -> tuple[str, str]:
         """Make the transition of a heartbeat; return the event of a takeover, and why."""
         if not now.armed:
             self.fire("hear_disarmed")
@@ -233,7 +239,7 @@ class ControlAuthority:
         alarmed = status == CRITICAL and mode in REFUGES
         if self.ours and (alarmed or unheard or self._was_unheard):
             self.fire("hear_failsafe")
-            cause = "its state is critical" if alarmed else "it had not heard missionkit"
+            cause = "its state is critical" if alarmed else "it had stopped receiving missionkit"
             return FAILSAFE_TAKEOVER, f"the autopilot's own failsafe, {cause}"
         if self.ours or (mode != self._mode and mode not in REFUGES):
             taken = self.fire("hear_pilot")
@@ -263,4 +269,4 @@ class ControlAuthority:
     def _give_way(self, event: str, why: str) -> None:
         self._let_go()
         self._tell(event)
-        self._note(f"control given up: {why}; a person gives it back")
+        self._note(f"control given up: {why}; a person must give it back")

@@ -85,5 +85,5 @@ def _same(what: str, sent: Sequence[PlanItem], got: Sequence[PlanItem]) -> None:
     if differ:
         raise VehicleError(
             f"{what} was sent with {len(sent)} points, but the autopilot has {len(got)}, "
-            "or other ones: do not rely on it"
+            "or different ones: do not rely on it"
         )

@@ -40,27 +40,27 @@ class Emitter(Protocol):
         """Send it now."""
 
 
-class Told(NamedTuple):
+class TimedSetpoint(NamedTuple):
     """The newest command, and when the tick that gave it was due (s, wall)."""
 
     setpoint: AutopilotSetpoint
     at: float
 
 
-def due(told: Told | None, now: float, pace: float = 1.0) -> AutopilotSetpoint | None:
+def due(newest: TimedSetpoint | None, now: float, pace: float = 1.0) -> AutopilotSetpoint | None:
     """Return what to send at wall time `now` (s), None for silence.
 
     Args:
-        told: the newest command.
+        newest: the newest command.
         now: wall time.
         pace: how many seconds of the vehicle pass in one of the wall.
     """
-    if told is None:
+    if newest is None:
         return None
-    age = (now - told.at) * pace
+    age = (now - newest.at) * pace
     if age > SETPOINTS_STOP_AFTER:
         return None
-    return told.setpoint if age <= STALE else STILL
+    return newest.setpoint if age <= STALE else STILL
 
 
 class Streamer:
@@ -90,7 +90,7 @@ class Streamer:
         self._wall = wall
         self._pace = pace
         self._repeat = 1.04 / (rate * pace)  # a tick that is a little late is not overtaken
-        self._told: Told | None = None
+        self._told: TimedSetpoint | None = None
         self._news = threading.Condition()
         self._fresh = False
         self._ended = False
@@ -111,7 +111,7 @@ class Streamer:
     def tell(self, setpoint: AutopilotSetpoint, at: float) -> None:
         """Take over a command whose tick was due at wall time `at` (s)."""
         with self._news:
-            self._told = Told(setpoint if sound(setpoint) else STILL, at)
+            self._told = TimedSetpoint(setpoint if sound(setpoint) else STILL, at)
             self._fresh = True
             self._news.notify()
 

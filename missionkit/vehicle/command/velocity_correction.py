@@ -39,7 +39,7 @@ class Correction(NamedTuple):
 
 
 def step(
-    last: Correction, now: float, own: TimedVelocity | None, said: TimedVelocity | None
+    last: Correction, now: float, own: TimedVelocity | None, reported: TimedVelocity | None
 ) -> Correction:
     """Return the correction at mission time `now` (s).
 
@@ -47,11 +47,11 @@ def step(
         last: the one before.
         now: mission time.
         own: velocity by the mission's own estimate, None while no target is seen.
-        said: velocity by the autopilot's estimate, None if it never sent one.
+        reported: velocity by the autopilot's estimate, None if it never sent one.
     """
     heard = _remembered(last.own, own)
     dt = 0.0 if last.at is None else min(max(now - last.at, 0.0), LONGEST_STEP)
-    gap = _difference(heard, said, now)
+    gap = _difference(heard, reported, now)
     aim = NOTHING if gap is None else gap
     offset = last.offset + (1.0 - math.exp(-dt / SMOOTHING)) * (aim - last.offset)
     return Correction(_bounded(offset), now, heard)
@@ -71,17 +71,17 @@ def _remembered(
 
 
 def _difference(
-    own: tuple[TimedVelocity, ...], said: TimedVelocity | None, now: float
+    own: tuple[TimedVelocity, ...], reported: TimedVelocity | None, now: float
 ) -> Vec3 | None:
     """Return v_autopilot - v_own (3,) at the moment of the former; None: not comparable."""
-    if said is None or not own or not abs(now - said.at) <= FRESH:
+    if reported is None or not own or not abs(now - reported.at) <= FRESH:
         return None
-    if not _possible(said.velocity):
+    if not _possible(reported.velocity):
         return None
     times = [each.at for each in own]
     velocities = np.array([each.velocity for each in own])
-    there = [float(np.interp(said.at, times, velocities[:, axis])) for axis in range(3)]
-    return said.velocity - vec(*there)
+    there = [float(np.interp(reported.at, times, velocities[:, axis])) for axis in range(3)]
+    return reported.velocity - vec(*there)
 
 
 def _possible(velocity: Vec3) -> bool:

@@ -49,7 +49,9 @@ class GuardianState(NamedTuple):
     """State of the guardian; times are the vehicle's (s)."""
 
     phase: Phase = Phase.WATCHING
-    told: float = NEVER  # when the mission's last setpoint passed, NEVER after it fell silent
+    last_setpoint_at: float = (
+        NEVER  # when the mission's last setpoint passed, NEVER after it fell silent
+    )
     since: float = NEVER  # when holding began
     ours: bool = False  # the newest heartbeat: armed, in the mode that follows setpoints
     confirmed: bool = False  # a heartbeat since then showed that mode
@@ -80,21 +82,23 @@ def setpoint(guard: GuardianState, now: float) -> GuardianState:
     """Return the state after a setpoint of the mission."""
     if guard.refuses:
         return guard
-    return guard._replace(phase=Phase.STEERED if guard.ours else Phase.WATCHING, told=now)
+    return guard._replace(
+        phase=Phase.STEERED if guard.ours else Phase.WATCHING, last_setpoint_at=now
+    )
 
 
 def silent(guard: GuardianState) -> GuardianState:
     """Return the state after an order of the mission, or its word that it falls silent."""
     if guard.refuses:
         return guard
-    return guard._replace(phase=Phase.WATCHING, told=NEVER)
+    return guard._replace(phase=Phase.WATCHING, last_setpoint_at=NEVER)
 
 
 def heard(guard: GuardianState, *, ours: bool) -> GuardianState:
     """Return the state after a heartbeat; `ours`: armed, in the mode that follows setpoints."""
     guard = guard._replace(ours=ours)
     match guard.phase:
-        case Phase.WATCHING if ours and guard.told > NEVER:
+        case Phase.WATCHING if ours and guard.last_setpoint_at > NEVER:
             return guard._replace(phase=Phase.STEERED)
         case Phase.STEERED | Phase.BRAKING if not ours:
             return guard._replace(phase=Phase.WATCHING)
@@ -113,7 +117,7 @@ def moves(guard: GuardianState, now: float, speed: float) -> GuardianState:
 def gone(guard: GuardianState, now: float) -> GuardianState:
     """Return the state after the end of the mission's process, however it came."""
     guard = guard._replace(left=True)
-    if guard.refuses or guard.told == NEVER:
+    if guard.refuses or guard.last_setpoint_at == NEVER:
         return guard
     return _holding(guard, now)
 
@@ -125,7 +129,7 @@ def given(guard: GuardianState) -> GuardianState:
 
 def waited(guard: GuardianState, now: float, patience: Patience = USUAL) -> GuardianState:
     """Return the state at a time (s)."""
-    silence = now - guard.told
+    silence = now - guard.last_setpoint_at
     match guard.phase:
         case Phase.STEERED | Phase.BRAKING if silence > patience.hold:
             return _holding(guard, now)

@@ -119,21 +119,21 @@ class Relay:
                 self._ends.local.send(bundle[0] if len(bundle) == 1 else b"".join(bundle))
 
     def _hear(self, frame: bytes) -> None:
-        said = mavlink_frames.read(frame)
-        if said is None or said.component != AUTOPILOT:
+        received = mavlink_frames.read(frame)
+        if received is None or received.component != AUTOPILOT:
             return
-        if said.ident == mavlink_frames.HEARTBEAT:
-            self._hear_beat(said)
-        elif self._to is not None and said.system == self._to.target and not self._by_mode:
-            self._move(policy.moves(self.guard, self.now, mavlink_frames.speed(said)))
+        if received.ident == mavlink_frames.HEARTBEAT:
+            self._hear_beat(received)
+        elif self._to is not None and received.system == self._to.target and not self._by_mode:
+            self._move(policy.moves(self.guard, self.now, mavlink_frames.speed(received)))
 
-    def _hear_beat(self, said: mavlink_frames.Frame) -> None:
-        beat = mavlink_frames.beat(said)
+    def _hear_beat(self, received: mavlink_frames.Frame) -> None:
+        beat = mavlink_frames.beat(received)
         dialect = DIALECTS.get(beat.autopilot)
         if dialect is None:
             return
-        self._dialects[said.system] = dialect
-        if self._to is None or said.system == self._to.target:
+        self._dialects[received.system] = dialect
+        if self._to is None or received.system == self._to.target:
             ours = beat.armed and word(dialect, beat.mode) == dialect.offboard_word
             self._move(policy.heard(self.guard, ours=ours))
 
@@ -154,22 +154,22 @@ class Relay:
         """Look at a frame of the mission; say whether it may pass."""
         if ident_of(frame) not in UPWARDS:
             return True
-        said = mavlink_frames.read(frame)
-        if said is None:
+        received = mavlink_frames.read(frame)
+        if received is None:
             return False  # damaged
-        if said.ident in mavlink_frames.SETPOINTS:
+        if received.ident in mavlink_frames.SETPOINTS:
             self._to = mavlink_frames.Route(
-                said.system, said.component, *mavlink_frames.target(said)
+                received.system, received.component, *mavlink_frames.target(received)
             )
             self._move(policy.setpoint(self.guard, self.now))
             return not self.guard.refuses
-        return self._may_order(said)
+        return self._may_order(received)
 
-    def _may_order(self, said: mavlink_frames.Frame) -> bool:
-        if said.ident == mavlink_frames.SET_MODE:
+    def _may_order(self, received: mavlink_frames.Frame) -> bool:
+        if received.ident == mavlink_frames.SET_MODE:
             command, first, second = SET_MODE, 0.0, 0.0
         else:
-            command, first, second = mavlink_frames.order(said)
+            command, first, second = mavlink_frames.order(received)
         if command in ORDERS and not (self._by_mode and (command, second) == OFFBOARD):
             self._move(policy.silent(self.guard))
         held = command in ORDERS or (command == ARM and first == 1.0)
@@ -178,16 +178,16 @@ class Relay:
     def _told(self, _: int) -> None:
         self._upwards(0)  # what was sent before comes before
         try:
-            said = self._ends.control.recv(64)
+            received = self._ends.control.recv(64)
         except BlockingIOError:
             return
         except OSError:
-            said = b""
-        if said == b"idle":
+            received = b""
+        if received == b"idle":
             self._move(policy.silent(self.guard))
-        elif said == b"given":
+        elif received == b"given":
             self._move(policy.given(self.guard))
-        elif not said:
+        elif not received:
             self._poller.remove(self._ends.control.fileno())
             self._alone()
             self._move(policy.gone(self.guard, self.now))

@@ -59,7 +59,7 @@ class BootClock:
     Each message gives an upper limit to the offset between the clocks, its delay; the smallest
     of the last ones counts, so that jitter on the link does not become jitter of the sensors. It
     is too small where the vehicle's time passes more slowly than ours. Each answer to the question
-    for its time gives a lower limit: it was stamped after it was asked for. The offset is at most
+    for its time gives a lower limit: it was stamped after it was requested. The offset is at most
     `SLACK` less than that.
     """
 
@@ -82,12 +82,12 @@ class BootClock:
             if self._least[0][0] <= self._count - 1 - REMEMBERED:
                 self._least.popleft()
 
-    def answered(self, boot: float, asked: float) -> None:
-        """Learn from an answer stamped `boot` (s) to a request sent at mission time `asked` (s).
+    def answered(self, boot: float, requested_at: float) -> None:
+        """Learn from an answer stamped `boot` (s) to a request sent at `requested_at` (s).
 
         One that contradicts the newest message is of another clock.
         """
-        floor = asked - boot
+        floor = requested_at - boot
         with self._lock:
             newest = self._least[-1][1] if self._least else -math.inf
             if floor <= newest + AGREED:

@@ -20,29 +20,31 @@ ALTERNATING = 3  # changes of kind and back: two vehicles
 STEADY = 10  # heartbeats in a row of one kind: the other one has gone
 
 
-class Said(NamedTuple):
+class HeartbeatState(NamedTuple):
     """The relevant content of a heartbeat."""
 
     mode: int  # custom_mode
     armed: bool
 
 
-Expected = Callable[[Said], bool]
+Expected = Callable[[HeartbeatState], bool]
 
 
 class Believed(NamedTuple):
     """Result of the check of a heartbeat."""
 
     fields: Fields | None  # to be passed on; None: it is ignored
-    doubted: Said | None = None  # its actual content, which is not trusted yet
-    retracted: Said | None = None  # content of the previous one, which this one does not confirm
+    doubted: HeartbeatState | None = None  # its actual content, which is not trusted yet
+    retracted: HeartbeatState | None = (
+        None  # content of the previous one, which this one does not confirm
+    )
     stranger: bool = False  # another kind of vehicle says so for the third time
     odd: bool = False  # the first one of another kind
 
 
-def said(fields: Fields) -> Said:
+def heartbeat_state(fields: Fields) -> HeartbeatState:
     """Return mode and arming of a heartbeat."""
-    return Said(int(fields["custom_mode"]), bool(int(fields["base_mode"]) & ARMED))
+    return HeartbeatState(int(fields["custom_mode"]), bool(int(fields["base_mode"]) & ARMED))
 
 
 class HeartbeatCheck:
@@ -50,7 +52,7 @@ class HeartbeatCheck:
 
     def __init__(self) -> None:
         self._fields: Fields | None = None  # last trusted
-        self._doubted: Said | None = None
+        self._doubted: HeartbeatState | None = None
         self._since = 0.0  # s, when that was first received
         self._strangers = 0
         self._alternated = 0
@@ -81,8 +83,8 @@ class HeartbeatCheck:
         elif self._steady >= STEADY:
             self._alternated = 0
         self._strangers = 0
-        now, doubted = said(fields), self._doubted
-        if now == said(before) or expected(now):
+        now, doubted = heartbeat_state(fields), self._doubted
+        if now == heartbeat_state(before) or expected(now):
             retracted = doubted if doubted is not None and now != doubted else None
             return self._believe(fields, retracted)
         if now == doubted and at - self._since >= APART:
@@ -92,7 +94,7 @@ class HeartbeatCheck:
         self._doubted = now
         return Believed(before, doubted=now)
 
-    def _believe(self, fields: Fields, retracted: Said | None = None) -> Believed:
+    def _believe(self, fields: Fields, retracted: HeartbeatState | None = None) -> Believed:
         self._fields, self._doubted = fields, None
         return Believed(fields, retracted=retracted)
 

@@ -79,7 +79,7 @@ def parse(text: str) -> Address:
     scheme, rest = found.groups()
     if scheme in _OLD:
         better = FORMS[_OLD[scheme]]
-        raise UsageError(f"vehicle {text!r}: {scheme}:// is not precise, write {better}")
+        raise UsageError(f"vehicle {text!r}: {scheme}:// is ambiguous, write {better}")
     if scheme not in FORMS:
         raise UsageError(f"vehicle {text!r}: unknown kind of link; {nearest(scheme, FORMS)}")
     return _serial(text, rest) if scheme == "serial" else _network(text, scheme, rest)

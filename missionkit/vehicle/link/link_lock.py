@@ -49,7 +49,7 @@ class LinkLock:
             file.close()
             raise VehicleError(
                 f"{self._address.url} is in use by another missionkit (process {holder}): "
-                "two on one link take each other's answers away; end that one first"
+                "two on one link steal each other's replies; stop that one first"
             ) from None
         self._file = file
         with suppress(OSError):  # a full disk: who holds it is for the message alone

@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import Protocol
 
 from missionkit.vehicle.link.boot_epoch import BootEpoch, Stamp
-from missionkit.vehicle.link.heartbeat_check import HeartbeatCheck, Said
+from missionkit.vehicle.link.heartbeat_check import HeartbeatCheck, HeartbeatState
 from missionkit.vehicle.link.message_cache import Cache, Fields, Message
 from missionkit.vehicle.link.message_rates import CLOCKED, boot_time
 from missionkit.vehicle.link.time_sync import DoubleAnswers
@@ -30,7 +30,7 @@ ASK_EVERY = 0.2  # s of the vehicle between two requests for a heartbeat, at lea
 class Judge(Protocol):
     """Receiver of checked heartbeats."""
 
-    def expects(self, now: Said) -> bool:
+    def expects(self, now: HeartbeatState) -> bool:
         """Say whether the content of a heartbeat is expected."""
 
     def hear(self, message: Message) -> None:
@@ -113,7 +113,7 @@ class MessageCheck:
         before, self._contested = self._contested, self.contested
         if self._contested and not before:
             self._tell(TWO_VEHICLES)
-            self._note("two vehicles answer with one system id: give each an id of its own")
+            self._note("two vehicles use the same system id: give each its own")
 
     def _acknowledged(self, command: int, result: int) -> None:
         """Ask for a heartbeat: what the command did shows at once, a pilot's next mode too."""
@@ -140,7 +140,7 @@ class MessageCheck:
             self._cache.put("HEARTBEAT", found.fields)
         if found.odd:
             kind = type_name(int(fields["type"]))
-            self._note(f"a heartbeat of a {kind} was ignored: the vehicle is of another kind")
+            self._note(f"a heartbeat of a {kind} was ignored: the vehicle is of another type")
         if found.retracted is not None:
             how = "armed" if found.retracted.armed else "disarmed"
             self._note(
@@ -175,11 +175,13 @@ class MessageCheck:
         ordered = message.name == ORDERED
         worth = self._epoch.judge(boot, message.arrived, ordered=ordered)
         if worth is Stamp.ODD:
-            self._note(f"a {message.name} with a stamp off the autopilot's clock was ignored")
+            self._note(
+                f"ignored a {message.name}: its timestamp does not fit the autopilot's clock"
+            )
         if worth is Stamp.REBOOTED:
             self._rebooted()
         return worth is not Stamp.ODD
 
 
-def _anything(_: Said) -> bool:
+def _anything(_: HeartbeatState) -> bool:
     return True

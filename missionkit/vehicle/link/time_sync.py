@@ -68,13 +68,13 @@ class TimeSync:
 
     def hear(self, message: Message) -> None:
         """Keep an answer, perhaps to another client, on the thread that brings it."""
-        if message.name == "TIMESYNC" and (told := int(message["tc1"] or 0)) > 0:
-            self._heard.append((told, int(message["ts1"] or 0)))
+        if message.name == "TIMESYNC" and (remote := int(message["tc1"] or 0)) > 0:
+            self._heard.append((remote, int(message["ts1"] or 0)))
 
     def take(self) -> list[Answer]:
         """Return the answers to questions of ours since the last call."""
         heard = [self._heard.popleft() for _ in range(len(self._heard))]
-        taken = [Answer(1e-9 * told, 1e-9 * at) for told, at in heard if at in self._open]
+        taken = [Answer(1e-9 * remote, 1e-9 * at) for remote, at in heard if at in self._open]
         if taken:
             self._compare(taken[-1])
         return taken
@@ -92,7 +92,7 @@ class TimeSync:
         if abs(rate - 1.0) > MOST_RATE:
             self._said = True
             self._note(
-                f"the vehicle's time passes at {rate:.2f} of the rate that --speed says: "
+                f"the vehicle's clock runs at {rate:.2f} of the rate that --speed says: "
                 "its simulation does not keep up; choose a lower one"
             )
 
@@ -104,18 +104,20 @@ class DoubleAnswers:
     """
 
     def __init__(self) -> None:
-        self._latest: deque[tuple[int, set[int]]] = deque(maxlen=LATEST)  # ns: asked, answers
+        self._latest: deque[tuple[int, set[int]]] = deque(
+            maxlen=LATEST
+        )  # ns: requested at, answers
 
     def hear(self, fields: Fields) -> None:
         """Take a TIMESYNC message in."""
-        boot, asked = int(fields["tc1"] or 0), int(fields["ts1"] or 0)
+        boot, requested_at = int(fields["tc1"] or 0), int(fields["ts1"] or 0)
         if boot <= 0:  # a question of the vehicle's own
             return
         for known, answers in self._latest:
-            if known == asked:
+            if known == requested_at:
                 answers.add(boot)
                 return
-        self._latest.append((asked, {boot}))
+        self._latest.append((requested_at, {boot}))
 
     @property
     def contested(self) -> bool:

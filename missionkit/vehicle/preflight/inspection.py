@@ -38,7 +38,7 @@ async def inspect(
         patience: s to wait for messages that have not come yet.
         pace: seconds of the vehicle in one of the wall.
     """
-    await told(vehicle, NEEDED, patience)
+    await wait_for_messages(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
     values = await vehicle.call(parameters, vehicle)
     await _watched(vehicle, SPAN / max(1.0, pace))
@@ -77,12 +77,11 @@ async def become_fit(
             break
     lines = "\n".join(f"  - {it.what}: {it.says}" for it in bad)
     raise NotFitError(
-        f"{report.vehicle}: not fit to fly, nothing was armed:\n{lines}\n"
-        "--anyway flies nevertheless"
+        f"{report.vehicle}: not fit to fly, so it was not armed:\n{lines}\n--anyway overrides this"
     )
 
 
-async def told(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
+async def wait_for_messages(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
     """Ask for streams until a message of each name has come; say whether that was in time (s)."""
     for _ in range(round(patience / LOOK)):
         vehicle.tend()
@@ -170,11 +169,11 @@ def _fields(vehicle: MavsdkVehicle, name: str) -> Fields | None:
 
 
 def _date_gap(vehicle: MavsdkVehicle) -> float | None:
-    said = vehicle.cache.latest("SYSTEM_TIME")
-    if said is None or not said["time_unix_usec"]:
+    system_time = vehicle.cache.latest("SYSTEM_TIME")
+    if system_time is None or not system_time["time_unix_usec"]:
         return None
-    age = vehicle.cache.wall() - said.arrived
-    return 1e-6 * float(said["time_unix_usec"]) - (unix() - age)
+    age = vehicle.cache.wall() - system_time.arrived
+    return 1e-6 * float(system_time["time_unix_usec"]) - (unix() - age)
 
 
 def _rate(first: Message | None, last: Message | None) -> float | None:

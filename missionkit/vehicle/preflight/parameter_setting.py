@@ -42,7 +42,7 @@ class Written(NamedTuple):
         if self.good:
             return f"{name} was {was:g}, is {to:g}"
         found = "could not be read back" if self.now is None else f"is still {self.now:g}"
-        return f"{name} was {was:g}, {found}: look at it by hand"
+        return f"{name} was {was:g}, {found}: check it by hand"
 
 
 def proposed(dialect: Dialect, parameters: Mapping[str, float | None]) -> tuple[Change, ...]:

@@ -113,7 +113,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> PreflightReport:
 def _system(found: Findings) -> list[Check]:
     if not found.contested:
         return []
-    says = "two vehicles answer with one system id: give each an id of its own"
+    says = "two vehicles use the same system id: give each its own"
     return [Check("system", FailsafeLevel.BAD, says)]
 
 
@@ -167,9 +167,7 @@ def _estimator(found: Findings) -> Check:
         return Check("estimator", FailsafeLevel.BAD, "the local position is not a number")
     speed = math.sqrt(sum(float(v) ** 2 for v in values[3:]))
     if speed > 0.5 and not found.in_air:
-        return Check(
-            "estimator", FailsafeLevel.BAD, f"it believes to move at {speed:.1f} m/s on the ground"
-        )
+        return Check("estimator", FailsafeLevel.BAD, f"it reports {speed:.1f} m/s on the ground")
     return Check("estimator", FailsafeLevel.GOOD, f"local position, {speed:.2f} m/s at rest")
 
 
@@ -178,7 +176,7 @@ def _parameters(dialect: Dialect, found: Findings) -> list[Check]:
     for failsafe in dialect.failsafes:
         value = found.parameters.get(failsafe.parameter)
         if value is None:
-            says = "could not be read: look at it by hand"
+            says = "could not be read: check it by hand"
             checks.append(Check(failsafe.parameter, FailsafeLevel.WARNING, says))
             continue
         level, why = failsafe.judge(value)

@@ -41,15 +41,15 @@ def gnss(fix: Fields | None, second: Fields | None, *, flow: bool) -> Verdict:
     consequence = BY_FLOW if flow else "missions do not take off without one"
     if fix is None:
         return without, f"no GNSS messages: {consequence}"
-    seen, said = int(fix["satellites_visible"]), fix.get("h_acc", 0)
-    accuracy = f", {1e-3 * said:.1f} m" if said else ""
+    seen, accuracy_mm = int(fix["satellites_visible"]), fix.get("h_acc", 0)
+    accuracy = f", {1e-3 * accuracy_mm:.1f} m" if accuracy_mm else ""
     receiver = ", of the second receiver" if fix is second else ""
     says = f"fix {fix['fix_type']}, {'?' if seen == 255 else seen} satellites{accuracy}{receiver}"
     if not message_readings.fixed(fix):
         return without, f"{says}: no 3D fix, {consequence}"
     if int(fix.get("vel", 0)) == UNKNOWN:
-        return FailsafeLevel.WARNING, f"{says}; it does not tell its velocity"
-    weak = seen < FEW or (said and said > COARSE)
+        return FailsafeLevel.WARNING, f"{says}; it does not report its velocity"
+    weak = seen < FEW or (accuracy_mm and accuracy_mm > COARSE)
     return FailsafeLevel.WARNING if weak else FailsafeLevel.GOOD, says
 
 
@@ -59,7 +59,7 @@ def battery(packs: Packs) -> Verdict:
     others = [pack.says for pack in packs.values() if pack not in counted]
     rest = f"; not counted: {', '.join(others)}" if others else ""
     if read is None:
-        return FailsafeLevel.WARNING, f"the charge is not known{rest}"
+        return FailsafeLevel.WARNING, f"the charge is unknown{rest}"
     level = FailsafeLevel.GOOD if read.charge >= GOOD_CHARGE else FailsafeLevel.WARNING
     level = level if read.charge >= LEAST_CHARGE else FailsafeLevel.BAD
     several = f" ({', '.join(pack.says for pack in counted)}{rest})" if len(packs) > 1 else ""
@@ -90,12 +90,12 @@ def ground(flow: Fields | None, ranges: Sequence[Fields]) -> Verdict:
     aside = sorted({int(f["orientation"]) for f in ranges if not ground_sensors.faces_down(f)})
     if flow is not None and "flow_x" in flow and ground_sensors.unfilled(flow):
         return FailsafeLevel.WARNING, f"{ground_sensors.UNFILLED}: it is not used"
-    told = [
+    findings = [
         "no optical flow" if flow is None else f"optical flow, quality {flow['quality']} of 255"
     ]
-    told += ["a range finder down" if down else "no range finder down"]
-    told += [f"those that face {aside} (MAV_SENSOR_ORIENTATION) are not used"] if aside else []
+    findings += ["a range finder down" if down else "no range finder down"]
+    findings += [f"those that face {aside} (MAV_SENSOR_ORIENTATION) are not used"] if aside else []
     half = (flow is None) != (not down) or bool(aside and not down)
     return FailsafeLevel.WARNING if half and flow is not None else FailsafeLevel.GOOD, ", ".join(
-        told
+        findings
     )

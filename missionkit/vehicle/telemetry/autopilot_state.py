@@ -91,11 +91,11 @@ class AutopilotState:
 
         PX4 sets the bit among the healthy ones, and never among those that are there.
         """
-        said = self._cache.latest("SYS_STATUS")
-        if said is None:
+        status_message = self._cache.latest("SYS_STATUS")
+        if status_message is None:
             return None
-        healthy = bool(int(said["onboard_control_sensors_health"]) & _PREARM)
-        present = bool(int(said["onboard_control_sensors_present"]) & _PREARM)
+        healthy = bool(int(status_message["onboard_control_sensors_health"]) & _PREARM)
+        present = bool(int(status_message["onboard_control_sensors_present"]) & _PREARM)
         return healthy if healthy or present or not self._dialect.checks_present else None
 
     def sensor(self, name: str) -> bool | None:
@@ -126,20 +126,23 @@ class AutopilotState:
     def whereabouts(self) -> Whereabouts:
         """Return its position by its recent messages."""
         landed = self._cache.latest("EXTENDED_SYS_STATE", LATELY)
-        said = 0 if landed is None else int(landed["landed_state"])
+        status_message = 0 if landed is None else int(landed["landed_state"])
         local = self._cache.latest("LOCAL_POSITION_NED", LATELY)
         home = self._cache.latest("HOME_POSITION")
         away = None
         if local is not None and home is not None and None not in (local["x"], home["x"]):
             away = math.hypot(local["x"] - home["x"], local["y"] - home["y"])
         return Whereabouts(
-            on_ground=None if said == 0 else said == _ON_GROUND,
+            on_ground=None if status_message == 0 else status_message == _ON_GROUND,
             height=None if local is None else self.height,
             from_home=away,
         )
 
     def _healthy(self, bit: int) -> bool | None:
-        said = self._cache.latest("SYS_STATUS")
-        if said is None or not int(said["onboard_control_sensors_present"]) & bit:
+        status_message = self._cache.latest("SYS_STATUS")
+        if (
+            status_message is None
+            or not int(status_message["onboard_control_sensors_present"]) & bit
+        ):
             return None
-        return bool(int(said["onboard_control_sensors_health"]) & bit)
+        return bool(int(status_message["onboard_control_sensors_health"]) & bit)

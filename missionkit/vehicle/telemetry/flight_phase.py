@@ -27,9 +27,9 @@ class FlightPhase(AutopilotState):
     @override
     def mode(self) -> str | None:
         """Its mode; GUIDED is taking off, following setpoints, or holding."""
-        said = super().mode
-        if said != GUIDED:
-            return said
+        reported = super().mode
+        if reported != GUIDED:
+            return reported
         if self.climbing:
             return "take_off"
         return "offboard" if self._steered else "hold"

@@ -35,11 +35,11 @@ def local_home(cache: Cache) -> Vec3 | None:
     home = home_message(cache)
     if home is None:
         return None
-    said = message_readings.triple(home.fields, "x", "y", "z")
-    if said is not None and said.any():
-        return said
+    surface = message_readings.triple(home.fields, "x", "y", "z")
+    if surface is not None and surface.any():
+        return surface
     origin = cache.latest("GPS_GLOBAL_ORIGIN")
     if origin is None:
-        return said
+        return surface
     at = place_of(home)
     return place_of(origin).local(at.latitude, at.longitude, at.altitude)

@@ -97,8 +97,8 @@ def _over_ground(fields: Fields) -> Vec3 | None:
 
 
 def _accuracy(fields: Fields, name: str, otherwise: float) -> float:
-    said = fields.get(name, 0)
-    return 1e-3 * float(said) if said else otherwise
+    millimetres = fields.get(name, 0)
+    return 1e-3 * float(millimetres) if millimetres else otherwise
 
 
 def turned(fields: Fields) -> Quat | None:

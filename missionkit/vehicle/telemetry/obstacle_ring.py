@@ -44,7 +44,7 @@ def refusal(fields: Fields, attitude: Quat | None) -> str:
     if frame in NORTH_ALIGNED and attitude is None:
         return "OBSTACLE_DISTANCE is aligned with north, and the attitude is not known"
     if not sectors(fields):
-        return "OBSTACLE_DISTANCE knows no distance in any direction"
+        return "OBSTACLE_DISTANCE reports no distance in any direction"
     return ""
 
 

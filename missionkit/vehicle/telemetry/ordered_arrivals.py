@@ -89,6 +89,6 @@ class Arrivals:
             if boot is not None and arrived is not None:
                 self._boot.hear(boot, arrived)
         for answer in self._answers():
-            asked = self._clock.at(answer.sent)
-            if asked is not None:
-                self._boot.answered(answer.boot, asked)
+            requested_at = self._clock.at(answer.sent)
+            if requested_at is not None:
+                self._boot.answered(answer.boot, requested_at)

@@ -9,9 +9,9 @@ from missionkit.messages import Observation
 FIX, SCAN, FLOW = "fix", "scan", "flow"
 LATE = 3.0  # s
 SAYS: Mapping[str, str] = {
-    FIX: "no satellite fix that could be used: the mission navigates by it",
-    SCAN: "no OBSTACLE_DISTANCE that could be used: the mission's avoidance sees nothing",
-    FLOW: "no optical flow that could be used: the mission navigates by it",
+    FIX: "no usable satellite fix: the mission navigates by it",
+    SCAN: "no usable OBSTACLE_DISTANCE: the mission's avoidance sees nothing",
+    FLOW: "no usable optical flow: the mission navigates by it",
 }
 
 

@@ -15,5 +15,5 @@ def event_of(severity: int, text: str) -> str:
     'status.warning.Failsafe_activated'
     """
     level = SEVERITIES[severity] if 0 <= severity < len(SEVERITIES) else "info"
-    said = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")[:LONGEST_TEXT] or "nothing"
-    return f"status.{level}.{said}"
+    words = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")[:LONGEST_TEXT] or "nothing"
+    return f"status.{level}.{words}"
