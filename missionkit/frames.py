@@ -50,6 +50,11 @@ def between(before: Timed, after: Timed, at: float) -> Transform:
 
     T(u) = (q_0 ⊗ Exp(u Log(q_0* ⊗ q_1)), (1 - u) t_0 + u t_1); u leaves [0, 1] to extrapolate.
     Source: Solà 2017, section 2.7 (slerp).
+
+    Args:
+        before: pose and time (s).
+        after: pose and time (s), later.
+        at: s.
     """
     a, b = before.transform, after.transform
     share = (at - before.at) / (after.at - before.at)
@@ -84,11 +89,23 @@ class FrameTree:
     edges: Mapping[str, Edge] = field(default_factory=dict)
 
     def moving(self, frame: str, parent: str, poses: Sequence[Timed]) -> FrameTree:
-        """Return the tree with `frame` added, interpolated between `poses` (oldest first)."""
+        """Return the tree with `frame` added, interpolated between `poses` (oldest first).
+
+        Args:
+            frame: name, not in the tree yet.
+            parent: name of a frame in the tree.
+            poses: frame to parent, with times (s).
+        """
         return self._with(frame, Edge(parent, tuple(poses)))
 
     def stepping(self, frame: str, parent: str, poses: Sequence[Timed]) -> FrameTree:
-        """Return the tree with `frame` added, which stays at each of `poses` until the next."""
+        """Return the tree with `frame` added, which stays at each of `poses` until the next.
+
+        Args:
+            frame: name, not in the tree yet.
+            parent: name of a frame in the tree.
+            poses: frame to parent, with times (s).
+        """
         return self._with(frame, Edge(parent, tuple(poses), held=True))
 
     def fixed(self, frame: str, parent: str, pose: Transform) -> FrameTree:
@@ -97,6 +114,11 @@ class FrameTree:
 
     def lookup(self, target: str, source: str, at: float) -> Transform:
         """Return T_target_source, which maps coordinates in `source` to `target`, at time `at`.
+
+        Args:
+            target: frame of the result.
+            source: frame of the input.
+            at: s.
 
         Raises:
             FrameError: a frame is unknown, or a pose between the two is not known at that time.

@@ -32,6 +32,11 @@ def goal_of(target: Target, standoff: tuple[float, float, float], now: float) ->
 
     `standoff` is (out, right, up), m: along the marker's z, x and y axes. The yaw is None for a
     marker that lies flat. Source: P1 section 2.3, in the world frame.
+
+    Args:
+        target: place and attitude of the marker, NED.
+        standoff: (3,), m, out, right and up.
+        now: s, time of the goal.
     """
     if target.attitude is None:
         return None

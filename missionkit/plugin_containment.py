@@ -92,7 +92,14 @@ class Containment:
     def call(
         self, name: str, function: Callable[..., T], *arguments: object, foreign: bool = True
     ) -> tuple[T] | None:
-        """Return what `function` answers, alone in a tuple, or `None` with a failure noted."""
+        """Return what `function` answers, alone in a tuple, or `None` with a failure noted.
+
+        Args:
+            name: for messages.
+            function: to call.
+            *arguments: of the function.
+            foreign: it is a plug-in's; code of missionkit is called directly.
+        """
         try:
             if not foreign:
                 return (function(*arguments),)

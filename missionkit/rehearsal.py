@@ -142,6 +142,13 @@ def stage(
 ) -> Stage:
     """Set up one flight; everything random comes from `seed`.
 
+    Args:
+        mission: to fly.
+        catalogue: of plug-ins.
+        world: to fly in.
+        seed: of everything random.
+        faults: to inject.
+
     Raises:
         UsageError: the vehicle would start off the mission's map or in one of its walls.
     """

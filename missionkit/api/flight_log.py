@@ -57,7 +57,9 @@ class Logbook:
         if self.folder is not None:
             self.folder.mkdir(parents=True, exist_ok=True)
             if (self.folder / FILE).exists():
-                raise UsageError(f"{self.folder}: already holds a flight record: choose another name")
+                raise UsageError(
+                    f"{self.folder}: already holds a flight record: choose another name"
+                )
             keep_mission(self.folder, mission)
             self.recorder = FlightRecorder(
                 self.folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record

@@ -95,6 +95,11 @@ def rehearse(
 def fault_of(text: str, mission: Mission, world: AnyWorld) -> Fault:
     """Read a fault that this mission in this world can have.
 
+    Args:
+        text: NAME[=VALUE][@WHEN][+DURATION].
+        mission: whose states `text` may name.
+        world: whose markers `text` may name.
+
     Raises:
         UsageError: it cannot.
     """

@@ -101,7 +101,13 @@ def _device(section: Section, source: int | str, speed: float) -> Device:
 
 
 def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
-    """Return what draws the world as a camera sees it."""
+    """Return what draws the world as a camera sees it.
+
+    Args:
+        section: the mission's camera.
+        world: what to draw.
+        seed: of the image noise.
+    """
     rng, model = np.random.default_rng(seed), section.model()
     exposure, nothing = section.exposure, frozenset[int]()
     if section.drawn:

@@ -57,7 +57,13 @@ def with_remarks(observers: Sequence[Observer], vehicle: MavsdkVehicle) -> Obser
 
 
 def outcome_of(flown: FlownFlight, passage: FlightHistory, wanted: tuple[Success, ...]) -> Outcome:
-    """Return how a flight ended, as reported by the vehicle."""
+    """Return how a flight ended, as reported by the vehicle.
+
+    Args:
+        flown: result of the flight loop.
+        passage: what happened in flight.
+        wanted: conditions of success.
+    """
     if flown.end in {FlightEnd.SILENT, FlightEnd.OUT_OF_TIME}:
         return "crash"
     return "ended_safely" if _missed(flown, passage, wanted, landing_requested=False) else "success"

@@ -66,7 +66,14 @@ def _inside(seen: Estimate, target: Target, goal: Goal) -> bool:
 
 
 def heading(seen: Estimate, target: Target, goal: Goal, align: float) -> float | None:
-    """Return the heading (rad): at the target from afar, the goal's own within `align` (m)."""
+    """Return the heading (rad): at the target from afar, the goal's own within `align` (m).
+
+    Args:
+        seen: position of the vehicle.
+        target: what to face.
+        goal: with its own heading, if any.
+        align: m from the goal.
+    """
     if norm(goal.position - seen.position) <= align:
         return goal.yaw
     offset = target.position - seen.position

@@ -68,6 +68,12 @@ def parse(
 ) -> Mission:
     """Return the mission that `text` describes; `file` is what messages call it.
 
+    Args:
+        text: YAML.
+        file: what messages call the file.
+        catalogue: plug-ins that the mission may use.
+        overrides: parameters, by name, as YAML text.
+
     Raises:
         FileError: everything that is wrong with the text.
     """
@@ -76,6 +82,11 @@ def parse(
 
 def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, str]) -> Mission:
     """Return the mission of a document.
+
+    Args:
+        document: YAML with the place of each value.
+        catalogue: plug-ins that the mission may use.
+        overrides: parameters, by name, as YAML text.
 
     Raises:
         FileError: everything that is wrong with it.

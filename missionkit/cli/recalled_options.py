@@ -48,4 +48,6 @@ def check_plugins(order: RunOptions, before: Origin) -> None:
     flown = {name: text for name, text in before.texts.items() if name in texts}
     lines = list(changes(flown, texts))
     if lines and not order.force:
-        raise UsageError("\n".join([f"{order.resume}: a plug-in differs from the one flown", *lines]))
+        raise UsageError(
+            "\n".join([f"{order.resume}: a plug-in differs from the one flown", *lines])
+        )

@@ -102,6 +102,13 @@ class Control(Plugin):
 
         This is the first half of `step`: it is what obstacle avoidance wants to know. None in
         mode NONE, when the autopilot flies by itself.
+
+        Args:
+            memory: of the previous tick.
+            mode: gains to use.
+            guidance: goal and speed of the behaviour, if it has any.
+            seen: the estimate of this tick.
+            dt: s since the previous tick.
         """
         if mode is Mode.NONE:
             return None, self.begin()
@@ -126,6 +133,15 @@ class Control(Plugin):
         """Turn what `aim` wanted into a setpoint: the second half of `step`.
 
         The `bound` has the last word, which no comfort limit slows.
+
+        Args:
+            memory: as `aim` returned it.
+            wanted: (3,), m/s, NED, from `aim`.
+            guidance: the same as for `aim`.
+            seen: the estimate of this tick.
+            dt: s since the previous tick.
+            push: (3,), m/s, NED, of obstacle avoidance.
+            bound: half space that must not be left.
         """
         if wanted is None:
             return Setpoint(np.zeros(3), 0.0), self.begin()

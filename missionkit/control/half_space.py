@@ -28,6 +28,12 @@ def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> 
 
     A vehicle that closes too fast is commanded back by `FIRM` times the excess, since
     one whose velocity loop lags, or has learnt to fly fast, does not follow its command at once.
+
+    Args:
+        velocity: (3,), m/s, NED, as commanded so far.
+        seen: position and velocity of the vehicle.
+        bound: the plane, and the side to stay on.
+        limits: deceleration and lag with which the vehicle stops.
     """
     n = bound.normal
     gap = float((seen.position - bound.point) @ n)

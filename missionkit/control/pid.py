@@ -71,6 +71,13 @@ def step(
     conditional: nothing is integrated while the output is saturated, except towards zero.
 
     Sources: P1 section 3.2; Åström and Hägglund, "Advanced PID Control", 2006, chapter 3.
+
+    Args:
+        gains: of the mode.
+        limits: deceleration of the braking curve.
+        memory: integral of the previous step.
+        track: error (m), measured velocity (m/s), both NED, and top speed.
+        dt: s since the previous step.
     """
     (ph, pv), (dh, dv) = gains.kp, gains.kd
     ex, ey, ez = track.error

@@ -24,6 +24,11 @@ def stopping_speed(gap: float, braking: float, lag: float) -> float:
     """Return the speed (m/s) that stops within `gap` > 0 (m): v t + v²/(2a) = d.
 
     v = a (sqrt(t² + 2d/a) - t), with the deceleration a `braking` (m/s²) after the lag t (s).
+
+    Args:
+        gap: m, more than 0.
+        braking: m/s², more than 0.
+        lag: s until braking begins.
     """
     return braking * (math.sqrt(lag * lag + 2.0 * gap / braking) - lag)
 
@@ -61,6 +66,11 @@ class Limits(BaseModel):
         """Return the velocity (m/s, NED) nearest to `wanted` that `dt` seconds after `last` allow.
 
         The answer lies between the two, so limits that hold for both hold for it.
+
+        Args:
+            last: (3,), m/s, NED, of the previous tick.
+            wanted: (3,), m/s, NED.
+            dt: s since the previous tick.
         """
         x, y, z = wanted[0] - last[0], wanted[1] - last[1], wanted[2] - last[2]
         size = math.hypot(x, y)
@@ -87,6 +97,11 @@ def approach_speed(distance: float, gain: float, braking: float) -> float:
     stops in time, v = sqrt(2 a (d - a/(2k²))). The two join with equal value and slope.
 
     Source: ArduPilot, `sqrt_controller` in AP_Math/control.cpp.
+
+    Args:
+        distance: m.
+        gain: k, 1/s.
+        braking: a, m/s².
     """
     if gain * gain * distance <= braking:
         return gain * distance

@@ -18,7 +18,13 @@ def alpha_at(alpha: float, dt: float) -> float:
 
 
 def smoothed(last: Triple, wanted: Triple, alpha: float) -> Triple:
-    """Return alpha * wanted + (1 - alpha) * last, per axis (m/s)."""
+    """Return alpha * wanted + (1 - alpha) * last, per axis (m/s).
+
+    Args:
+        last: (3,), m/s, NED, of the previous tick.
+        wanted: (3,), m/s, NED.
+        alpha: share of the new value, 0 to 1.
+    """
     rest = 1.0 - alpha
     return (
         alpha * wanted[0] + rest * last[0],

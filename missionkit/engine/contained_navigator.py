@@ -98,6 +98,11 @@ class ContainedNavigator(Navigator):
 def contained(name: str, plugin: object, navigator: Navigator) -> Navigator:
     """Return a navigator that is fit to fly: one of another package in its containment.
 
+    Args:
+        name: for messages.
+        plugin: parameters that built the navigator.
+        navigator: to contain.
+
     Raises:
         UsageError: it lacks a method, or does not begin.
     """

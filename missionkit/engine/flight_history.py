@@ -46,6 +46,11 @@ def passed(passage: FlightHistory, record: Record, chart: Chart) -> FlightHistor
     A state counts as visited when it was active or a transition led to it, final states and those
     around others included. A failsafe ends a flight unless an ordinary transition leads back to a
     state of the plan: one that neither hovers, returns nor lands.
+
+    Args:
+        passage: what the flight went through so far.
+        record: of the tick.
+        chart: that is flown.
     """
     passage = passage._replace(
         spans=_seen(passage.spans, (*record.active, record.state), record.now)
@@ -60,7 +65,14 @@ def passed(passage: FlightHistory, record: Record, chart: Chart) -> FlightHistor
 
 
 def after(passage: FlightHistory, fired: Fired, now: float, chart: Chart) -> FlightHistory:
-    """Return what a flight went through after one more transition, which was taken at `now` (s)."""
+    """Return what a flight went through after one more transition, which was taken at `now` (s).
+
+    Args:
+        passage: what the flight went through so far.
+        fired: the transition.
+        now: s.
+        chart: that is flown.
+    """
     if any(name == "done" and verdict.holds for name, verdict in fired.verdicts):
         passage = _finished(passage, fired.source, now)
     kinds = _kinds(fired, chart)
@@ -99,7 +111,13 @@ def _seen(spans: Spans, states: Iterable[str], now: float) -> Spans:
 
 
 def failsafe_of(fired: Fired, chart: Chart, now: float) -> TakenFailsafe | None:
-    """Return the failsafe that a transition is, if it is one."""
+    """Return the failsafe that a transition is, if it is one.
+
+    Args:
+        fired: a transition that was taken.
+        chart: that is flown.
+        now: s.
+    """
     reason = fired.reason
     if reason in BUILT_IN or reason.startswith(BROKEN):
         return TakenFailsafe(now, reason, default=True)

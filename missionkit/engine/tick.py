@@ -49,7 +49,15 @@ def tick(
     contain: Containment,
     stopwatch: Stopwatch = _no_stopwatch,
 ) -> Ticked:
-    """Advance the mission by one observation."""
+    """Advance the mission by one observation.
+
+    Args:
+        plan: what flies.
+        memory: as the previous tick left it; unchanged.
+        observation: what arrived since.
+        contain: runs plug-in code and collects its failures.
+        stopwatch: s, for the timing in the record.
+    """
     t0 = stopwatch()
     observation = with_ground_contact(observation, memory.senses.status)
     senses, seen = sense(plan, memory, observation, contain)

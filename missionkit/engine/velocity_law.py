@@ -70,7 +70,15 @@ class VelocityLaw(NamedTuple):
     def command(
         self, acting: BehaviorState, mode: Mode, step: Step, seen: Estimate, contain: Containment
     ) -> Controlled:
-        """Return the velocity for one tick, and the next memories."""
+        """Return the velocity for one tick, and the next memories.
+
+        Args:
+            acting: memory of behaviour, control and avoidance.
+            mode: gains to use.
+            step: what the behaviour wants.
+            seen: the estimate of this tick.
+            contain: runs the planner where it is a plug-in.
+        """
         guidance = step.guidance if acting.held is None else guidance_to(acting.held)
         wanted, control = self.control.aim(acting.control, mode, guidance, seen, self.period)
         push, avoidance = self._push(acting, guidance, wanted, seen, contain)

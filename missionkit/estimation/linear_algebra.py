@@ -84,6 +84,12 @@ def joseph(P: Mat, K: Mat, H: Mat, R: Mat) -> None:
     """P := (I - K H) P (I - K H)ᵀ + K R Kᵀ, which stays positive whatever K is.
 
     P is (n, n), K (n, m), H (m, n) and R (m, m).
+
+    Args:
+        P: (n, n) covariance, changed in place.
+        K: (n, m) gain.
+        H: (m, n) Jacobian.
+        R: (m, m) covariance of the measurement.
     """
     G = K.T.copy()
     for _ in range(2):

@@ -91,7 +91,14 @@ class Estimate(NamedTuple):
     def standing(
         self, state: str, entered_at: float, *, done: bool = False, goal: Goal | None = None
     ) -> Self:
-        """Return the same estimate for another state of the chart."""
+        """Return the same estimate for another state of the chart.
+
+        Args:
+            state: that is active.
+            entered_at: s.
+            done: its behaviour has finished.
+            goal: of its behaviour.
+        """
         return _new(type(self), (*self[:-4], state, entered_at, done, goal))
 
     @property

@@ -36,6 +36,13 @@ class View:
 def board(columns: int, rows: int, square: float, marker: float, name: str) -> Any:
     """Return the board; `square` and `marker` are edges in metres.
 
+    Args:
+        columns: squares across.
+        rows: squares down.
+        square: edge, m.
+        marker: edge, m, less than `square`.
+        name: of the dictionary.
+
     Raises:
         ValueError: such a board cannot be.
     """

@@ -41,7 +41,14 @@ def outlined(image: Image, found: Iterable[Detection]) -> Image:
 
 
 def with_axes(picture: Image, pose: Transform, size: float, camera: CameraModel) -> Image:
-    """Return the picture with the axes of a marker of edge `size` (m), its pose to the camera."""
+    """Return the picture with the axes of a marker of edge `size` (m), its pose to the camera.
+
+    Args:
+        picture: (h, w, 3), BGR.
+        pose: marker to camera.
+        size: edge of the marker, m.
+        camera: lens of the picture.
+    """
     turn = cv2.Rodrigues(to_matrix(pose.rotation))[0]
     drawn = cv2.drawFrameAxes(
         picture, camera.matrix, camera.distortion, turn, pose.translation, AXIS * size

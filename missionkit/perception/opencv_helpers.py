@@ -24,6 +24,11 @@ def dictionary(name: str) -> cv2.aruco.Dictionary:
 def marker_bitmap(name: str, id: int, pixels: int) -> Image:
     """Return marker `id` of dictionary `name` as grey (pixels, pixels), without a white margin.
 
+    Args:
+        name: of the dictionary.
+        id: within the dictionary.
+        pixels: edge of the image.
+
     Raises:
         ValueError: there is no such dictionary or id.
     """

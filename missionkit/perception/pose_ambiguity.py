@@ -35,6 +35,11 @@ def cost(solution: Solution, sigma: float, expected: Expectation) -> float:
     e: rms reprojection error over 8 coordinates (px), σ: corner noise (px), τ: angle between the
     marker's y axis and the vertical, δ: angle to the previous orientation. The two priors
     saturate, so that a wrong one cannot outvote a clear image.
+
+    Args:
+        solution: one of the planar poses.
+        sigma: corner noise, px.
+        expected: vertical and previous orientation, where known.
     """
     image = 8.0 * (solution.error / sigma) ** 2
     if expected.camera is None:

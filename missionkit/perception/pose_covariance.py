@@ -21,6 +21,12 @@ def covariance(pose: Transform, size: float, camera: CameraModel, sigma: float) 
     None if the corners do not determine the pose.
 
     Source: Hartley and Zisserman, "Multiple View Geometry", 2nd edition, section 5.2.
+
+    Args:
+        pose: marker to camera.
+        size: edge of the marker, m.
+        camera: its lens.
+        sigma: corner noise, px.
     """
     arms = square(size) @ to_matrix(pose.rotation).T  # (4, 3), m, from the marker's centre
     J = np.concatenate([_rows(arm, arm + pose.translation, camera.matrix) for arm in arms])
@@ -55,6 +61,13 @@ def pose_deviations(
     the error is no longer linear: the tilt found may be noise. The rotation is then not claimed to
     be better than its own distance from head-on, or than it would be known head-on, whichever is
     less. None if the corners do not determine the pose.
+
+    Args:
+        solution: of the pose.
+        size: edge of the marker, m.
+        camera: its lens.
+        sigma: corner noise, px.
+        alone: the mirrored solution has merged with it.
     """
     P = covariance(solution.pose, size, camera, sigma)
     if P is None:

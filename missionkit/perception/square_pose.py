@@ -57,6 +57,11 @@ def solve(
 
     Source: P1 section 2.1, NOTES P1.3; Collins and Bartoli, "Infinitesimal plane-based pose
     estimation", 2014.
+
+    Args:
+        corners: (4, 2), px, clockwise from the marker's top left.
+        size: m.
+        camera: its lens.
     """
     if not _usable(corners):
         return ()

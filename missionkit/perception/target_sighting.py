@@ -33,6 +33,14 @@ def sight(
 
     `body` (body to world at `at`) and `prior` help to choose between the two planar solutions;
     the pose is moved from the marker's centre to the target's.
+
+    Args:
+        detection: corners of the marker in the image.
+        marker: its size, and where it is on the target.
+        camera: lens and mount.
+        at: s, mid-exposure.
+        body: body to world, if known.
+        prior: earlier estimate of the target, if any.
     """
     solutions = solve(detection.corners, marker.size, camera)
     if not solutions:

@@ -20,7 +20,14 @@ from missionkit.messages.occupancy import Costs
 
 
 def margin(clearance: float, map_sd: float, position_sd: float, sigmas: float) -> float:
-    """Return the distance (m) to keep from what the map says."""
+    """Return the distance (m) to keep from what the map says.
+
+    Args:
+        clearance: m, to keep from walls.
+        map_sd: m, of the map.
+        position_sd: m, of the vehicle.
+        sigmas: standard deviations to add.
+    """
     return clearance + sigmas * math.hypot(map_sd, position_sd)
 
 

@@ -55,6 +55,11 @@ def free_path(around: NearbyObstacles, heading: Vec3, how: Stopping) -> float:
     With `spread` the corridor widens ahead as the rays of the scanner do, since an edge may
     stand unseen between two of them. Infinity when nothing is in the way; zero when something
     already touches and lies ahead.
+
+    Args:
+        around: points from the vehicle (m, NED).
+        heading: (3,), unit vector, NED.
+        how: width and spread of the corridor.
     """
     ahead = -(around.away @ heading)
     keep = how.width if around.keep is None else around.keep

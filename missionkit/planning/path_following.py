@@ -48,7 +48,13 @@ def leg_at(path: tuple[Leg, ...], along: float) -> Leg:
 
 
 def nearest(path: tuple[Leg, ...], along: float, spot: Spot) -> float:
-    """Return how far along (m) the nearest point of the path is, from `along` to a reach ahead."""
+    """Return how far along (m) the nearest point of the path is, from `along` to a reach ahead.
+
+    Args:
+        path: its legs, in order.
+        along: m, where the vehicle was on it.
+        spot: (2,), m, north and east.
+    """
     best, least = along, math.inf
     for leg in path:
         if leg.begins > along + REACH:
@@ -68,6 +74,12 @@ def allowed_speed(path: tuple[Leg, ...], along: float, top: float, deceleration:
     """Return the speed (m/s) from which every corner ahead and the end are met slowly enough.
 
     v² = v_c² + 2 a d, with v_c = `top` cos θ at a corner that turns by θ, and 0 at the end.
+
+    Args:
+        path: its legs, in order.
+        along: m, where the vehicle is on it.
+        top: m/s.
+        deceleration: a, m/s².
     """
     speed = top
     for before, after in pairwise((*path, None)):
@@ -87,7 +99,13 @@ def allowed_speed(path: tuple[Leg, ...], along: float, top: float, deceleration:
 
 
 def pieces(path: tuple[Leg, ...], along: float, reach: float) -> Iterator[tuple[Spot, Spot]]:
-    """Yield the straight pieces of a path from `along` to `reach` (m) further."""
+    """Yield the straight pieces of a path from `along` to `reach` (m) further.
+
+    Args:
+        path: its legs, in order.
+        along: m, where to begin.
+        reach: m.
+    """
     for leg in path:
         if leg.begins > along + reach:
             break

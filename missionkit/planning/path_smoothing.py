@@ -24,6 +24,13 @@ def line_cost(costs: Costs, r0: float, c0: float, r1: float, c1: float) -> float
     """Return the integral of the costs along a line (edges of cells), infinite through a wall.
 
     A line through the common corner of four cells needs those on both sides free.
+
+    Args:
+        costs: (rows, columns), infinite in walls.
+        r0: row of the start, in cells.
+        c0: column of the start.
+        r1: row of the end.
+        c1: column of the end.
     """
     row, column = math.floor(r0), math.floor(c0)
     last_row, last_column = math.floor(r1), math.floor(c1)

@@ -136,7 +136,13 @@ class PotentialField(Plugin):
         return firas.attraction(position, goal, self.attraction_gain)
 
     def potential(self, position: Vec3, goal: Vec3, points: Points) -> float:
-        """Return U_total = U_att + η_xy U_rep at `position`, as P1 sums it over all points."""
+        """Return U_total = U_att + η_xy U_rep at `position`, as P1 sums it over all points.
+
+        Args:
+            position: (3,), m, NED.
+            goal: (3,), m, NED.
+            points: (n, 3), m, NED, of obstacles.
+        """
         return firas.attractive_potential(
             position, goal, self.attraction_gain
         ) + self.gain_xy * firas.repulsive_potential(

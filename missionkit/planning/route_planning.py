@@ -50,6 +50,12 @@ def plan(known: Occupancy, start: Spot, goal: Spot, way: Way) -> Route:
     A start that is nearer to a wall than the margin, though not in it, is left by the shortest
     way; a goal there is refused.
 
+    Args:
+        known: map of walls and costs.
+        start: m, north and east.
+        goal: m, north and east.
+        way: margin (m) and search options.
+
     Raises:
         NoRouteError: start or goal is off the map or in a wall, or nothing leads from one to the
             other.

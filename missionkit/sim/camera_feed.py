@@ -64,7 +64,16 @@ class Feed:
         frozen: bool,
         flipped: bool,
     ) -> None:
-        """Take the exposure that is due now, with the true state `x` and the active faults."""
+        """Take the exposure that is due now, with the true state `x` and the active faults.
+
+        Args:
+            x: (17,) true state.
+            hidden: ids of markers that are covered.
+            delay: s, added to the latency.
+            off: no frame.
+            frozen: repeat the last frame.
+            flipped: upside down.
+        """
         at = self.next_step / RATE
         self._count += 1
         if not off:

@@ -73,7 +73,13 @@ def _faded(image: Image, towards: int, share: float) -> Image:
 
 
 def paint(canvas: Image, view: View, layers: tuple[Band, ...]) -> None:
-    """Draw sky, horizon and ground on the whole canvas, in place."""
+    """Draw sky, horizon and ground on the whole canvas, in place.
+
+    Args:
+        canvas: (h, w), grey, changed in place.
+        view: pose and lens of the camera.
+        layers: textures by distance.
+    """
     rays = np.asarray(np.linalg.inv(view.projection), np.float64)  # canvas to ray, NED
     g = rays[2]
     width, height = view.size

@@ -26,6 +26,11 @@ def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
     Velocity error: Gauss-Markov with GNSS, random walk without, about the bias of a fault. Position
     error: its integral, leaking to zero with GNSS, but not where optical flow takes its place. The
     vertical leans on the barometer: never lost, and half as large.
+
+    Args:
+        memory: of the autopilot, changed in place.
+        noise: (3,) standard normal.
+        gains: of the autopilot.
     """
     for n in range(3):
         fixed = memory[at.GNSS_OK] > 0.0 or n == 2
@@ -42,7 +47,14 @@ def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
 
 @compiled
 def switch(x: Vec3, memory: Vec3, now: float, gains: Gains) -> None:
-    """Take over the setpoint that has arrived; fall back to hold when none came for too long."""
+    """Take over the setpoint that has arrived; fall back to hold when none came for too long.
+
+    Args:
+        x: (17,) true state.
+        memory: of the autopilot, changed in place.
+        now: s.
+        gains: of the autopilot.
+    """
     if memory[at.DUE_AT] <= now:
         for n in range(4):
             memory[at.TOLD + n] = memory[at.DUE + n]
@@ -66,7 +78,13 @@ def switch(x: Vec3, memory: Vec3, now: float, gains: Gains) -> None:
 
 @compiled
 def stay(x: Vec3, memory: Vec3, want: Vec3) -> None:
-    """Write into `want` the velocity that brakes, then holds the point where it stopped."""
+    """Write into `want` the velocity that brakes, then holds the point where it stopped.
+
+    Args:
+        x: (17,) true state.
+        memory: of the autopilot.
+        want: (4,), m/s and rad/s, written.
+    """
     vn, ve = x[3] + memory[at.VELOCITY_ERROR], x[4] + memory[at.VELOCITY_ERROR + 1]
     want[0], want[1], want[2] = 0.0, 0.0, 0.0
     if memory[at.ANCHORED] == 0.0:
@@ -82,7 +100,14 @@ def stay(x: Vec3, memory: Vec3, want: Vec3) -> None:
 
 @compiled
 def decide(x: Vec3, memory: Vec3, gains: Gains, want: Vec3) -> None:
-    """Write the velocity and yaw rate (4,) wanted in the present mode into `want`."""
+    """Write the velocity and yaw rate (4,) wanted in the present mode into `want`.
+
+    Args:
+        x: (17,) true state.
+        memory: of the autopilot, changed in place.
+        gains: of the autopilot.
+        want: (4,), m/s and rad/s, written.
+    """
     mode = memory[at.MODE]
     want[3] = 0.0
     if mode == at.OFFBOARD:
@@ -138,6 +163,14 @@ def mix(x: Vec3, push: Vec3, spin: float, body: Body, gains: Gains, u: Vec3) -> 
     With t = a - g e3 the wanted body axis is z = -t/|t|; the tilt error is the rotation axis
     e = z_body × z, in body axes; ω_want = k e; τ = J k_ω (ω_want - ω).
     Source: Mellinger and Kumar, 2011, reduced to the tilt (yaw is a rate).
+
+    Args:
+        x: (17,) true state.
+        push: (3,), m/s², NED, wanted without gravity.
+        spin: rad/s, wanted yaw rate.
+        body: mass, inertia and rotors.
+        gains: of the autopilot.
+        u: (4,), N, written.
     """
     w, i, j, k = x[6], x[7], x[8], x[9]
     tn, te, td = -push[0], -push[1], at.GRAVITY - push[2]

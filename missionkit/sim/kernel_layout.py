@@ -123,6 +123,11 @@ def gauss_markov(sd: float, tau: float, dt: float) -> tuple[float, float]:
     """Return (keep, kick) of x' = keep x + kick n, exact for dx = -x/tau dt + noise.
 
     The process has standard deviation `sd` at any `dt`.  Source: Gelb, 1974, section 3.8.
+
+    Args:
+        sd: standard deviation.
+        tau: s, correlation time.
+        dt: s of a step.
     """
     keep = math.exp(-dt / tau)
     return keep, sd * math.sqrt(1.0 - keep * keep)

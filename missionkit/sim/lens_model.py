@@ -86,7 +86,13 @@ def _line(dx: float, dy: float, taps: int) -> npt.NDArray[np.float32]:
 
 
 def blur(image: Image, dx: float, dy: float) -> Image:
-    """Return the image out of focus by `DEFOCUS` and smeared along (dx, dy), px."""
+    """Return the image out of focus by `DEFOCUS` and smeared along (dx, dy), px.
+
+    Args:
+        image: (h, w), grey.
+        dx: px along a row.
+        dy: px along a column.
+    """
     for kernel in streak(dx, dy):
         image = np.asarray(
             cv2.filter2D(image, -1, kernel, borderType=cv2.BORDER_REPLICATE), np.uint8

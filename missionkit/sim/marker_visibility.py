@@ -95,7 +95,16 @@ def facing(shape: Mat, eye: Vec3) -> float:
 def outlined(
     shape: Mat, eye: Vec3, back: Vec3, lens: PinholeLens, things: Mat, pixels: Mat
 ) -> bool:
-    """Project the corners into `pixels` (4, 2); tell whether the whole marker is in view."""
+    """Project the corners into `pixels` (4, 2); tell whether the whole marker is in view.
+
+    Args:
+        shape: (5, 3), m, NED, centre and corners.
+        eye: (3,), m, NED, of the camera.
+        back: world to camera.
+        lens: of the camera.
+        things: (n, ·) obstacles that may hide it.
+        pixels: (4, 2), px, written.
+    """
     for n in range(5):
         local = turn(back, shape[n] - eye)
         if local[2] < 0.05 or not exposed(things, eye, shape[n]):

@@ -33,7 +33,14 @@ def table(world: World) -> Mat:
 
 @compiled
 def gap(thing: Vec3, n: float, e: float, height: float) -> float:
-    """Return the signed distance (m) from a point to one obstacle, negative inside."""
+    """Return the signed distance (m) from a point to one obstacle, negative inside.
+
+    Args:
+        thing: row of the obstacle.
+        n: m, north.
+        e: m, east.
+        height: m above the ground.
+    """
     if thing[0] == SPHERE:
         dn, de, du = n - thing[1], e - thing[2], height - thing[3]
         return float(math.sqrt(dn * dn + de * de + du * du) - thing[4])
@@ -54,7 +61,14 @@ def gap(thing: Vec3, n: float, e: float, height: float) -> float:
 
 @compiled
 def nearest_gap(things: Mat, n: float, e: float, height: float) -> float:
-    """Return the signed distance (m) to the nearest obstacle; infinite if there is none."""
+    """Return the signed distance (m) to the nearest obstacle; infinite if there is none.
+
+    Args:
+        things: (n, ·) obstacles, a row each.
+        n: m, north.
+        e: m, east.
+        height: m above the ground.
+    """
     least = math.inf
     for row in range(things.shape[0]):
         least = min(least, gap(things[row], n, e, height))
@@ -63,7 +77,14 @@ def nearest_gap(things: Mat, n: float, e: float, height: float) -> float:
 
 @compiled
 def slab(start: float, way: float, low: float, high: float) -> tuple[float, float]:
-    """Return where a ray enters and leaves low <= x <= high along one axis (Kay and Kajiya)."""
+    """Return where a ray enters and leaves low <= x <= high along one axis (Kay and Kajiya).
+
+    Args:
+        start: of the ray, along the axis (m).
+        way: of the unit direction, along the axis.
+        low: m.
+        high: m.
+    """
     if abs(way) < 1e-12:
         inside = low <= start <= high
         return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
@@ -75,7 +96,17 @@ def slab(start: float, way: float, low: float, high: float) -> tuple[float, floa
 def ball(
     sn: float, se: float, su: float, wn: float, we: float, wu: float, radius: float
 ) -> tuple[float, float]:
-    """Return where a ray from s along w enters and leaves |x| <= radius."""
+    """Return where a ray from s along w enters and leaves |x| <= radius.
+
+    Args:
+        sn: m, north of the start from the centre.
+        se: m, east.
+        su: m, up.
+        wn: north of the unit direction.
+        we: east.
+        wu: up.
+        radius: m.
+    """
     a = wn * wn + we * we + wu * wu
     b = sn * wn + se * we + su * wu
     c = sn * sn + se * se + su * su - radius * radius
@@ -117,7 +148,13 @@ def hit(thing: Vec3, start: Vec3, way: Vec3) -> float:
 
 @compiled
 def cast(things: Mat, start: Vec3, way: Vec3) -> float:
-    """Return the distance (m) along a ray to the first obstacle; infinite if there is none."""
+    """Return the distance (m) along a ray to the first obstacle; infinite if there is none.
+
+    Args:
+        things: (n, ·) obstacles, a row each.
+        start: (3,), m.
+        way: (3,), unit vector.
+    """
     least = math.inf
     for row in range(things.shape[0]):
         least = min(least, hit(things[row], start, way))

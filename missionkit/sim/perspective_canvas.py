@@ -110,7 +110,13 @@ def crop(polygon: Polygon, size: tuple[int, int]) -> Polygon:
 
 
 def paint(canvas: Image, view: View, face: Face) -> None:
-    """Draw `face` on the canvas, in place."""
+    """Draw `face` on the canvas, in place.
+
+    Args:
+        canvas: (h, w), grey, changed in place.
+        view: pose and lens of the camera.
+        face: texture, and where it is.
+    """
     polygon = outline(view, face.hull)
     if len(polygon) < 3:
         return

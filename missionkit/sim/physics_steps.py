@@ -37,7 +37,13 @@ def blow(memory: Vec3, noise: Vec3, air: Air, extra: Vec3, wind: Vec3) -> None:
 
 @compiled
 def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
-    """Add this step's mean specific force R^T (Δv/dt - g) and rates to the inertial sums."""
+    """Add this step's mean specific force R^T (Δv/dt - g) and rates to the inertial sums.
+
+    Args:
+        x: (17,) true state after the step.
+        before: (17,) true state before it.
+        memory: sums since the last sample, changed in place.
+    """
     w, i, j, k = x[6] + before[6], x[7] + before[7], x[8] + before[8], x[9] + before[9]
     size = math.sqrt(w * w + i * i + j * j + k * k)
     w, i, j, k = w / size, i / size, j / size, k / size
@@ -59,7 +65,14 @@ def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
 
 @compiled
 def sample(memory: Vec3, noise: Vec3, inertial: Inertial, out: Vec3) -> None:
-    """Write one inertial sample (6,), accel and gyro, into `out`; `noise` is (12,)."""
+    """Write one inertial sample (6,), accel and gyro, into `out`; `noise` is (12,).
+
+    Args:
+        memory: sums since the last sample, and biases; changed in place.
+        noise: (12,) standard normal.
+        inertial: deviations and bias drift.
+        out: (6,), m/s² and rad/s, FRD, written.
+    """
     share = 1.0 if memory[at.ARMED] > 0.0 else inertial.disarmed
     for n in range(3):
         memory[at.ACCEL_BIAS + n] += inertial.accel_walk * noise[6 + n]
@@ -74,7 +87,14 @@ def sample(memory: Vec3, noise: Vec3, inertial: Inertial, out: Vec3) -> None:
 
 @compiled
 def watch(x: Vec3, memory: Vec3, things: Mat, body: Body) -> None:
-    """Take the clearance; a vehicle that touches an obstacle has crashed and stops there."""
+    """Take the clearance; a vehicle that touches an obstacle has crashed and stops there.
+
+    Args:
+        x: (17,) true state, changed on a crash.
+        memory: of the simulator, changed in place.
+        things: (n, ·) obstacles, a row each.
+        body: its radius.
+    """
     clear = nearest_gap(things, x[0], x[1], -x[2]) - body.radius
     memory[at.CLEARANCE] = min(memory[at.CLEARANCE], clear)
     if clear <= 0.0 and memory[at.CRASHED] == 0.0:

@@ -86,6 +86,14 @@ def advance(x: Vec3, u: Vec3, wind: Vec3, body: Body, dt: float, work: Vec3) -> 
     """Move the state one step of `dt` (s), in place: classical Runge-Kutta of order four.
 
     Rotor commands and wind are constant over the step; `work` is (5, 17) of scratch space.
+
+    Args:
+        x: (17,) state, changed in place.
+        u: (4,), N, commanded thrust of each rotor.
+        wind: (3,), m/s, NED.
+        body: mass, inertia, drag and rotors.
+        dt: s.
+        work: (5, 17), scratch space.
     """
     derivative(x, u, wind, body, work[0])
     for stage in range(1, 4):

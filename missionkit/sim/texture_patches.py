@@ -121,7 +121,16 @@ def area_of(polygon: Polygon) -> float:
 def warp(
     texture: Image, back: Mat, patch: Patch, border: int, factor: int = 1, how: int = LINEAR
 ) -> Image:
-    """Return the texture as seen in a patch; `back` maps canvas pixels to the unit square."""
+    """Return the texture as seen in a patch; `back` maps canvas pixels to the unit square.
+
+    Args:
+        texture: (h, w), grey.
+        back: (3, 3) homography.
+        patch: part of the canvas.
+        border: what lies outside the texture, as OpenCV names it.
+        factor: of oversampling.
+        how: interpolation, as OpenCV names it.
+    """
     rows, columns = texture.shape
     texels = np.array([[columns, 0.0, -0.5], [0.0, rows, -0.5], [0.0, 0.0, 1.0]]) @ back
     shift = 0.5 / factor - 0.5

@@ -47,6 +47,12 @@ def fractal(
 
     Each doubling adds white noise of `fall` times the sd of the one before: below 1 the noise is
     smooth, about 1 every scale is equally strong.
+
+    Args:
+        rng: source of the noise.
+        coarsest: rows and columns of the first layer.
+        octaves: how often it is doubled.
+        fall: sd of a layer over that of the one before.
     """
     noise = rng.standard_normal(coarsest, dtype=np.float32)
     for octave in range(1, octaves + 1):

@@ -136,6 +136,11 @@ def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 
     """Return marker-to-world (4,) of a marker whose normal has that heading and elevation.
 
     With no tilt and no roll the columns are x = (sin f, -cos f, 0), y = up, z = (cos f, sin f, 0).
+
+    Args:
+        facing_deg: heading of the normal, clockwise from north.
+        tilt_deg: elevation of the normal.
+        roll_deg: about the normal.
     """
     f = math.radians(facing_deg)
     upright = from_matrix(

@@ -49,7 +49,7 @@ def stay(behavior="hold", after=NEVER, failsafe="", more=""):
 
 
 @dataclass
-class Told:
+class TimedSetpoint:
     """What the ticks of a flight said."""
 
     autopilot: object
@@ -84,7 +84,7 @@ def fly_mission(autopilot, text, tmp_path, strikes=None, catalogue=None, **optio
     vehicle = MavsdkVehicle(
         address, pace=autopilot.speed, lock=LinkLock(address, tmp_path), guard=UNHURRIED, **options
     )
-    told = Told(autopilot, reports=vehicle.reports)
+    told = TimedSetpoint(autopilot, reports=vehicle.reports)
 
     def watch(record, seen):
         told.records.append(record)

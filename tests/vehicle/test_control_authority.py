@@ -10,7 +10,7 @@ from missionkit.vehicle.command.control_authority import (
     ControlAuthority,
     ends,
 )
-from missionkit.vehicle.link.heartbeat_check import Said
+from missionkit.vehicle.link.heartbeat_check import HeartbeatState
 from missionkit.vehicle.link.message_cache import Message
 from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
 
@@ -279,14 +279,14 @@ def test_link_loss_counts_from_the_first_doubt(unheard):
 def test_expected_modes_are_not_surprises(mode, armed, where, expected):
     desk = Desk().fly()
     desk.where = where
-    assert desk.authority.expects(Said(PX4_MODES[mode], armed)) is expected
+    assert desk.authority.expects(HeartbeatState(PX4_MODES[mode], armed)) is expected
 
 
 def test_arming_is_a_surprise_unless_a_mode_was_requested():
     desk = Desk().hear("hold", armed=False)
-    assert not desk.authority.expects(Said(PX4_MODES["hold"], armed=True))
+    assert not desk.authority.expects(HeartbeatState(PX4_MODES["hold"], armed=True))
     desk.authority.order("hold")
-    assert desk.authority.expects(Said(PX4_MODES["hold"], armed=True))
+    assert desk.authority.expects(HeartbeatState(PX4_MODES["hold"], armed=True))
 
 
 def test_in_ardupilots_guided_a_take_off_ends_without_a_change_of_mode():

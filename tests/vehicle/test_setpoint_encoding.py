@@ -11,7 +11,7 @@ from missionkit.vehicle.command.setpoint_encoding import leashed, message, sound
 from missionkit.vehicle.command.setpoint_stream import (
     STILL,
     Streamer,
-    Told,
+    TimedSetpoint,
     due,
 )
 from missionkit.vehicle.link.clocks import MissionClock
@@ -89,8 +89,8 @@ def test_what_cannot_be_flown_goes_out_as_zero_velocity(bad):
 @pytest.mark.parametrize(("age", "still"), [(0.49, False), (0.51, True), (1.49, True)])
 def test_a_stale_one_becomes_zero_velocity_and_then_silence(setpoint, age, still):
     assert sound(setpoint)
-    assert due(Told(setpoint, 10.0), 10.0 + age) is (STILL if still else setpoint)
-    assert due(Told(setpoint, 10.0), 11.6) is None
+    assert due(TimedSetpoint(setpoint, 10.0), 10.0 + age) is (STILL if still else setpoint)
+    assert due(TimedSetpoint(setpoint, 10.0), 11.6) is None
 
 
 def test_a_leash_gives_a_point_on_the_way_and_the_place_itself_when_near():

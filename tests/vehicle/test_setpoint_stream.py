@@ -7,7 +7,7 @@ from missionkit.messages import Setpoint
 from missionkit.vehicle.command.setpoint_stream import (
     STILL,
     Streamer,
-    Told,
+    TimedSetpoint,
     due,
 )
 
@@ -39,7 +39,7 @@ class Bench:
     [(0.0, NORTH), (0.49, NORTH), (0.51, STILL), (1.49, STILL), (1.51, None), (60.0, None)],
 )
 def test_the_age_of_a_command_decides_the_setpoint(age, sent):
-    assert due(Told(NORTH, 10.0), 10.0 + age) is sent
+    assert due(TimedSetpoint(NORTH, 10.0), 10.0 + age) is sent
 
 
 def test_nothing_is_sent_before_the_first_command():
@@ -47,8 +47,8 @@ def test_nothing_is_sent_before_the_first_command():
 
 
 def test_faster_than_real_time_a_command_ages_faster():
-    assert due(Told(NORTH, 10.0), 10.2, pace=5.0) is STILL
-    assert due(Told(NORTH, 10.0), 10.09, pace=5.0) is NORTH
+    assert due(TimedSetpoint(NORTH, 10.0), 10.2, pace=5.0) is STILL
+    assert due(TimedSetpoint(NORTH, 10.0), 10.09, pace=5.0) is NORTH
 
 
 def test_a_loop_that_hangs_brakes_at_half_a_second_and_then_is_silent():

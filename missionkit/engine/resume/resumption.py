@@ -35,6 +35,12 @@ async def wake(
     The filter uses the new data; the chart and its guards do not change. In the air it is given
     time to get over the hole in its data, while the autopilot holds.
 
+    Args:
+        plan: what flies.
+        vehicle: connected, in any state.
+        pace: of the ticks meanwhile.
+        since: the saved flight.
+
     Raises:
         VehicleError: the vehicle is to be left alone; nothing was commanded.
     """

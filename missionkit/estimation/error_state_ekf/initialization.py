@@ -42,7 +42,13 @@ def begin() -> RestSamples:
 
 
 def gathered(heard: RestSamples, new: RestSamples, span: float) -> RestSamples:
-    """Return `heard` with `new` added, and all older than `span` (s) before its end dropped."""
+    """Return `heard` with `new` added, and all older than `span` (s) before its end dropped.
+
+    Args:
+        heard: samples so far.
+        new: samples to add, later than all of `heard`.
+        span: s to keep.
+    """
     if len(new.imu) == 0:
         return heard
     since = new.imu[-1, 0] - span
@@ -68,6 +74,11 @@ def attitude(force: Vec3, field: Vec3, declination: float) -> Quat:
 
     roll = atan2(-f_y, -f_z), pitch = atan2(f_x, |(f_y, f_z)|); yaw turns the levelled field to
     the declination (rad).
+
+    Args:
+        force: (3,), m/s², FRD, mean specific force at rest.
+        field: (3,), FRD, mean magnetic field, any unit.
+        declination: rad, of the field, east of north.
     """
     roll = math.atan2(-force[1], -force[2])
     pitch = math.atan2(force[0], math.hypot(force[1], force[2]))

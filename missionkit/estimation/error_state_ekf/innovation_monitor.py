@@ -74,7 +74,14 @@ def stood(monitor: InnovationMonitor, fixes: Mat) -> InnovationMonitor:
 def counted(
     monitor: InnovationMonitor, out: ReplayResult, bad: list[Vec3], now: float
 ) -> InnovationMonitor:
-    """Return the counts after the filter decided on some rows; `bad` ones never reached it."""
+    """Return the counts after the filter decided on some rows; `bad` ones never reached it.
+
+    Args:
+        monitor: counts so far.
+        out: rows that the filter accepted or refused.
+        bad: log rows that were not finite.
+        now: s.
+    """
     if not (len(out.decided) or out.late or bad):
         return monitor
     accepted, since = list(monitor.accepted_at), list(monitor.refused_since)
@@ -113,7 +120,13 @@ def _strayed(strays: Mat, fix: Vec3) -> Mat:
 
 
 def refused_for(monitor: InnovationMonitor, kinds: tuple[int, ...], now: float) -> float:
-    """Return how long (s) one of `kinds` has been refused while none of them was accepted."""
+    """Return how long (s) one of `kinds` has been refused while none of them was accepted.
+
+    Args:
+        monitor: counts of the filter.
+        kinds: measurement kinds, as in the log.
+        now: s.
+    """
     started = min(monitor.refused_since[k] for k in kinds)
     return now - max(started, *(monitor.accepted_at[k] for k in kinds))
 
@@ -182,7 +195,13 @@ def unaligned(settings: VisualInertialEkf) -> Health:
 
 
 def placed(monitor: InnovationMonitor, now: float, s: VisualInertialEkf) -> bool:
-    """Say whether something tells where the vehicle is: it could take off."""
+    """Say whether something tells where the vehicle is: it could take off.
+
+    Args:
+        monitor: counts of the filter.
+        now: s.
+        s: settings of the filter.
+    """
     latest = max(monitor.accepted_at[FIX], monitor.accepted_at[SIGHT])
     return s.flow or now - latest <= PLACED_FOR
 

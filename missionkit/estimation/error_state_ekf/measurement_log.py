@@ -116,6 +116,12 @@ def sighted(seen: Sighting, index: int, mount: Transform, bearing_sd: float) -> 
     Its covariance is σ² u uᵀ + τ² (I - u uᵀ) in camera axes: σ along the line of sight u, and
     across it τ = |t_c| · bearing_sd, but never more than σ. The row of a sighting that is not
     finite is not finite either, so that it will be refused.
+
+    Args:
+        seen: pose in camera axes, with its deviation (m).
+        index: of the target in the state.
+        mount: camera to body.
+        bearing_sd: rad, of the line of sight.
     """
     t = seen.pose.translation
     if not sound(seen):

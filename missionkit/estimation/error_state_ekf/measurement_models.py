@@ -37,6 +37,11 @@ def predict_heading(x: Vec3, row: Vec3, H: Mat) -> float:
     """Fill the first row of H and return how far the field's direction is from the declination.
 
     h = atan2(e, n) of (n, e, ·) = R(q) m, so ∂h/∂δθ = (n ∂e - e ∂n) / (n² + e²), ∂ = -R [m]×.
+
+    Args:
+        x: (n + 1,) state.
+        row: (21,) row of the measurement log, with the field m (3,), FRD.
+        H: (3, n) Jacobian over the error state, written.
     """
     b = row[Z : Z + 3]
     R = to_matrix(x[6:10])
@@ -55,6 +60,12 @@ def predict_sight(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> None:
     """Fill H and r of a sighting, the target's place l in body axes.
 
     h = R(q)ᵀ (l - p), ∂h = R(q)ᵀ (δl - δp) + [h]× δθ: one sighting corrects vehicle and target.
+
+    Args:
+        x: (n + 1,) state.
+        row: (21,) row of the measurement log, with the place (3,), m, FRD.
+        H: (3, n) Jacobian over the error state, written.
+        r: (3,) residual (m), written.
     """
     first = 3 * int(row[INDEX])
     R = to_matrix(x[6:10])
@@ -77,6 +88,12 @@ def predict_flow(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> None:
 
     The measured velocity z (`flow_velocity.across`) had its turns taken out by the gyroscope, bias
     and all: with w = R(q)ᵀ v,  h = (w_x - d b_y, w_y + d b_x),  ∂w = R(q)ᵀ δv + [w]× δθ.
+
+    Args:
+        x: (n + 1,) state.
+        row: (21,) row of the measurement log, with the velocity (2,), m/s, FRD.
+        H: (3, n) Jacobian over the error state, written.
+        r: (3,) residual (m/s), written.
     """
     R, d = to_matrix(x[6:10]), row[EXTRA]
     w = np.zeros(3)
@@ -98,6 +115,11 @@ def predict_range(x: Vec3, row: Vec3, H: Mat) -> float:
     """Fill the first row of H and return how far the range is from h = -p_z / R_33.
 
     ∂h = -δp_z / R_33 + p_z / R_33² (R_31 δθ_y - R_32 δθ_x).
+
+    Args:
+        x: (n + 1,) state.
+        row: (21,) row of the measurement log, with the range (m).
+        H: (3, n) Jacobian over the error state, written.
     """
     R = to_matrix(x[6:10])
     cosine = max(R[2, 2], 0.1)

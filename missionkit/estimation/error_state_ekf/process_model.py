@@ -53,6 +53,11 @@ def intervals(samples: Mat, last: Vec3, max_gap: float) -> Mat:
 
     Each has the mean of its two ends, and its length if that exceeds `max_gap` (s). `last` (7,)
     becomes the last usable sample.
+
+    Args:
+        samples: (n, 7), time (s), acceleration (m/s²) and turn rate (rad/s), FRD.
+        last: (7,) last usable sample so far, overwritten.
+        max_gap: s.
     """
     out = np.zeros((len(samples), 8))
     k = 0
@@ -86,6 +91,11 @@ def move(x: Vec3, u: Vec3, dt: float) -> Mat:
 
     P1 section 6.1 with gravity's sign for NED and the attitude of mid-interval. Returns (6, 9):
     ∂f and ∂θ' over (δθ, δb_a, δb_g).
+
+    Args:
+        x: (n + 1,) state, changed in place.
+        u: (8,) inertial interval, as `intervals` returns it.
+        dt: s.
     """
     a, turn, half, back = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     for i in range(3):
@@ -120,7 +130,13 @@ def move(x: Vec3, u: Vec3, dt: float) -> Mat:
 
 @compiled
 def spread(P: Mat, J: Mat, dt: float) -> None:
-    """P := (F P)ᵀ, with F built from dt and the rows J (6, 9) of `move`."""
+    """P := (F P)ᵀ, with F built from dt and the rows J (6, 9) of `move`.
+
+    Args:
+        P: (n, n) covariance, changed in place.
+        J: (6, 9), as `move` returns it.
+        dt: s.
+    """
     n = len(P)
     S = np.zeros((6, n))
     for i in range(6):
@@ -143,6 +159,13 @@ def propagate(x: Vec3, P: Mat, u: Vec3, dt: float, noise: Vec3) -> None:
 
     `noise` (7,) holds variance densities: accelerometer, gyroscope, their biases, landmarks, and
     the squares of what acceleration and turn rate may do unseen while samples are missing.
+
+    Args:
+        x: (n + 1,) state, changed in place.
+        P: (n, n) covariance, changed in place.
+        u: (8,) inertial interval.
+        dt: s, within the interval.
+        noise: (7,) variance densities, as above.
     """
     J = move(x, u, dt)
     spread(P, J, dt)

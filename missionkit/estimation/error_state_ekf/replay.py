@@ -32,7 +32,14 @@ from missionkit.jit import compiled
 
 @compiled
 def take(x: Vec3, P: Mat, row: Vec3, gates: Vec3) -> None:
-    """Carry out one row of the measurement log."""
+    """Carry out one row of the measurement log.
+
+    Args:
+        x: (n + 1,) state, changed in place.
+        P: (n, n) covariance, changed in place.
+        row: (21,) row of the log; its verdict is written.
+        gates: ε above which a measurement is refused, by its number of rows.
+    """
     if row[KIND] == FORGET_VEHICLE:
         forget_vehicle(P, row[EXTRA], row[Z : Z + 3])
         row[OUTCOME] = ACCEPTED

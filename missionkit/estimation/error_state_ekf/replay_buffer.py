@@ -40,7 +40,13 @@ class ReplayResult(NamedTuple):
 
 
 def begin(at: float, x: Vec3, P: Mat) -> ReplayBuffer:
-    """Return a history of one snapshot."""
+    """Return a history of one snapshot.
+
+    Args:
+        at: s.
+        x: (n + 1,) state.
+        P: (n, n) covariance.
+    """
     imu = np.empty((0, state_layout.IMU_WIDTH))
     track = np.empty((0, 8))
     log = np.empty((0, state_layout.LOG_WIDTH))

@@ -32,7 +32,13 @@ NOTHING = np.zeros((3, 3))
 
 
 def agreeing(strays: Mat, count: int, sd: float) -> bool:
-    """Say whether the last `count` of refused places (n, 3) scatter less than 3 `sd` (m)."""
+    """Say whether the last `count` of refused places (n, 3) scatter less than 3 `sd` (m).
+
+    Args:
+        strays: (n, 3), m, NED.
+        count: how many of the last.
+        sd: m, one axis.
+    """
     if len(strays) < count:
         return False
     recent = strays[-count:]

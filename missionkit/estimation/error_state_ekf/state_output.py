@@ -24,7 +24,14 @@ from missionkit.messages import Target
 def aligned(
     known: FilterMemory, past: ReplayBuffer, names: tuple[str, ...], settings: VisualInertialEkf
 ) -> NavState:
-    """Return the newest state of an aligned filter."""
+    """Return the newest state of an aligned filter.
+
+    Args:
+        known: memory of the filter.
+        past: its snapshots, the newest last.
+        names: of the targets, in the order of the state.
+        settings: parameters of the filter.
+    """
     x, P = past.xs[-1], past.Ps[-1]
     sd = innovation_monitor.horizontal_sd(P, settings.fix_drift_sd)
     silence = known.now - float(past.times[-1])
@@ -56,7 +63,14 @@ def aligned(
 def unaligned(
     names: tuple[str, ...], places: Mat, sds: Vec3, settings: VisualInertialEkf
 ) -> NavState:
-    """Return zeros and identity, and the targets (m, 3) with their sds (m,) as surveyed."""
+    """Return zeros and identity, and the targets (m, 3) with their sds (m,) as surveyed.
+
+    Args:
+        names: of the targets.
+        places: (m, 3), m, NED, as surveyed.
+        sds: (m,), m, one axis.
+        settings: parameters of the filter.
+    """
     surveyed = zip(names, places, sds, strict=True)
     return NavState(
         position=vec(0.0, 0.0, 0.0),

@@ -39,6 +39,14 @@ def turned(
     φ = Log(q* ⊗ q_seen),  K = V / (V + R),  q := q ⊗ Exp(K φ),  V := (1 - K) V.
     Sightings with |φ|² / (V + R) >= `gate` are refused; when enough in a row agree with each
     other, the estimate starts again from them.  Source: Solà 2017, section 4; textbook Kalman.
+
+    Args:
+        facing: the estimate so far.
+        seen: marker to world.
+        variance: R, rad², one axis.
+        at: s.
+        gate: of φ² over its variance.
+        settings: parameters of the filter.
     """
     if facing.attitude is None:
         return TargetAttitude(seen, variance, at)

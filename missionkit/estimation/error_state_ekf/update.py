@@ -43,6 +43,11 @@ def inject(x: Vec3, P: Mat, d: Vec3) -> None:
     """Fold the error state d (n,) into x and carry P over: δθ' = (I - ½ [δθ]×) δθ.
 
     Source: Solà 2017, section 6.3.
+
+    Args:
+        x: (n + 1,) state, changed in place.
+        P: (n, n) covariance, changed in place.
+        d: (n,) error state.
     """
     n = len(P)
     turn = d[D_ANGLE : D_ANGLE + 3]
@@ -76,6 +81,12 @@ def update(x: Vec3, P: Mat, row: Vec3, gates: Vec3) -> None:
 
     S = H P Hᵀ + R,  K = P Hᵀ S⁻¹,  P in Joseph form.  Source: P1 section 6.1, update. A scalar
     measurement has two empty rows in H and r, which change nothing.
+
+    Args:
+        x: (n + 1,) state, changed in place.
+        P: (n, n) covariance, changed in place.
+        row: (21,) row of the log.
+        gates: ε above which a measurement is refused, by its number of rows m.
     """
     row[OUTCOME], row[NIS] = REJECTED, math.inf
     if not sane(row[Z:EXTRA]):
@@ -105,7 +116,13 @@ def update(x: Vec3, P: Mat, row: Vec3, gates: Vec3) -> None:
 
 @compiled
 def isolate(P: Mat, first: int, variance: float) -> None:
-    """Make three error states independent of all others, with the given variance."""
+    """Make three error states independent of all others, with the given variance.
+
+    Args:
+        P: (n, n) covariance, changed in place.
+        first: index of the first of the three.
+        variance: in the unit of the state, squared.
+    """
     for i in range(first, first + 3):
         for c in range(len(P)):
             P[i, c] = P[c, i] = 0.0

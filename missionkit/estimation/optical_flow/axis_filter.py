@@ -53,6 +53,13 @@ def update(mu: Vec3, S: Mat, z: float, noise: float, part: int) -> bool:
     Σ is taken in Joseph's form, (I - K H) Σ (I - K H)ᵀ + K R Kᵀ: the same, and it stays positive.
     Says whether it was done: a measurement that is not finite, or has a variance `noise` that is
     no variance, changes nothing.
+
+    Args:
+        mu: (2,) position and velocity of the axis, changed in place.
+        S: (2, 2) covariance, changed in place.
+        z: m or m/s.
+        noise: R, variance of z.
+        part: 0 for a position, 1 for a velocity.
     """
     s = S[part, part] + noise
     if not (abs(z) < LARGEST and 0.0 <= noise < math.inf and s > 0.0):
@@ -80,6 +87,15 @@ def run(mu: Vec3, S: Mat, us: Vec3, zs: Vec3, dt: float, variance: float, noise:
     """Filter a whole flight in place; return μ (n, 2) after each of n steps.
 
     A velocity in `zs` (n,) that is not finite was not measured; `us` (n,) are accelerations.
+
+    Args:
+        mu: (2,) position (m) and velocity (m/s), changed in place.
+        S: (2, 2) covariance, changed in place.
+        us: (n,) accelerations, m/s².
+        zs: (n,) velocities, m/s.
+        dt: s of a step.
+        variance: σ² of the acceleration, m²/s⁴.
+        noise: R of a velocity, m²/s².
     """
     out = np.empty((len(us), 2))
     for i in range(len(us)):
@@ -93,6 +109,11 @@ def settled(variance: float, noise: float, dt: float) -> float:
     """Return the velocity's variance before an update once the filter has settled.
 
     p = ½ (q + sqrt(q² + 4 q R)),  q = dt² σ²: the scalar Riccati equation p = p R / (p + R) + q.
+
+    Args:
+        variance: σ² of the acceleration, m²/s⁴.
+        noise: R of a velocity, m²/s².
+        dt: s of a step.
     """
     q = dt * dt * variance
     return 0.5 * (q + math.sqrt(q * q + 4.0 * q * noise))

@@ -39,6 +39,14 @@ def lean(q: Vec3, bias: Vec3, accel: Vec3, gyro: Vec3, dt: float, gains: Vec3) -
 
     On average the specific force of a flight is that of rest, so the two agree in the end; how
     long that takes, k_p says. `gains` (2,) are k_p (1/s) and k_i (1/s²).
+
+    Args:
+        q: (4,) body to world, changed in place.
+        bias: (3,) of the gyroscope, rad/s, FRD, changed in place.
+        accel: (3,) specific force, m/s², FRD.
+        gyro: (3,) turn rate, rad/s, FRD.
+        dt: s.
+        gains: (2,), k_p and k_i.
     """
     size = math.sqrt(accel[0] * accel[0] + accel[1] * accel[1] + accel[2] * accel[2])
     turn, e = np.empty(3), np.zeros(3)

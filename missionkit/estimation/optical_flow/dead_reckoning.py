@@ -36,6 +36,11 @@ def reckoned(known: Reckoning, seen: Observation, quality: float = 0.3) -> Recko
     """Return the reckoning with one more observation.
 
     x += R(ψ) v (t - t_last), so that a good sample also stands for the hole before it.
+
+    Args:
+        known: the reckoning so far.
+        seen: flow, range and attitude.
+        quality: share below which flow is not used.
     """
     if seen.range is not None:
         known = known._replace(distance=seen.range.distance)

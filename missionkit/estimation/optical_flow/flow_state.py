@@ -27,7 +27,13 @@ LATELY = 1.0
 def state(
     known: FlowMemory, surveyed: Mapping[str, tuple[Vec3, float]], settings: FlowKalman
 ) -> NavState:
-    """Return the estimate; targets are where they were surveyed."""
+    """Return the estimate; targets are where they were surveyed.
+
+    Args:
+        known: memory of the filter.
+        surveyed: place (3,), m, NED, and its deviation (m), of each target.
+        settings: parameters of the filter.
+    """
     (north, v_north), (east, v_east), (up, climb) = known.mu.tolist()
     sd = position_sd(known, settings.rate_bias_sd)
     return NavState(
@@ -97,7 +103,13 @@ def slipped(known: FlowMemory, velocity: Vec3, settings: FlowKalman) -> float:
 
 
 def diverged(known: FlowMemory, sd: float, settings: FlowKalman) -> bool:
-    """Say whether the estimate must not be flown on."""
+    """Say whether the estimate must not be flown on.
+
+    Args:
+        known: memory of the filter.
+        sd: m, horizontal.
+        settings: parameters of the filter.
+    """
     silence = known.now - float(known.last[0])
     blind = known.now - known.flow_at
     unranged = 0.0 if known.range_at is None or not known.in_air else known.now - known.range_at

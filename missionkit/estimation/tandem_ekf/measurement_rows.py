@@ -104,7 +104,9 @@ def _take_range(known: MeasurementRows, inbox: _Inbox, one: AnchorRange) -> None
     place = known.anchors.get(one.anchor)
     if place is None:
         hint = nearest(one.anchor, known.anchors)
-        inbox.unusable.append(f"range to {one.anchor!r}, which is not an anchor of navigation: {hint}")
+        inbox.unusable.append(
+            f"range to {one.anchor!r}, which is not an anchor of navigation: {hint}"
+        )
     elif not 0.0 <= one.distance < LARGEST:
         inbox.unusable.append(f"range to {one.anchor} is {one.distance:g} m")
     elif inbox.punctual("range", one.anchor, one.at):
