@@ -44,7 +44,7 @@ def test_a_vehicle_without_faults_is_ready():
 LOST = {**GOOD.fix, "fix_type": 1}
 PIXELS = {"flow_x": 12, "flow_rate_x": 0.0, "flow_rate_y": 0.0}
 FAULTS = [
-    ({"contested": True}, "system", FailsafeLevel.BAD, "two vehicles answer with one system id"),
+    ({"contested": True}, "system", FailsafeLevel.BAD, "two vehicles use the same system id"),
     ({"armed": None}, "state", FailsafeLevel.BAD, "no heartbeat"),
     ({"in_air": True}, "state", FailsafeLevel.WARNING, "already in the air"),
     ({"sensors": {"GNSS": False}}, "health", FailsafeLevel.BAD, "unhealthy: GNSS"),
@@ -58,7 +58,7 @@ FAULTS = [
     ({"fix": {**GOOD.fix, "fix_type": 1}}, "gnss", FailsafeLevel.BAD, "no 3D fix"),
     ({"fix": {**GOOD.fix, "satellites_visible": 6}}, "gnss", FailsafeLevel.WARNING, "6 satellites"),
     ({"packs": packs(said(0, 20))}, "battery", FailsafeLevel.BAD, "20%"),
-    ({"packs": packs(said(0, -1))}, "battery", FailsafeLevel.WARNING, "not known"),
+    ({"packs": packs(said(0, -1))}, "battery", FailsafeLevel.WARNING, "unknown"),
     (
         {"packs": packs(said(0, 8), said(1, 95, 4))},
         "battery",

@@ -131,4 +131,4 @@ def test_two_vehicles_with_one_id_are_refused_by_every_command(command, tmp_path
         done = CliRunner().invoke(app, [*words, *(["--out", str(tmp_path)] * (command == "run"))])
         assert not autopilot.truth["armed"]
     assert done.exit_code == 1, done.output
-    assert "two vehicles answer with one system id" in done.output
+    assert "two vehicles use the same system id" in done.output
