@@ -138,7 +138,7 @@ def test_a_mission_that_says_nothing_of_success_has_none_if_a_failsafe_landed_it
 @pytest.mark.parametrize(
     ("success", "says"),
     [
-        ("{}", "needs at least one of 'visit', 'done', 'clearance', 'failsafes'"),
+        ("{}", "needs at least one of 'visit', 'done', 'docked', 'clearance', 'failsafes'"),
         ("[{failsafes: 0, target: x}]", "unknown target 'x'"),
         ("{clearance: 1.0, position: 0.3}", "'position' needs 'visit'"),
         ("[{visit: nowhere}]", "unknown state 'nowhere'"),

@@ -9,7 +9,7 @@ import typer
 from missionkit.cli.autopilot_commands import fence, preflight, sitl
 from missionkit.cli.camera_commands import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
-from missionkit.cli.command_options import told
+from missionkit.cli.command_options import reporting_errors
 from missionkit.cli.flight_commands import run
 from missionkit.cli.mission_file_commands import explain, graph, new, plugins, schema, validate
 from missionkit.cli.option_errors import Commands
@@ -36,7 +36,7 @@ _COMMANDS = (
     *(preflight, fence, sitl, campaign, report),
 )
 for _command in _COMMANDS:
-    app.command()(told(_command))
+    app.command()(reporting_errors(_command))
 app.add_typer(camera_commands, name="camera")
 
 

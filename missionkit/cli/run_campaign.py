@@ -90,9 +90,9 @@ def report(folder: Path, *, as_json: bool, chain: Path | None = None) -> ExitCod
         UsageError: the folder holds no campaign, or none of its runs has ended; or there is not
             one chain to write.
     """
-    said = reported(folder)
+    results = reported(folder)
     if chain is not None:
-        write_chain(chain, said)
+        write_chain(chain, results)
     if as_json:
         print(json.dumps({**summed_up(results), "folder": str(folder)}, indent=2))  # noqa: T201
     else:

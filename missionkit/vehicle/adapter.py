@@ -270,7 +270,7 @@ class MavsdkVehicle:
         if dialect is None:
             raise VehicleError(f"{self.address.url}: the autopilot is silent")
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
-        said = self._notes.note, self._notes.remark, self._check
+        callbacks = self._notes.note, self._notes.remark, self._check
         self._parts = ConnectedVehicle(
             link, dialect, self.cache, self._clock, *callbacks, self._pace, idle
         )
