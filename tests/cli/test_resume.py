@@ -215,7 +215,7 @@ def test_a_changed_mission_is_refused_before_anything_is_compiled(
     def compiling(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("missionkit.rehearsal.warm_up", compiling)
+    monkeypatch.setattr("missionkit.sim.simulators.warm_up_multicopter", compiling)
     monkeypatch.setattr("missionkit.engine.prepared_mission.warm_up", compiling)
     result = call("run", "--resume", str(folder), *vehicle)
     assert result.exit_code == 2
