@@ -77,11 +77,11 @@ def run(
     if mission is None and resume is None:
         raise UsageError("name the mission file to fly, or --resume RUN")
     if camera is not None and vehicle is None:
-        raise UsageError("--camera is for --vehicle: the simulator draws what the camera would see")
+        raise UsageError("--camera needs --vehicle: the simulator draws what the camera sees")
     if system is not None and vehicle is None:
-        raise UsageError("--system is for --vehicle: the simulator has one vehicle")
+        raise UsageError("--system needs --vehicle: the simulator has one vehicle")
     if share and vehicle is None:
-        raise UsageError("--share is for --vehicle: nobody else is there to be told")
+        raise UsageError("--share needs --vehicle: in the simulator there is no autopilot to send to")
     order = RunOptions(
         mission or Path(),
         tuple(settings or ()),

@@ -79,7 +79,7 @@ def _by_truth(truth: TruthSummary, vehicle: VehicleKind) -> Iterator[str]:
     if truth.touched_at is not None:
         yield f"touched the ground at {truth.touched_at:.1f} s, outside landing and take-off"
     if truth.outside_fence > FENCE_LIMIT:
-        yield f"left its fence by {truth.outside_fence:.1f} m, in truth"
+        yield f"left its fence by {truth.outside_fence:.1f} m (ground truth)"
     if truth.estimate_error > vehicle.estimate_limit:
         yield (
             f"the estimate was up to {truth.estimate_error:.1f} m off, more than "

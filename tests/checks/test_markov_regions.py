@@ -68,8 +68,8 @@ def test_a_target_that_no_detector_looks_for_is_called_out():
         ("{variable: trie}", "unknown variable 'trie'"),
         ("{guard: neer}", "unknown guard 'neer'"),
         ("confidence of pol", "unknown target 'pol'; did you mean 'pole'"),
-        ("{guard: g}", "guard 'g' waits for itself: g -> g"),
-        ("{variable: word}", "the guard reads word as a number: it is a text"),
+        ("{guard: g}", "guard 'g' refers to itself: g -> g"),
+        ("{variable: word}", "the guard reads word as a number: it is a string"),
     ],
 )
 def test_names_that_do_not_fit_are_refused(entry, message):

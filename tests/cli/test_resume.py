@@ -219,7 +219,7 @@ def test_a_changed_mission_is_refused_before_anything_is_compiled(
     monkeypatch.setattr("missionkit.engine.prepared_mission.warm_up", compiling)
     result = call("run", "--resume", str(folder), *vehicle)
     assert result.exit_code == 2
-    assert "the mission was changed since" in result.stderr
+    assert "the mission has changed since" in result.stderr
 
 
 def test_a_changed_mission_that_dies_at_once_is_still_a_changed_one(

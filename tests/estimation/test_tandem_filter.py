@@ -164,7 +164,7 @@ def test_names_that_are_not_known_are_refused_and_said():
     for one in seen[21:60]:
         known = navigator.propagate(known, replace(one, ranges=(stray,) * 3, features=()))
     cause = navigator.read(known).health.cause
-    assert "'aa', which is no anchor of navigation: did you mean 'a'?" in cause
+    assert "'aa', which is not an anchor of navigation: did you mean 'a'?" in cause
 
 
 @pytest.mark.parametrize("points", [np.full((6, 3), np.nan), np.zeros((2, 3)), np.zeros((6, 2))])
