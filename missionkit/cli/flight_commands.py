@@ -81,7 +81,7 @@ def run(
     if system is not None and vehicle is None:
         raise UsageError("--system needs --vehicle: the simulator has one vehicle")
     if share and vehicle is None:
-        raise UsageError("--share needs --vehicle: in the simulator there is no autopilot to send to")
+        raise UsageError("--share needs --vehicle: the simulator has no autopilot to send to")
     order = RunOptions(
         mission or Path(),
         tuple(settings or ()),
