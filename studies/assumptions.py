@@ -39,7 +39,7 @@ def numbers(model: BaseModel) -> str:
     return ", ".join(
         _said(name, value, units[name])
         for name, value in model
-        if value is not None and not isinstance(value, BaseModel)
+        if name in units and value is not None and not isinstance(value, BaseModel)
     )
 
 

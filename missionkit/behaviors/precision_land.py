@@ -60,8 +60,10 @@ class PrecisionLand(Behavior):
     - `descend` goes down on the pad and corrects on the way. It does not sink while the pad has
       been out of sight for `blind`, except below `dark`, where the camera sees too little of it.
 
-    Done `hand_over` above the pad and over it: the autopilot lands from there. With `sigmas` 0 the
-    estimate is trusted as it is, and `glide` goes down without having seen the pad.
+    A miss of more than `aside` is corrected `hover` above the pad. Below that it does not stop:
+    optical flow is blind so low, and a vehicle that hovers there drifts away unnoticed. Done
+    `hand_over` above the pad: the autopilot lands from there. With `sigmas` 0 the estimate is
+    trusted as it is, and `glide` goes down without having seen the pad.
 
     Source: P3, section VI-B; NOTES, P3.
     """
@@ -82,7 +84,9 @@ class PrecisionLand(Behavior):
     vertical_acceleration: MetresPerSecond2 = Field(default=2.0, gt=0)
     touch_down: MetresPerSecond = Field(default=0.4, gt=0)
     hand_over: Metres = Field(default=0.12, gt=0, description="the autopilot lands from here")
-    hover: Metres = Field(default=0.3, gt=0, description="no lower while it is not over the pad")
+    hover: Metres = Field(
+        default=0.45, gt=0, description="no lower while it is not over the pad; below, no stop"
+    )
     aside: Metres = Field(default=0.1, gt=0, description="level distance that is over the pad")
     blind: Seconds = Field(default=0.5, gt=0)
     dark: Metres = Field(default=0.6, ge=0, description="lower, the pad may be out of view")
@@ -107,7 +111,7 @@ class PrecisionLand(Behavior):
         north, east, height = (target.position - seen.position).tolist()
         left = math.hypot(north, east)
         goal = Goal(target.position, None, seen.now, self.target)
-        if self._arrived(left, height):
+        if height <= self.hand_over:
             return Step(done=True, goal=goal, note="handing over", memory=on)
         if self.phase == "deviate":
             return self._looking(seen, target, (left, height), on, goal)
@@ -163,12 +167,10 @@ class PrecisionLand(Behavior):
     def _in_view(self, seen: Estimate, target: Target) -> bool:
         return target.seen_at is not None and seen.now - target.seen_at <= self.blind
 
-    def _arrived(self, left: float, height: float) -> bool:
-        return height <= self.hand_over and left <= 2.0 * self.aside
-
     def _floor(self, seen: Estimate, target: Target, height: float) -> tuple[float, str]:
         """Return the height (m) above the pad not to go below now, and why."""
-        lowest = 0.0 if _missing(seen, target, height / FALLING) <= self.aside else self.hover
+        wide = _missing(seen, target, height / FALLING) > self.aside
+        lowest = self.hover if wide and height > self.hover else 0.0
         if self.sigmas == 0.0 or self._in_view(seen, target):
             return lowest, ""
         if self.phase == "descend" and height <= self.dark:

@@ -66,9 +66,17 @@ def test_level_speed_falls_in_time_for_the_pad():
 def test_over_the_pad_it_hands_over_and_aside_it_does_not():
     down = PrecisionLand(target="pad", phase="descend")
     assert play(down, [seen(0.0, 0.05, 0.1, sighted=0.0)])[0].done
-    aside = play(down, [seen(0.0, 0.6, 0.3, sighted=0.0)])[0]
+    aside = play(down, [seen(0.0, 0.6, 0.45, sighted=0.0)])[0]
     assert not aside.done
-    assert aside.guidance.velocity[2] == pytest.approx(0.0, abs=1e-9)
+    assert aside.guidance.velocity[2] == pytest.approx(0.4)
+    above = play(down, [seen(0.0, 0.6, 0.5, sighted=0.0)])[0]
+    assert above.guidance.velocity[2] < 0.2
+
+
+def test_it_does_not_hover_where_optical_flow_is_blind():
+    down = PrecisionLand(target="pad", phase="descend")
+    low = play(down, [seen(0.0, 0.6, 0.3, sighted=0.0)])[0]
+    assert low.guidance.velocity[2] >= 0.4
 
 
 def test_a_descent_that_loses_the_pad_waits_but_not_in_the_dark():
