@@ -123,7 +123,7 @@ def test_two_vehicles_with_one_id_are_reported(tmp_path):
 
         link.on("LOCAL_POSITION_NED", twice)
         await flight.until(lambda: "two_vehicles" in flight.events)
-        assert any("one system id" in it for it in flight.vehicle.take_remarks())
+        assert any("same system id" in it for it in flight.vehicle.take_remarks())
         report = await inspect(flight.vehicle, pace=autopilot.speed)
         assert "system" in {
             check.what for check in report.checks if check.level is FailsafeLevel.BAD
