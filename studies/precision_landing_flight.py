@@ -1,0 +1,220 @@
+"""One precision landing of a study, by one of four rules, judged by ground truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from missionkit.chart.load import parse
+from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import builtin
+from missionkit.geometry import Mat
+from missionkit.messages import Observation, Record
+from missionkit.rehearsal import rehearse, stage, world_of
+from missionkit.sim.fault_injection import parse_fault
+from missionkit.sim.world import Wind, World
+
+MISSION = Path(__file__).parents[1] / "missions" / "precision_landing.yaml"
+CUT = "\ninitial: idle\n"
+START = "ready"  # the state before the landing
+FIXED = """
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: $height}
+    transitions: [{to: ready, when: done}]
+  ready:
+    kind: custom
+    behavior: {use: go_to, target: home, height: $height, within: 0.15, speed: 1.0}
+    transitions: [{to: over, when: done, for: 0.5}]
+  over:
+    kind: custom
+    behavior:
+      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
+       half_angle_deg: 3, speed: $speed}
+    transitions: [{to: pause, event: pad.below}]
+  pause:
+    kind: custom
+    behavior:
+      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
+       half_angle_deg: 3, speed: $speed}
+    transitions: [{to: descend, after: PAUSE}]
+  descend:
+    kind: custom
+    behavior: {use: precision_land, target: pad, phase: descend, speed: $speed, descent: $descent}
+    transitions: [{to: land, when: done}]
+  land: {kind: land}
+success: {visit: land}
+"""
+BLIND = """
+initial: idle
+states:
+  idle:
+    kind: idle
+    behavior: {use: take_off, height: $height}
+    transitions: [{to: ready, when: done}]
+  ready:
+    kind: custom
+    behavior: {use: go_to, target: home, height: $height, within: 0.15, speed: 1.0}
+    transitions: [{to: glide, when: done, for: 0.5}]
+  glide:
+    kind: custom
+    behavior: {use: precision_land, target: pad, phase: glide, sigmas: 0, least: 0,
+               speed: $speed, descent: $descent}
+    transitions: [{to: land, when: done}]
+  land: {kind: land}
+success: {visit: land}
+"""
+
+
+class Rule(NamedTuple):
+    """When and how a strategy goes down."""
+
+    states: str | None  # instead of the mission's
+    descent: float  # m/s
+    faults: tuple[str, ...] = ()
+
+
+RULES = {
+    "ours": Rule(None, 1.5),
+    "conservative": Rule(FIXED.replace("PAUSE", "3"), 0.5),
+    "brisk": Rule(FIXED.replace("PAUSE", "1"), 1.0),
+    "blind": Rule(BLIND, 1.5, ("camera_off",)),
+}
+"""The mission's chart; 3 s over the pad and 0.5 m/s; 1 s and 1 m/s; the path with no camera."""
+
+CASES = ((10.0, 2.0), (10.0, 5.0), (20.0, 3.0), (5.0, 3.0))
+"""Level distance and height (m) at the start."""
+
+
+class Order(NamedTuple):
+    """One flight to be flown."""
+
+    rule: str
+    case: tuple[float, float]
+    wind: float  # m/s, mean
+    seed: int
+    camera: str = "rendered"
+
+
+class Landing(NamedTuple):
+    """Result of one flight, from the start of the landing to the first touch of the ground."""
+
+    order: Order
+    energy: float  # J
+    duration: float  # s
+    missed: float  # m, level, from the middle of the pad
+    touched: float  # m/s, sinking
+    seen: bool  # the pad, by the filter
+    covered: bool  # its miss was within 2 sigma as the landing began
+    succeeded: bool
+    states: tuple[str, ...]
+    path: Mat  # (N, 2), m: level distance left, height
+
+
+@cache
+def mission_of(rule: str, case: tuple[float, float]) -> Mission:
+    """Return the mission with the states of a rule."""
+    text, chosen = MISSION.read_text(encoding="utf-8"), RULES[rule]
+    if chosen.states is not None:
+        text = text.partition(CUT)[0] + chosen.states
+    distance, height = case
+    settings = {
+        "north": f"{distance:g}",
+        "height": f"{height:g}",
+        "descent": f"{chosen.descent:g}",
+    }
+    return parse(text, str(MISSION), builtin(), settings)
+
+
+def world_for(order: Order, mission: Mission) -> World:
+    """Return the world of a seed: the same pad and wind for every rule.
+
+    The pad lies off its surveyed place as the mission says it may, and the wind comes from
+    anywhere.
+    """
+    world, rng = world_of(mission, MISSION.parent), np.random.default_rng((13, order.seed))
+    pad = mission.targets["pad"]
+    north, east = rng.normal(0.0, pad.position_sd, 2)
+    turn = rng.uniform(-math.pi, math.pi)
+    middle = world.markers[-1].position
+    markers = tuple(
+        marker.model_copy(
+            update={
+                "position": (
+                    pad.position[0] + north + marker.position[0] - middle[0],
+                    pad.position[1] + east + marker.position[1] - middle[1],
+                    marker.position[2],
+                )
+            }
+        )
+        for marker in world.markers
+    )
+    mean = (order.wind * math.cos(turn), order.wind * math.sin(turn), 0.0)
+    wind = Wind(mean=mean, gust=world.wind.gust + 0.1 * order.wind)
+    return world.model_copy(update={"markers": markers, "wind": wind})
+
+
+def flown(order: Order) -> Landing:
+    """Fly once."""
+    mission = mission_of(order.rule, order.case)
+    eye = mission.camera.model_copy(update={"use": order.camera})
+    mission = mission.model_copy(update={"camera": eye})
+    faults = [parse_fault(text) for text in RULES[order.rule].faults]
+    ready = stage(mission, builtin(), world_for(order, mission), order.seed, faults)
+    pad = np.array(ready.world.markers[-1].position[:2])
+    states: list[str] = []
+    begun: list[tuple[float, float]] = []  # s, and by how many sd the estimate is off
+    sightings: list[float] = []
+
+    def watch(record: Record, _: Observation) -> None:
+        target = record.estimate.targets["pad"]
+        if not states or states[-1] != record.state:
+            states.append(record.state)
+            if len(states) > 1 and states[-2] == START:
+                gap = pad - ready.vehicle.truth.position[:2]
+                off = gap - (target.position - record.estimate.position)[:2]
+                begun.append((record.now, float(np.hypot(*off)) / target.position_sd))
+        if target.seen_at is not None:
+            sightings.append(target.seen_at)
+
+    try:
+        result = rehearse(ready, (watch,))
+    except Exception as error:
+        error.add_note(f"in {order}")
+        raise
+    rows = ready.vehicle.track.rows
+    first = int(np.searchsorted(rows[:, 0], begun[0][0]))
+    last = int(np.flatnonzero(rows[:, 14] == 0.0)[-1])
+    touch = min(last + 1, len(rows) - 1)
+    way = rows[first : touch + 1]
+    left = np.hypot(way[:, 1] - pad[0], way[:, 2] - pad[1])
+    return Landing(
+        order,
+        energy=float(rows[touch, 20] - rows[first, 20]),
+        duration=float(rows[touch, 0] - rows[first, 0]),
+        missed=float(left[-1]),
+        touched=float(rows[last, 6]),
+        seen=any(at <= rows[touch, 0] for at in sightings),
+        covered=begun[0][1] <= math.sqrt(2.0) * 2.0,
+        succeeded=result.succeeded,
+        states=tuple(states),
+        path=np.column_stack([left, -way[:, 3]])[::2].copy(),
+    )
+
+
+def fly_all(orders: Sequence[Order], workers: int) -> Iterator[Landing]:
+    """Fly each order, in order, `workers` at a time; with one worker in this process."""
+    if workers == 1:
+        yield from map(flown, orders)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        yield from pool.map(flown, orders, chunksize=4)
