@@ -118,7 +118,7 @@ def _conditions(
 def _docked(one: Success, truth: TruthSummary | None) -> Condition:
     says = f"docked to {one.docked}, within {one.position:g} m and {one.attitude_deg:g} deg"
     if truth is None:
-        return Condition(says, None, "only a simulator knows")
+        return Condition(says, None, "known only in simulation")
     if not truth.docked or truth.docking_error is None:
         return Condition(says, met=False, figure="not docked")
     error, turned = truth.docking_error

@@ -34,15 +34,13 @@ class Approach(DockingBehavior):
         pose = self.pose(seen)
         if pose is None:
             return self.lost(memory)
-        away = seen.position - pose.centre
-        distance = norm(away)
-        if distance == 0.0:
+        place = pose.towards(seen.position, max(self.stop, self.keep_out))
+        if place is None:
             return self.lost(memory)
-        place = pose.centre + max(self.stop, self.keep_out) / distance * away
         attitude = seen.attitude if memory is None else memory
         return Step(
             Guidance(place, self.speed, attitude=attitude),
-            done=distance <= max(self.stop, self.keep_out),
+            done=norm(seen.position - pose.centre) <= max(self.stop, self.keep_out),
             goal=self.goal(place, seen),
             payload=self.camera,
             memory=memory,

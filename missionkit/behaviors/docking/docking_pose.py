@@ -46,6 +46,15 @@ class DockingPose(NamedTuple):
         """Return the place (3,), m, in front of the face, `distance` (m) from the centre."""
         return self.centre + distance * self.axis
 
+    def towards(self, position: Vec3, distance: float) -> Vec3 | None:
+        """Return the place (3,), m, `distance` (m) from the centre on the line to `position`.
+
+        None at the centre itself, where there is no line.
+        """
+        away = position - self.centre
+        length = norm(away)
+        return None if length == 0.0 else self.centre + distance / length * away
+
     def misalignment(self, attitude: Quat) -> float:
         """Return the angle (rad) between an attitude and that of a docked vehicle."""
         return norm(rotation_vector(multiply(conjugate(self.attitude), attitude)))

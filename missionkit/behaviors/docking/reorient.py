@@ -9,7 +9,6 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.behaviors.docking.docking_pose import DockingBehavior
-from missionkit.geometry import norm
 from missionkit.messages import Estimate, Guidance, Step
 from missionkit.units import Degrees, Metres
 
@@ -32,11 +31,9 @@ class Reorient(DockingBehavior):
         pose = self.pose(seen)
         if pose is None:
             return self.lost(memory)
-        away = seen.position - pose.centre
-        distance = norm(away)
-        if distance == 0.0:
+        place = pose.towards(seen.position, max(self.stop, self.keep_out))
+        if place is None:
             return self.lost(memory)
-        place = pose.centre + max(self.stop, self.keep_out) / distance * away
         return Step(
             Guidance(place, self.speed, attitude=pose.attitude),
             done=math.degrees(pose.misalignment(seen.attitude)) <= self.within_deg,
