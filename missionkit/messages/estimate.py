@@ -23,7 +23,7 @@ _new = tuple.__new__
 
 
 class Target(NamedTuple):
-    """Estimated position of a target."""
+    """Estimated position of a target, and how it moves if it was tracked."""
 
     name: str
     position: Vec3  # (3,), m, NED, of the marker's centre
@@ -31,6 +31,12 @@ class Target(NamedTuple):
     attitude: Quat | None  # marker axes (x right, y up, z towards the viewer) to world
     angle_sd: float | None  # rad
     seen_at: float | None  # s, None when only the mission file says where it is
+    velocity: Vec3 | None = None  # (3,), m/s, NED, None: not tracked
+    heading: float | None = None  # rad, clockwise from north, where it drives when it drives
+    heading_sd: float | None = None  # rad
+    modes: Mapping[str, float] = MappingProxyType({})  # probability of each model of motion
+    classes: Mapping[str, float] = MappingProxyType({})  # probability of each kind of object
+    confidence: float | None = None  # 0 to 1, share of the last frames in which it was detected
 
 
 class Health(NamedTuple):
