@@ -40,6 +40,12 @@ TABLE = {
 }
 
 
+def heartbeat(mode, *, armed=True, status=ACTIVE):
+    base = 0x80 if armed else 1
+    fields = {"custom_mode": mode, "base_mode": base, "system_status": status}
+    return Message("HEARTBEAT", fields, 0.0)
+
+
 class Desk:
     """An authority with everything it tells, and the truth it asks for."""
 
@@ -58,9 +64,7 @@ class Desk:
     def hear(self, *modes, armed=True, status=ACTIVE):
         numbers = {word: number for number, word in self.dialect.modes.items()}
         for mode in modes:
-            base = 0x80 if armed else 1
-            fields = {"custom_mode": numbers[mode], "base_mode": base, "system_status": status}
-            self.authority.hear(Message("HEARTBEAT", fields, 0.0))
+            self.authority.hear(heartbeat(numbers[mode], armed=armed, status=status))
         return self
 
     def fly(self):
@@ -260,7 +264,7 @@ def test_another_kind_of_vehicle_is_not_commanded():
 def test_link_loss_counts_from_the_first_doubt(unheard):
     desk = Desk().fly()
     desk.unheard = unheard
-    desk.authority.doubt()
+    desk.authority.doubt(heartbeat(PX4_MODES["position"]))
     desk.unheard = False
     assert desk.authority.state == "doubting"
     assert desk.hear("position").authority.state == ("failsafe" if unheard else "pilot")

@@ -8,17 +8,21 @@ from missionkit.vehicle.command.control_authority import ControlAuthority
 from missionkit.vehicle.link.boot_epoch import SEVERAL, BootEpoch, Stamp
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
+from missionkit.vehicle.telemetry.autopilot_state import Whereabouts
 
 QUADROTOR, FIXED_WING, PX4, ARDUPILOT = 2, 1, 12, 3
 OFFBOARD, POSITION = 6 << 16, 3 << 16
+STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
 HOLD, LAND = 3 << 24 | 4 << 16, 6 << 24 | 4 << 16
+MODES = {word: number for number, word in PX4_DIALECT.modes.items()}
+ON_GROUND = Whereabouts(on_ground=True)
 
 
-def beat(mode=OFFBOARD, armed=True, kind=QUADROTOR, autopilot=PX4):
+def beat(mode=OFFBOARD, armed=True, kind=QUADROTOR, autopilot=PX4, status=ACTIVE):
     return {
         "custom_mode": mode,
         "base_mode": 0x80 if armed else 1,
-        "system_status": 4,
+        "system_status": status if armed else STANDBY,
         "type": kind,
         "autopilot": autopilot,
     }
@@ -42,7 +46,7 @@ class Autopilot:
     def expects(self, now):
         return self.expected(now)
 
-    def doubt(self):
+    def doubt(self, message):
         self.judged.append("doubt")
 
     unsettled = False
@@ -74,6 +78,18 @@ class Autopilot:
     @property
     def mode(self):
         return self.cache.latest("HEARTBEAT")["custom_mode"]
+
+
+def watched(order="offboard", *, unheard=False):
+    """Return an autopilot that follows our order, an authority that judges it, and its events."""
+    autopilot, events = Autopilot(), []
+    authority = ControlAuthority(
+        PX4_DIALECT, lambda: None, events.append, lambda: unheard, lambda: ON_GROUND
+    )
+    authority.order(order)
+    autopilot.report_to(authority)
+    autopilot.send(beat(MODES[order]))
+    return autopilot, authority, events
 
 
 def test_a_surprising_mode_is_accepted_when_the_next_heartbeat_confirms_it():
@@ -122,6 +138,55 @@ def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(
         assert authority.state == "doubting"
     autopilot.send(beat(POSITION))
     assert events == [f"{event}_takeover"]
+
+
+@pytest.mark.parametrize(
+    ("status", "unheard", "landed", "told"),
+    [
+        (CRITICAL, False, LAND, ["failsafe_takeover"]),
+        (ACTIVE, False, LAND, ["pilot_takeover"]),
+        (ACTIVE, True, LAND, ["failsafe_takeover"]),
+        (CRITICAL, False, HOLD, ["failsafe_takeover"]),
+    ],
+)
+def test_a_landing_by_another_that_is_over_before_it_is_confirmed_is_a_takeover(
+    status, unheard, landed, told
+):
+    """A stalled process hears all of it at once: no heartbeat confirms another in time."""
+    autopilot, authority, events = watched(unheard=unheard)
+    for _ in range(4):
+        autopilot.now += 0.03
+        autopilot.check("HEARTBEAT", beat(LAND, status=status))
+    assert events == []
+    autopilot.send(beat(landed, armed=False), beat(landed, armed=False))
+    assert events == told
+    assert not authority.ours
+    assert not any("was ignored" in it for it in autopilot.notes)
+
+
+@pytest.mark.parametrize(
+    ("order", "mode", "told"),
+    [
+        ("offboard", LAND, ["pilot_takeover"]),
+        ("offboard", OFFBOARD, []),
+        ("offboard", POSITION, []),
+        ("land", LAND, []),
+        ("land", HOLD, []),
+        ("return", LAND, []),
+    ],
+)
+def test_a_landing_of_which_only_the_end_is_heard_is_whose_order_it_was(order, mode, told):
+    autopilot, authority, events = watched(order)
+    autopilot.send(beat(mode, armed=False))
+    assert events == told
+    assert authority.ours is (told == [])
+
+
+def test_a_stray_mode_before_our_own_landing_ended_takes_nothing_over():
+    autopilot, authority, events = watched("land")
+    autopilot.send(beat(LAND), beat(POSITION), beat(LAND, armed=False))
+    assert events == []
+    assert authority.state == "ground"
 
 
 @pytest.mark.parametrize("pace", [1.0, 4.0])

@@ -7,14 +7,15 @@ A mode counts as ours if missionkit requested it, or where the autopilot ends th
 itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
 pilot's. A first heartbeat that says otherwise is only doubted: no mode is requested until the next
 one confirms it or takes it back. A landing or return that was accepted, and that two heartbeats in
-the air do not show afterwards, was overridden by a pilot.
+the air do not show afterwards, was overridden by a pilot. A landing of another's that is over
+before a second heartbeat showed it is confirmed by the disarmed one.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from transitions import Machine
 
@@ -54,6 +55,17 @@ TRANSITIONS: list[list[Any]] = [  # trigger, from, to
     ["reboot_on_ground", MISSION_STATES, "ground"],
     ["give_back", GIVEN_UP, "commanding"],
 ]
+
+
+class Evidence(NamedTuple):
+    """What heartbeats say of a takeover."""
+
+    mode: str = ""  # in which it flies, or flew until it was disarmed; "": none is to be judged
+    critical: bool = False  # a failsafe of the autopilot chose that mode
+    unheard: bool = False  # the autopilot may not have received us before it
+
+
+NO_DOUBT = Evidence()
 
 
 def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> bool:
@@ -112,7 +124,7 @@ class ControlAuthority:
         self._armed = False
         self._aim = ""  # mode we requested last; "": none yet
         self._height: float | None = None  # m, of the take-off we requested last
-        self._was_unheard = False  # when the mode was first doubted
+        self._doubt = NO_DOUBT  # of the unexpected heartbeats since the last trusted one
         self._accepted = False  # our last request, if long enough ago to show
         self._against = 0  # heartbeats since that show another mode in the air
         Machine(
@@ -153,13 +165,16 @@ class ControlAuthority:
                 return bool(self._aim) if now.armed else self._where().on_ground is True
             if not now.armed or not self.ours:
                 return True
-            return self._of_our_making(word(self._dialect, now.mode))
+            return self._of_our_making(word(self._dialect, now.mode), self._where())
 
-    def doubt(self) -> None:
+    def doubt(self, message: Message) -> None:
         """Note an unexpected heartbeat: command nothing until the next one."""
-        unheard = self._unheard()
+        now, unheard = heartbeat_state(message.fields), self._unheard()
         with self._lock:
-            self._was_unheard = unheard or (self.state == "doubting" and self._was_unheard)
+            before = self._doubt._replace(unheard=unheard or self._doubt.unheard)
+            mode = word(self._dialect, now.mode)
+            critical = _critical(message) or (mode == before.mode and before.critical)
+            self._doubt = before._replace(mode=mode, critical=critical) if now.armed else before
             self.fire("hear_doubtful")
 
     def accepted(self, command: int) -> None:
@@ -180,15 +195,18 @@ class ControlAuthority:
         mode = word(self._dialect, now.mode)
         unheard = self._unheard()
         with self._lock:
-            event, why = self._heard(now, mode, int(message["system_status"]), unheard=unheard)
+            where = self._where() if now.armed else self._where()._replace(on_ground=True)
+            flown = mode if now.armed else self._landed_by_another(mode, where)
+            seen = Evidence(flown, _critical(message), unheard=unheard)
+            event, why = self._heard(seen, where)
             aim, self._mode, self._armed = self._aim, mode, now.armed
             if not now.armed or (not aim and self.ours):
                 self._aim = mode if now.armed else ""
-            self._was_unheard = False
+            self._doubt = NO_DOUBT
         if event:
             aim_text = f"it had requested {aim}" if aim else "it had requested none"
             self._give_way(
-                event, f"mode {mode}, which missionkit did not choose ({aim_text}): {why}"
+                event, f"mode {flown}, which missionkit did not choose ({aim_text}): {why}"
             )
 
     def rebooted(self, *, flying: bool) -> None:
@@ -223,21 +241,20 @@ class ControlAuthority:
     def resume(self) -> bool:
         """Command again, from whatever mode it is in; say whether control had been given up."""
         with self._lock:
-            self._aim = self._mode if self._armed else ""
+            self._aim, self._doubt = self._mode if self._armed else "", NO_DOUBT
             return self.fire("give_back")
 
-    def _heard(
-        self, now: HeartbeatState, mode: str, status: int, *, unheard: bool
-    ) -> tuple[str, str]:
+    def _heard(self, seen: Evidence, where: Whereabouts) -> tuple[str, str]:
         """Make the transition of a heartbeat; return the event of a takeover, and why."""
-        if not now.armed:
+        mode, doubt = seen.mode, self._doubt
+        if not mode:
             self.fire("hear_disarmed")
             return "", ""
-        if not self._overridden(mode) and self._of_our_making(mode):
+        if not self._overridden(mode, where) and self._of_our_making(mode, where):
             self.fire("hear_ours")
             return "", ""
-        alarmed = status == CRITICAL and mode in REFUGES
-        if self.ours and (alarmed or unheard or self._was_unheard):
+        alarmed = mode in REFUGES and (seen.critical or (mode == doubt.mode and doubt.critical))
+        if self.ours and (alarmed or seen.unheard or doubt.unheard):
             self.fire("hear_failsafe")
             cause = "its state is critical" if alarmed else "it had stopped receiving missionkit"
             return FAILSAFE_TAKEOVER, f"the autopilot's own failsafe, {cause}"
@@ -246,20 +263,28 @@ class ControlAuthority:
             return (PILOT_TAKEOVER, "a pilot commands") if taken else ("", "")
         return "", ""
 
-    def _of_our_making(self, mode: str) -> bool:
+    def _landed_by_another(self, mode: str, where: Whereabouts) -> str:
+        """Return the mode in which another landed it, "" if none did, by a disarmed heartbeat.
+
+        Either that mode had been doubted, or `mode` is one that lands by itself.
+        """
+        doubted = self._doubt.mode
+        confirmed = doubted and (mode == doubted or ends(doubted, None, mode, where))
+        flown = doubted if confirmed else mode if mode in LEADS_TO else ""
+        return flown if self._armed and flown and not self._of_our_making(flown, where) else ""
+
+    def _of_our_making(self, mode: str, where: Whereabouts) -> bool:
         if not self._aim:  # armed by another, or found flying
             return mode in FOUND
         if mode == self._aim:
             return True
-        where = self._where()
         if mode == self._mode:
             broken_off = self._aim == "take_off" and mode == "hold" and where.on_ground is False
             return not broken_off or ends("take_off", self._height, mode, where)
         return any(ends(it, self._height, mode, where) for it in (self._aim, self._mode))
 
-    def _overridden(self, mode: str) -> bool:
+    def _overridden(self, mode: str, where: Whereabouts) -> bool:
         """Count a heartbeat; return whether another mode was chosen after ours was accepted."""
-        where = self._where()
         if not self._accepted or mode == self._aim or ends(self._aim, self._height, mode, where):
             self._against = 0
         elif where.on_ground is False:
@@ -270,3 +295,7 @@ class ControlAuthority:
         self._let_go()
         self._tell(event)
         self._note(f"control given up: {why}; a person must give it back")
+
+
+def _critical(message: Message) -> bool:
+    return int(message["system_status"]) == CRITICAL

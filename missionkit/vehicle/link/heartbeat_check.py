@@ -85,8 +85,7 @@ class HeartbeatCheck:
         self._strangers = 0
         now, doubted = heartbeat_state(fields), self._doubted
         if now == heartbeat_state(before) or expected(now):
-            retracted = doubted if doubted is not None and now != doubted else None
-            return self._believe(fields, retracted)
+            return self._believe(fields, _retracted(doubted, now))
         if now == doubted and at - self._since >= APART:
             return self._believe(fields)
         if now != doubted:
@@ -97,6 +96,12 @@ class HeartbeatCheck:
     def _believe(self, fields: Fields, retracted: HeartbeatState | None = None) -> Believed:
         self._fields, self._doubted = fields, None
         return Believed(fields, retracted=retracted)
+
+
+def _retracted(doubted: HeartbeatState | None, now: HeartbeatState) -> HeartbeatState | None:
+    """Return what was doubted, if the next heartbeat speaks against it."""
+    landed = doubted is not None and doubted.armed and not now.armed  # in that mode, perhaps
+    return None if now == doubted or landed else doubted
 
 
 def _kind(fields: Fields) -> tuple[int, int]:

@@ -36,7 +36,7 @@ class Judge(Protocol):
     def hear(self, message: Message) -> None:
         """Take in a trusted heartbeat."""
 
-    def doubt(self) -> None:
+    def doubt(self, message: Message) -> None:
         """Note an unexpected heartbeat."""
 
     def accepted(self, command: int) -> None:
@@ -150,11 +150,12 @@ class MessageCheck:
         if judge is None:
             return
         self._settle(judge)
+        message = Message("HEARTBEAT", fields, self._cache.wall())
         if found.doubted is not None:
-            judge.doubt()
+            judge.doubt(message)
             self._due = True
         elif found.fields is not None:
-            judge.hear(Message("HEARTBEAT", found.fields, self._cache.wall()))
+            judge.hear(message)
             self._due |= judge.unsettled
         if found.stranger:
             judge.replaced(type_name(int(fields["type"])))
