@@ -20,7 +20,14 @@ class Acceptance(NamedTuple):
 
 
 def counted(known: Acceptance, at: float, *, accepted: bool, why: str = "") -> Acceptance:
-    """Return the share with one more measurement, taken at `at` (s)."""
+    """Return the share with one more measurement, taken at `at` (s).
+
+    Args:
+        known: the share before.
+        at: s, of the measurement.
+        accepted: whether it passed its gate.
+        why: it was refused, for the record.
+    """
     share = known.refused + ((0.0 if accepted else 1.0) - known.refused) / WINDOW
     return Acceptance(
         at=at if accepted else known.at,

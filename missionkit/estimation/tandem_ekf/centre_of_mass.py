@@ -18,6 +18,11 @@ def jacobian(x: Vec3, lever: Vec3, sign: float) -> Mat:
     """Return (9, 9): errors of the centre of mass over those of the radio (sign 1), or back (-1).
 
     δρ_c = δρ + p × δθ,   δv_c = δv + c × δθ,   p = D P_1,   c = D (ω × P_1)
+
+    Args:
+        x: (17,) state of the radio.
+        lever: P_1 (3,), m, body: from the centre of mass to the radio.
+        sign: 1 or -1.
     """
     J = np.eye(9)
     J[0:3, D_ANGLE:] = sign * skewed(rotate(x[QUATERNION:RATE], lever))
@@ -44,6 +49,15 @@ def centre(x: Vec3, P: Mat, A: Mat, lever: Vec3) -> tuple[Vec3, Mat]:
 
     In the covariance (15, 15) δθ is in body axes, as everywhere else in missionkit; the biases,
     which these filters do not have, are zero.
+
+    Args:
+        x: (17,) state of the radio.
+        P: (9, 9) or, in tandem, (6, 6).
+        A: (3, 3) of δθ in tandem, else empty.
+        lever: P_1 (3,), m, body: from the centre of mass to the radio.
+
+    Returns:
+        m and m/s in the mother-ship's frame; SI.
     """
     y = np.empty(6)
     q = x[QUATERNION:RATE]
@@ -60,7 +74,13 @@ def centre(x: Vec3, P: Mat, A: Mat, lever: Vec3) -> tuple[Vec3, Mat]:
 
 @compiled
 def sound(x: Vec3, P: Mat, A: Mat) -> bool:
-    """Say whether all of a result is finite and no variance is negative."""
+    """Say whether all of a result is finite and no variance is negative.
+
+    Args:
+        x: any array.
+        P: square.
+        A: square, or empty.
+    """
     fine = bool(np.isfinite(x).all() and np.isfinite(P).all() and np.isfinite(A).all())
     for i in range(len(P)):
         fine = fine and P[i, i] >= 0.0

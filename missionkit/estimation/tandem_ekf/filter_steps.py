@@ -35,7 +35,16 @@ def held(x: Vec3) -> Vec3:
 
 @compiled
 def reach(x: Vec3, P: Mat, A: Mat, u: Vec3, at: float, settings: Vec3) -> None:
-    """Predict up to a time (s), if it is ahead."""
+    """Predict up to a time (s), if it is ahead.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3) of δθ in tandem, else empty; changed in place.
+        u: (8,), the inertial interval around `at`.
+        at: s.
+        settings: (22,), by `state_layout`.
+    """
     if at > x[TIME]:
         predict(x, P, A, u, at - x[TIME], settings)
 
@@ -45,6 +54,15 @@ def catch_up(x: Vec3, P: Mat, A: Mat, imu: Mat, k: int, at: float, settings: Vec
     """Predict to a time (s) with the intervals (n, 8) from number k on; return the next number.
 
     Past the last of them the turn rate is held for `BEYOND` at most.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3) of δθ in tandem, else empty; changed in place.
+        imu: (n, 8), in order of time.
+        k: index of the first interval that has not ended.
+        at: s.
+        settings: (22,), by `state_layout`.
     """
     while k < len(imu) and imu[k, END] <= at:
         reach(x, P, A, imu[k], imu[k, END], settings)
@@ -63,6 +81,14 @@ def advance(x: Vec3, P: Mat, A: Mat, imu: Mat, rows: Mat, settings: Vec3) -> Non
     Rows of one frame follow each other. A measurement that is older than the state by up to
     MAX_DELAY counts at its own time, along the velocity and turn rate of now; an older one, and one
     from beyond the newest inertial sample, is refused.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3) of δθ in tandem, else empty; changed in place.
+        imu: (k, 8).
+        rows: (n, 10); outcome and ε are written.
+        settings: (22,), by `state_layout`.
     """
     i, k = 0, 0
     while i < len(rows):

@@ -75,6 +75,12 @@ def fuse_range(x: Vec3, P: Mat, row: Vec3, settings: Vec3) -> None:
     """Correct by one range: h = |ρ - lag v - s|, H = (u, -lag u, 0), u the unit vector from s.
 
     A range that comes late by `lag` (s) is compared with where the radio was then.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        row: (10,); outcome and ε are written.
+        settings: (22,), by `state_layout`.
     """
     lag = x[TIME] - row[AT]
     work, far = np.zeros((4, len(P))), 0.0
@@ -106,6 +112,12 @@ def seen_in_world(x: Vec3, lag: float, rows: Mat, settings: Vec3) -> tuple[Mat, 
 
     at the time of the frame, `lag` (s) ago. To the mean of the points belongs its lever arm as
     measured, y + r, which leaves an error of second order in δθ alone; differences of y are exact.
+
+    Args:
+        x: (17,) state.
+        lag: s, not negative.
+        rows: (N, 10), of one frame.
+        settings: (22,), by `state_layout`.
     """
     back, offset = np.empty(3), np.empty(3)
     for i in range(3):
@@ -150,6 +162,13 @@ def agreeing(r: Mat, y: Mat, A: Mat, settings: Vec3, rows: Mat) -> Vec3:
 
     While the worst of them fails the gate of 3 degrees of freedom, about the mean of those left, it
     is dropped; what is decided is put into rows. None is kept if that leaves half or fewer.
+
+    Args:
+        r: (N, 3), m, residuals of `seen_in_world`.
+        y: (N, 3), m, their lever arms.
+        A: (3, 3), rad², of δθ.
+        settings: (22,), by `state_layout`.
+        rows: (N, 10); ε is written.
     """
     count = len(r)
     kept = np.ones(count)
@@ -225,6 +244,12 @@ def lever_noise(P: Mat, A: Mat, y: Vec3, white: float) -> Mat:
     It is the same error in every frame, so averaging must not shrink it: λ is the least weight for
     which the variance after the update is p (r' + b) / (p + r') with r' = 3 r, which tends to b
     and never goes below it. With λ = 1 a long look would.
+
+    Args:
+        P: (6, 6).
+        A: (3, 3), rad², of δθ.
+        y: (3,), m, mother-ship's axes.
+        white: r, m², of the mean on each axis.
     """
     R = innovation(A, skewed(y))
     p, b = 0.0, 0.0
@@ -239,7 +264,13 @@ def lever_noise(P: Mat, A: Mat, y: Vec3, white: float) -> Mat:
 
 @compiled
 def mean_jacobian(n: int, y: Vec3, lag: float) -> Mat:
-    """Return H (3, n) of a frame's mean point: (-I, lag I, [y]×), in tandem without the last."""
+    """Return H (3, n) of a frame's mean point: (-I, lag I, [y]×), in tandem without the last.
+
+    Args:
+        n: 9, or 6 in tandem.
+        y: (3,), m, mother-ship's axes.
+        lag: s, age of the frame.
+    """
     H = np.zeros((3, n))
     for i in range(3):
         H[i, i], H[i, D_VELOCITY + i] = -1.0, lag
@@ -255,6 +286,16 @@ def fuse_mean(
     """Correct by the mean (3,) of a frame's points: r = -δρ + lag δv + y × δθ + noise.
 
     Returns ε and the verdict. Its noise has the variance `white` (m²) on each axis.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3), rad², of δθ.
+        r: (3,), m, mean residual.
+        y: (3,), m, its lever arm.
+        lag: s, age of the frame.
+        white: m², variance of its noise on each axis.
+        settings: (22,), by `state_layout`.
     """
     H = mean_jacobian(len(P), y, lag)
     R = white * np.eye(3) if len(P) > D_ANGLE else lever_noise(P, A, y, white)
@@ -269,6 +310,13 @@ def fuse_frame(x: Vec3, P: Mat, A: Mat, rows: Mat, settings: Vec3) -> None:
     """Correct by the feature points of one camera frame, rows (N, 10).
 
     The mean has to pass the gate before the differences may turn anything.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3) of δθ in tandem, else empty; changed in place.
+        rows: (N, 10); outcome and ε are written.
+        settings: (22,), by `state_layout`.
     """
     lag = x[TIME] - rows[0, AT]
     r, y = seen_in_world(x, lag, rows, settings)

@@ -103,6 +103,13 @@ def move(x: Vec3, u: Vec3, dt: float, settings: Vec3, j: Mat) -> None:
         j₀ = ½ a dt² + p₁ - p₀ - c₀ dt  (m),   j₁ = a dt + c₁ - c₀  (m/s)
 
     j (2, 3) is overwritten by j₀ and j₁.
+
+    Args:
+        x: (17,), changed in place.
+        u: (8,), specific force (m/s²) and turn rate (rad/s), body.
+        dt: s, at most the interval's length.
+        settings: (22,), by `state_layout`.
+        j: (2, 3), overwritten.
     """
     arm = (settings[LEVER], settings[LEVER + 1], settings[LEVER + 2])
     q0 = (x[QUATERNION], x[QUATERNION + 1], x[QUATERNION + 2], x[QUATERNION + 3])
@@ -129,7 +136,13 @@ def move(x: Vec3, u: Vec3, dt: float, settings: Vec3, j: Mat) -> None:
 
 @compiled
 def spread(P: Mat, j: Mat, dt: float) -> None:
-    """P := (F P)ᵀ, with the F of `move`; of (6, 6) without the columns of δθ."""
+    """P := (F P)ᵀ, with the F of `move`; of (6, 6) without the columns of δθ.
+
+    Args:
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        j: (2, 3) of `move`.
+        dt: s.
+    """
     n = len(P)
     for i in range(3):
         for c in range(n):
@@ -154,6 +167,14 @@ def predict(x: Vec3, P: Mat, A: Mat, u: Vec3, dt: float, settings: Vec3) -> None
 
     Source: P3 section IV-C; Crassidis & Junkins, "Optimal Estimation of Dynamic Systems", 2nd ed.,
     section 3.6 (discrete prediction) and 7.2 (attitude).
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (9, 9) or, in tandem, (6, 6), changed in place.
+        A: (3, 3) of δθ in tandem, else empty; changed in place.
+        u: (8,), inertial interval.
+        dt: s.
+        settings: (22,), by `state_layout`.
     """
     j = np.empty((2, 3))
     move(x, u, dt, settings, j)

@@ -90,7 +90,13 @@ def update(
 
 @compiled
 def times_row(P: Mat, work: Mat, to: int) -> None:
-    """Put P Hᵀ into row `to` of work, of an H in its first row that sees δρ and δv alone."""
+    """Put P Hᵀ into row `to` of work, of an H in its first row that sees δρ and δv alone.
+
+    Args:
+        P: (n, n).
+        work: (·, n), its first row H.
+        to: index of the row to overwrite, not 0.
+    """
     for c in range(len(P)):
         total = 0.0
         for k in range(6):
@@ -100,7 +106,14 @@ def times_row(P: Mat, work: Mat, to: int) -> None:
 
 @compiled
 def less_outer(P: Mat, work: Mat, a: int, b: int) -> None:
-    """P := P - (row a)ᵀ (row b), of work."""
+    """P := P - (row a)ᵀ (row b), of work.
+
+    Args:
+        P: (n, n), changed in place.
+        work: (·, n).
+        a: index of a row.
+        b: index of a row.
+    """
     for c in range(len(P)):
         for k in range(len(P)):
             P[c, k] -= work[a, c] * work[b, k]
@@ -153,6 +166,12 @@ def turn(x: Vec3, P: Mat, first: int, d: Vec3) -> None:
     of the attitude, which begin at `first`; the sign is that of an error in the mother-ship's axes.
 
     Source: P3 section IV-D with Markley 2003, section "Reset"; Solà 2017, section 7.3.
+
+    Args:
+        x: (17,) state; its quaternion is changed.
+        P: (n, n), changed in place.
+        first: 6 in P of the compound filter, 0 in A of a tandem.
+        d: (3,), rad, mother-ship's axes.
     """
     q = normalised(multiply(exp(d), x[QUATERNION : QUATERNION + 4]))
     for i in range(4):
@@ -170,7 +189,13 @@ def turn(x: Vec3, P: Mat, first: int, d: Vec3) -> None:
 
 @compiled
 def inject(x: Vec3, P: Mat, d: Vec3) -> None:
-    """Fold a correction d (6,) or (9,) into the state, and reset the attitude error it may have."""
+    """Fold a correction d (6,) or (9,) into the state, and reset the attitude error it may have.
+
+    Args:
+        x: (17,) state, changed in place.
+        P: (6, 6) or (9, 9), as `d`; changed in place.
+        d: δρ (m), δv (m/s), and δθ (rad) if there is one.
+    """
     for i in range(6):
         x[i] += d[i]
     if len(d) > 6:
