@@ -109,7 +109,16 @@ class FrameTree:
         return self._with(frame, Edge(parent, tuple(poses), held=True))
 
     def fixed(self, frame: str, parent: str, pose: Transform) -> FrameTree:
-        """Return the tree with `frame` added, for ever at `pose` (frame to parent)."""
+        """Return the tree with `frame` added, for ever at `pose` (frame to parent).
+
+        Args:
+            frame: not in the tree yet.
+            parent: in the tree.
+            pose: from `frame` to `parent`, m.
+
+        Raises:
+            FrameError: `parent` is not in the tree, or `frame` is already.
+        """
         return self._with(frame, Edge(parent, (Timed(ALWAYS, pose),), held=True))
 
     def lookup(self, target: str, source: str, at: float) -> Transform:

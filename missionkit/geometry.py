@@ -24,7 +24,13 @@ IDENTITY.flags.writeable = False
 
 
 def vec(x: float, y: float, z: float) -> Vec3:
-    """Return (3,) from three numbers."""
+    """Return (3,) from three numbers.
+
+    Args:
+        x: north, forward or right, by the frame.
+        y: east, right or down.
+        z: down, down or forward.
+    """
     return np.array([x, y, z], dtype=np.float64)
 
 
@@ -140,7 +146,16 @@ def yaw_of(q: Quat) -> float:
 
 
 def from_euler(roll: float, pitch: float, yaw: float) -> Quat:
-    """Return q of aerospace angles (rad): yaw, then pitch, then roll about the turned axes."""
+    """Return q of aerospace angles (rad): yaw, then pitch, then roll about the turned axes.
+
+    Args:
+        roll: about x, rad.
+        pitch: about y, rad.
+        yaw: about z, rad.
+
+    Returns:
+        (4,), Hamilton, w first, unit.
+    """
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)

@@ -43,5 +43,11 @@ def gains(mass: float, period: float, weights: Vec3, effort: float) -> Vec3:
 
 
 def spectral_radius(A: Mat, B: Mat, K: Vec3) -> float:
-    """Return the largest modulus of the poles of A - B K: below 1, the loop is stable."""
+    """Return the largest modulus of the poles of A - B K: below 1, the loop is stable.
+
+    Args:
+        A: (3, 3), discrete.
+        B: (3, 1), discrete.
+        K: (3,), of u = -K x.
+    """
     return float(np.abs(np.linalg.eigvals(A - B @ K[None, :])).max())

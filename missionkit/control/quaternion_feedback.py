@@ -23,13 +23,27 @@ from missionkit.geometry import Mat, Quat, Vec3, conjugate, cross, multiply
 
 
 def sampled(inertia: float, k: float, d: float, period: float) -> Mat:
-    """Return the matrix (2, 2) by which angle and rate of an axis go on in one period (s)."""
+    """Return the matrix (2, 2) by which angle and rate of an axis go on in one period (s).
+
+    Args:
+        inertia: of the axis, kg m².
+        k: `attitude_gain`, N·m, on the vector part of the quaternion error.
+        d: `rate_gain`, N·m·s.
+        period: s.
+    """
     T, g = period, period / inertia
     return np.array([[1.0 - 0.25 * k * T * g, T - 0.5 * d * T * g], [-0.5 * k * g, 1.0 - d * g]])
 
 
 def instability(inertia: float, k: float, d: float, period: float) -> str:
-    """Say why the loop of one axis would not come to rest; "" if it does."""
+    """Say why the loop of one axis would not come to rest; "" if it does.
+
+    Args:
+        inertia: of the axis, kg m².
+        k: `attitude_gain`, N·m.
+        d: `rate_gain`, N·m·s.
+        period: s, of the control loop.
+    """
     if not (k > 0.0 and d > 0.0):
         return "attitude_gain and rate_gain have to be above 0: K⁻¹ D must be positive definite"
     radius = float(np.abs(np.linalg.eigvals(sampled(inertia, k, d, period))).max())

@@ -70,7 +70,14 @@ def times_transposed(A: Mat, B: Mat) -> Mat:
 
 @compiled
 def add_product(P: Mat, A: Mat, B: Mat, sign: float) -> None:
-    """P := P + sign A B, of A (n, m) and B (m, n)."""
+    """P := P + sign A B, of A (n, m) and B (m, n).
+
+    Args:
+        P: (n, n), changed in place.
+        A: (n, m).
+        B: (m, n).
+        sign: 1 or -1.
+    """
     for c in range(len(P)):
         for k in range(len(P)):
             total = 0.0

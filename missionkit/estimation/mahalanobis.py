@@ -37,7 +37,13 @@ def distance(nis: float, components: int) -> float:
 
 
 def averaged(known: MeanDistance, distances: Sequence[float], now: float) -> MeanDistance:
-    """Return the mean with the distances of one tick taken in."""
+    """Return the mean with the distances of one tick taken in.
+
+    Args:
+        known: the mean so far, with the time of its last measurement.
+        distances: without unit, in standard deviations; empty leaves the mean as it is.
+        now: s.
+    """
     if not distances:
         return known
     news = sum(distances) / len(distances)

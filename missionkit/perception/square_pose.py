@@ -33,7 +33,16 @@ def square(size: float) -> Mat:
 
 
 def project(points: Mat, pose: Transform, camera: CameraModel) -> Mat:
-    """Return the image points (N, 2), px, of `points` (N, 3), m, in the frame `pose` maps from."""
+    """Return the image points (N, 2), px, of `points` (N, 3), m, in the frame `pose` maps from.
+
+    Args:
+        points: (N, 3), m, in the frame of the marker.
+        pose: marker to camera, m.
+        camera: whose distortion is applied.
+
+    Returns:
+        (N, 2), px; from behind the camera too, where it means nothing.
+    """
     image, _ = cv2.projectPoints(
         points, to_matrix(pose.rotation), pose.translation, camera.matrix, camera.distortion
     )

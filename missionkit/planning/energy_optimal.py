@@ -84,6 +84,15 @@ def level_times(distance: float, closing: float, top: float, limits: LandingLimi
     """Return when (s) the level profile has gathered speed, begins to brake and ends; its speed.
 
     The speed (m/s) is `top`, or less where the way is too short for it.
+
+    Args:
+        distance: to the pad, level, m.
+        closing: speed towards the pad at the start, m/s, not negative.
+        top: speed wanted in between, m/s.
+        limits: of acceleration and braking.
+
+    Returns:
+        (4,): three times (s) and a speed (m/s).
     """
     a, b = limits.acceleration, limits.braking
     reach = math.sqrt((2.0 * a * b * distance + b * closing * closing) / (a + b))
@@ -96,7 +105,13 @@ def level_times(distance: float, closing: float, top: float, limits: LandingLimi
 
 @compiled
 def level_at(t: float, closing: float, marks: Vec3) -> tuple[float, float]:
-    """Return way flown (m) and speed (m/s) of the level profile at `t` (s)."""
+    """Return way flown (m) and speed (m/s) of the level profile at `t` (s).
+
+    Args:
+        t: s, from the start of the path.
+        closing: speed towards the pad at the start, m/s.
+        marks: (4,) of `level_times`.
+    """
     rise, brake, end, top = marks[0], marks[1], marks[2], marks[3]
     a = (top - closing) / rise if rise > 0.0 else 0.0
     if t <= rise:
@@ -111,7 +126,16 @@ def level_at(t: float, closing: float, marks: Vec3) -> tuple[float, float]:
 
 @compiled
 def vertical_marks(height: float, rate: float, limits: LandingLimits) -> Vec3:
-    """Return when (s) a descent has gathered speed, begins to slow and ends; its rate (m/s)."""
+    """Return when (s) a descent has gathered speed, begins to slow and ends; its rate (m/s).
+
+    Args:
+        height: above the pad, m.
+        rate: of descent wanted in between, m/s, positive down.
+        limits: of vertical acceleration and the rate at touch-down.
+
+    Returns:
+        (4,): three times (s) from the start of the descent and a rate (m/s).
+    """
     c, touch = limits.vertical_acceleration, limits.touch_down
     reach = math.sqrt(c * height + 0.5 * touch * touch)
     rate = min(rate, reach)
@@ -124,7 +148,16 @@ def vertical_marks(height: float, rate: float, limits: LandingLimits) -> Vec3:
 
 @compiled
 def vertical_at(t: float, marks: Vec3, limits: LandingLimits) -> tuple[float, float]:
-    """Return way (m) and rate (m/s) of a descent at `t` (s) after it began."""
+    """Return way (m) and rate (m/s) of a descent at `t` (s) after it began.
+
+    Args:
+        t: s; before the descent it is negative.
+        marks: (4,) of `vertical_marks`.
+        limits: of vertical acceleration.
+
+    Returns:
+        Positive down.
+    """
     rise, fall, end, rate = marks[0], marks[1], marks[2], marks[3]
     c = limits.vertical_acceleration
     if t <= 0.0:
@@ -142,7 +175,16 @@ def vertical_at(t: float, marks: Vec3, limits: LandingLimits) -> tuple[float, fl
 def descent_begins(
     distance: float, height: float, closing: float, marks: Mat, limits: LandingLimits, gate: Vec3
 ) -> float:
-    """Return the first moment (s) to begin the descent: not too early for pad and gate."""
+    """Return the first moment (s) to begin the descent: not too early for pad and gate.
+
+    Args:
+        distance: to the pad at the start, level, m.
+        height: above the pad at the start, m.
+        closing: speed towards the pad at the start, m/s.
+        marks: (2, 4), of `level_times` and `vertical_marks`.
+        limits: of vertical acceleration.
+        gate: (2,), distance and height, m; a height of 0 is no gate.
+    """
     level, down = marks[0], marks[1]
     begin = max(0.0, level[2] - down[2])
     if gate[1] <= 0.0 or gate[1] >= height or distance <= gate[0]:
@@ -176,7 +218,20 @@ def flown(
     gate: Vec3,
     count: int,
 ) -> Mat:
-    """Return (count, 7) of a path: time, way, fallen, speeds and accelerations, level and down."""
+    """Return (count, 7) of a path: time, way, fallen, speeds and accelerations, level and down.
+
+    Args:
+        distance: to the pad at the start, level, m.
+        height: above the pad at the start, m.
+        closing: speed towards the pad at the start, m/s.
+        chosen: top speed and rate of descent, m/s.
+        limits: of speeds and accelerations.
+        gate: (2,), distance and height, m.
+        count: of rows, evenly spaced in time.
+
+    Returns:
+        SI; level away from the start, down positive.
+    """
     marks = np.empty((2, 4))
     marks[0] = level_times(distance, closing, chosen[0], limits)
     marks[1] = vertical_marks(height, chosen[1], limits)
@@ -199,7 +254,14 @@ def flown(
 
 @compiled
 def energy_of(rows: Mat, mass: float, drag: float, rotor: RotorModel) -> float:
-    """Return the energy (J) of a path (n, 7) by the trapezoidal rule."""
+    """Return the energy (J) of a path (n, 7) by the trapezoidal rule.
+
+    Args:
+        rows: (n, 7) of `flown`, evenly spaced in time.
+        mass: kg.
+        drag: of the airframe, N/(m/s)².
+        rotor: constants of each of the four rotors.
+    """
     n = len(rows)
     velocity, acceleration = np.zeros((n, 3)), np.zeros((n, 3))
     velocity[:, 0], velocity[:, 2] = rows[:, 3], rows[:, 4]
@@ -220,7 +282,18 @@ def search(
     drag: float,
     rotor: RotorModel,
 ) -> tuple[float, float]:
-    """Return the top speed and the rate of descent (m/s) of the cheapest path, or a late one."""
+    """Return the top speed and the rate of descent (m/s) of the cheapest path, or a late one.
+
+    Args:
+        distance: to the pad at the start, level, m.
+        height: above the pad at the start, m.
+        closing: speed towards the pad at the start, m/s.
+        limits: of speeds and accelerations.
+        gate: (2,), distance and height, m.
+        mass: kg.
+        drag: of the airframe, N/(m/s)².
+        rotor: constants of each of the four rotors.
+    """
     low, high = LEAST, limits.speed
     slow, fast = max(LEAST, limits.touch_down), limits.descent
     best, speed, rate = math.inf, high, fast

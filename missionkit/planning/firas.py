@@ -28,18 +28,43 @@ Distances = npt.NDArray[np.float64]  # (N,), m
 
 
 def attractive_potential(p: Vec3, goal: Vec3, k: float) -> float:
-    """Return U_att at `p`; p and goal (3,), m; k in 1/s."""
+    """Return U_att at `p`; p and goal (3,), m; k in 1/s.
+
+    Args:
+        p: (3,), m, the vehicle.
+        goal: (3,), m, in the frame of `p`.
+        k: gain, 1/s.
+
+    Returns:
+        m²/s.
+    """
     gap = p - goal
     return 0.5 * k * float(gap @ gap)
 
 
 def attraction(p: Vec3, goal: Vec3, k: float) -> Vec3:
-    """Return v_att (3,), m/s, towards `goal`."""
+    """Return v_att (3,), m/s, towards `goal`.
+
+    Args:
+        p: (3,), m, the vehicle.
+        goal: (3,), m, in the frame of `p`.
+        k: gain, 1/s.
+    """
     return k * (goal - p)
 
 
 def repulsive_potential(p: Vec3, points: Points, radius: float, body: float = 0.0) -> float:
-    """Return U_rep at `p` for unit gain, summed over the points (N, 3), m, within `radius`."""
+    """Return U_rep at `p` for unit gain, summed over the points (N, 3), m, within `radius`.
+
+    Args:
+        p: (3,), m, the vehicle.
+        points: (N, 3), m, obstacles.
+        radius: influence radius r, m, from the surface of the vehicle.
+        body: radius of the vehicle, m.
+
+    Returns:
+        1/m².
+    """
     distance = np.maximum(np.linalg.norm(p - points, axis=1) - body, NEAREST)
     near = distance[distance < radius]
     return float(np.sum((1.0 / near - 1.0 / radius) ** 2))

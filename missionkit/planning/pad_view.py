@@ -43,5 +43,10 @@ def entry_radius(cone: ViewCone, sd: float, height: float) -> float:
     """Return how near (m, level) to the pad its estimate must be for it to be in view.
 
     h tan φ - k σ at a height h; 0 where the view does not cover the error at all.
+
+    Args:
+        cone: of the camera and the vehicle.
+        sd: σ, of the pad's place relative to the vehicle (m, one axis).
+        height: above the pad, m.
     """
     return max(0.0, height * math.tan(cone.half_angle) - cone.sigmas * sd)

@@ -179,6 +179,12 @@ class PotentialField(Plugin):
         The last check on a setpoint. The obstacle that a behaviour works on, which is what stands
         within `OWN` of `guidance.work`, may be approached as far as its goal asks for, and no
         further.
+
+        Args:
+            memory: with the points of the scans so far.
+            seen: the estimate at this tick.
+            velocity: (3,), m/s, NED, that is wanted.
+            guidance: of the behaviour; nothing may be approached closely without it.
         """
         velocity = within_sight(velocity, self.fastest(memory, seen.now))
         around = self._near(memory, seen, velocity)

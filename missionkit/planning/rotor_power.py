@@ -149,7 +149,14 @@ def rotor_power(thrust: float, along: float, through: float, rotor: RotorModel) 
 
 @compiled
 def rotor_powers(thrust: Vec3, along: Vec3, through: Vec3, rotor: RotorModel) -> Vec3:
-    """Return `rotor_power` (n,), W, of n flight conditions, each an array (n,)."""
+    """Return `rotor_power` (n,), W, of n flight conditions, each an array (n,).
+
+    Args:
+        thrust: (n,), N, of one rotor.
+        along: (n,), m/s, the air's speed along the disk.
+        through: (n,), m/s, the air's speed down through the disk.
+        rotor: constants.
+    """
     out = np.empty(len(thrust))
     for n in range(len(thrust)):
         out[n] = rotor_power(thrust[n], along[n], through[n], rotor)

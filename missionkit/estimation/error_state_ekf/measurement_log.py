@@ -34,7 +34,15 @@ def row(
 ) -> Vec3:
     """Return one log row (21,) of a measurement z (3,) at time `at`.
 
-    `noise` is its covariance (3, 3), or variance (3,) or () if the errors are independent.
+    Args:
+        kind: as `state_layout` numbers them.
+        at: s, when it was valid.
+        z: (3,), SI, NED or image plane by the kind; unused parts are 0.
+        noise: covariance (3, 3), or variances (3,) or () if the errors are independent, of the unit
+            of z².
+        index: of the target, for a sighting.
+        extra: distance (m) of a flow, declination (rad) of a heading, else unused or a standard
+            deviation.
     """
     out = np.zeros(state_layout.LOG_WIDTH)
     out[state_layout.AT], out[state_layout.KIND], out[state_layout.INDEX] = at, kind, index

@@ -135,6 +135,12 @@ def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
     """Fill the Jacobian H (3, n) and innovation r = z - h(x) (3,); return how many rows are used.
 
     Fix: h = p. Velocity, standing still: h = v. Height: h = -p_z. The others: their own functions.
+
+    Args:
+        x: (16 + 3 m,) state.
+        row: (21,) of the measurement log.
+        H: (3, n), zero on entry; its first rows are written.
+        r: (3,); as many are written.
     """
     kind = int(row[KIND])
     if kind in {FIX, FIX_VELOCITY, STILL}:

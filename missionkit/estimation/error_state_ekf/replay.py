@@ -71,7 +71,14 @@ def sound(x: Vec3, P: Mat) -> bool:
 
 @compiled
 def copy(x: Vec3, P: Mat, to_x: Vec3, to_P: Mat) -> None:
-    """Copy a state and its covariance element by element, which compiles faster than slices."""
+    """Copy a state and its covariance element by element, which compiles faster than slices.
+
+    Args:
+        x: state, or (n,) of any length.
+        P: (n, n).
+        to_x: as long as `x`.
+        to_P: as large as `P`.
+    """
     for i in range(len(x)):
         to_x[i] = x[i]
     for i in range(len(P)):
@@ -81,7 +88,13 @@ def copy(x: Vec3, P: Mat, to_x: Vec3, to_P: Mat) -> None:
 
 @compiled
 def trace(x: Vec3, t: float, pose: Vec3) -> None:
-    """Write time, p and q into a row (8,) of the track."""
+    """Write time, p and q into a row (8,) of the track.
+
+    Args:
+        x: (16 + 3 m,) state.
+        t: s.
+        pose: (8,), overwritten: s, m NED, body to world.
+    """
     pose[0] = t
     for i in range(7):
         pose[1 + i] = x[i if i < 3 else 3 + i]
@@ -101,10 +114,19 @@ def replay(
 ) -> bool:
     """Run from snapshot `first` to the end, each measurement at its own time.
 
-    Returns whether the end is sound: finite, and no variance negative.
+    Args:
+        first: index of the snapshot to begin at.
+        times: (s,), s, when the snapshots were taken.
+        xs: (s, 16 + 3 m) states; those after `first` are written.
+        Ps: (s, n, n) covariances; those after `first` are written.
+        imu: (k, 8) inertial intervals.
+        track: (k, 8), time, p and q at the end of each interval; written.
+        log: (j, 21) measurements in order; outcome, ε and innovation are written.
+        noise: densities of the process noise.
+        gates: of ε, by kind of measurement.
 
-    `times` (s,), `xs` (s, ·) and `Ps` (s, n, n) are snapshots, those after `first` are written;
-    `imu` (k, 8) and `track` (k, 8: time, p, q) belong together; `log` (j, 21) is in order.
+    Returns:
+        Whether the end is sound: finite, and no variance negative.
     """
     x, P, t = np.empty(len(xs[0])), np.empty(Ps[0].shape), times[first]
     copy(xs[first], Ps[first], x, P)

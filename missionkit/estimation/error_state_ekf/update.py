@@ -133,12 +133,16 @@ def isolate(P: Mat, first: int, variance: float) -> None:
 def forget_vehicle(P: Mat, position_sd: float, drift: Vec3) -> None:
     """Admit that p is wrong by position_sd (m); unless drift[0] is 0, that v, θ, b_a are as well.
 
-    `drift` (3,) holds their standard deviations (m/s, rad, m/s²).
-
     With a good velocity the vehicle cannot have drifted so far: the origin of the satellite
     positions has moved, and targets that were ever seen from here move along: P += σ² T Tᵀ,
     T = I over δp and their δl. One that only the mission file knows has no covariance with p,
     and stays where it is; so do all if the velocity was wrong.
+
+    Args:
+        P: (n, n), changed in place.
+        position_sd: m, on each axis.
+        drift: (3,), standard deviations of v, θ and b_a (m/s, rad, m/s²); the first is 0: they are
+            right.
     """
     n = len(P)
     moves = np.zeros(n)

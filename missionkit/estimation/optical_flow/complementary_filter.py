@@ -67,8 +67,13 @@ def lean(q: Vec3, bias: Vec3, accel: Vec3, gyro: Vec3, dt: float, gains: Vec3) -
 def steer(q: Vec3, bias: Vec3, field: Vec3, declination: float, dt: float, gains: Vec3) -> None:
     """Turn q about the vertical towards the magnetometer's north, in place.
 
-    `field` (3,) is in body axes and may have any length; `declination` (rad); `dt` (s) since the
-    field was last received; `gains` as for `lean`.
+    Args:
+        q: (4,) body to world, changed in place.
+        bias: (3,) of the gyroscope, rad/s, FRD, changed in place.
+        field: (3,), body axes, of any length.
+        declination: of magnetic from true north, rad, positive to the east.
+        dt: s, since the field was last received.
+        gains: (2,), k_p (1/s) and k_i (1/s²).
     """
     m = rotate(q, field)
     if not abs(m[0]) + abs(m[1]) > 1e-6:
@@ -90,9 +95,19 @@ def carry(
 ) -> float:
     """Turn q through inertial intervals (k, 8: `state_layout`) from time `since`.
 
-    Writes the mean acceleration (3,), m/s², NED, into `pull` and the mean of the turn rate
-    without bias (3,), rad/s, FRD, into `rates`; they are zero if no time passed. Returns their
-    length (s).
+    Mean acceleration and turn rate are zero if no time passed.
+
+    Args:
+        q: (4,) body to world, changed in place.
+        bias: (3,) of the gyroscope, rad/s, FRD, changed in place.
+        imu: (k, 8) inertial intervals, by `state_layout`.
+        since: s, where the first interval begins.
+        gains: (2,), k_p (1/s) and k_i (1/s²).
+        pull: (3,), m/s², NED, overwritten by the mean acceleration.
+        rates: (3,), rad/s, FRD, overwritten by the mean turn rate without bias.
+
+    Returns:
+        Length of the intervals together, s.
     """
     before, total = since, 0.0
     for i in range(3):
