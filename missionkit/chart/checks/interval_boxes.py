@@ -83,6 +83,11 @@ def intersection(one: Boxes, other: Boxes, *, sure: bool) -> Boxes:
     """Return the situations in both.
 
     Beyond the caps the answer is too small if it must be `sure`, else too large.
+
+    Args:
+        one: union of boxes.
+        other: union of boxes.
+        sure: whether the answer must hold no situation that is outside either set.
     """
     met: list[Box] = []
     for here in one:

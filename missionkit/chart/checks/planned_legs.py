@@ -49,7 +49,16 @@ def legs(chart: AnalysedChart) -> Iterator[PlannedLeg]:
 
 
 def goal_of(chart: AnalysedChart, state: State, start: Point3) -> Point3 | None:
-    """Return where a state's behaviour takes the vehicle, None if it is not known exactly."""
+    """Return where a state's behaviour takes the vehicle, None if it is not known exactly.
+
+    Args:
+        chart: of the whole mission, for the positions of its targets.
+        state: of which the behaviour is looked at.
+        start: m, NED, where the vehicle is when the state is entered.
+
+    Returns:
+        m, NED, or `None`.
+    """
     if state.behavior is None:
         return None
     plugin = state.behavior.plugin

@@ -69,7 +69,14 @@ def layout(
     initial: int,
     low: Collection[int] = (),
 ) -> Layout:
-    """Place a chart with the initial state on top and the states `low` at the bottom."""
+    """Place a chart with the initial state on top and the states `low` at the bottom.
+
+    Args:
+        states: sizes, px.
+        links: arrows by the indices of their states in `states`, with labels.
+        initial: index of the state that everything starts in.
+        low: indices of states that nothing leads out of.
+    """
     graph = _with_vertices(states, links, ranks(len(states), links, initial, low))
     layers = _ordered(graph)
     xs, rows = _columns(graph, layers), _rows(graph, layers)
@@ -92,6 +99,12 @@ def ranks(
     """Return each state's layer: the longest way to it, links that close a circle turned round.
 
     Nothing leads out of the states `low`: they are in the last layer.
+
+    Args:
+        count: number of states.
+        links: arrows by the indices of their states.
+        initial: index; the search for circles begins there.
+        low: indices of states that nothing leads out of.
     """
     ahead: list[list[int]] = [[] for _ in range(count)]
     for source, target, _ in links:

@@ -73,6 +73,11 @@ def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHIN
     """Return the mission as a Mermaid state diagram; what is marked has numbers and a red border.
 
     Mermaid cannot colour, dash or widen the arrows of a state diagram: notes stand in words only.
+
+    Args:
+        mission: elaborated, so that its default failsafes are drawn.
+        marks: numbers of the problems found, by state and transition.
+        overlay: what a campaign flew, as notes beside states and transitions.
     """
     ids = _ids(mission.by_name())
     first = ids[mission.initial.to[0]]

@@ -57,7 +57,14 @@ def _tip(key: str, name: str) -> str:
 
 
 def arrow(route: Sequence[Point], style: str, key: str, weight: float) -> str:
-    """Return an arrow along a route; `style` says how it looks, `weight` (0 to 1) how strong."""
+    """Return an arrow along a route; `style` says how it looks, `weight` (0 to 1) how strong.
+
+    Args:
+        route: px, from the border of one box to that of another.
+        style: CSS classes; `marked` and `pale` have tips of their own.
+        key: prefix of the ids of the tips, one for each picture of a page.
+        weight: 0 to 1, how much wider than the thinnest line.
+    """
     kind = next((name for mark, name in (("marked", "red"), ("pale", "pale")) if mark in style), "")
     tip = kind or ("heavy" if weight > 0 else "arrow")
     wide = f' style="stroke-width:{1.4 + HEAVIEST * weight:.1f}"' if weight > 0 else ""
@@ -74,7 +81,14 @@ def _curve(points: Sequence[Point]) -> str:
 
 
 def rectangle(place: Rectangle, style: str, radius: int, more: str = "") -> str:
-    """Return a box with round corners."""
+    """Return a box with round corners.
+
+    Args:
+        place: centre and size, px.
+        style: CSS class.
+        radius: of the corners, px.
+        more: further attributes, with a leading blank, already escaped.
+    """
     x, y, box = place
     return (
         f'<rect class="{style}" x="{x - box.width / 2:.1f}" y="{y - box.height / 2:.1f}" '
@@ -83,7 +97,14 @@ def rectangle(place: Rectangle, style: str, radius: int, more: str = "") -> str:
 
 
 def text(line: str, x: float, y: float, style: str) -> str:
-    """Return words in the middle of a place."""
+    """Return words in the middle of a place.
+
+    Args:
+        line: escaped here.
+        x: px, centre of the words.
+        y: px, baseline of the words.
+        style: CSS class.
+    """
     return (
         f'<text class="{style}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{escape(line)}</text>'
     )
@@ -110,7 +131,13 @@ def strip_height(lines: Sequence[str]) -> float:
 
 
 def stacked(strips: Sequence[tuple[str, Sequence[str]]], y: float, wide: float) -> Iterator[str]:
-    """Yield strips, each a style and lines, one below the other."""
+    """Yield strips, each a style and lines, one below the other.
+
+    Args:
+        strips: CSS class and lines of each; a line with a leading blank is indented.
+        y: px, top of the first strip.
+        wide: px, of every strip.
+    """
     for style, lines in strips:
         height = strip_height(lines)
         yield (

@@ -52,7 +52,13 @@ class Scope:
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:
-        """Collect the names that a document in `folder` defines."""
+        """Collect the names that a document in `folder` defines.
+
+        Args:
+            data: the document as read, not validated yet; what has the wrong type counts as empty.
+            catalogue: reduced to what the vehicle named in `data` can fly.
+            folder: to which the names of files in the document are relative.
+        """
         targets, guards, variables = (
             _names(data.get(key)) for key in ("targets", "guards", "variables")
         )

@@ -62,6 +62,11 @@ class Reference:
 def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     """Return the plug-in that `{use: kind, ...}`, or the bare kind, stands for.
 
+    Args:
+        data: a table with `use` and parameters, or the bare kind as text.
+        group: key of `GROUPS`, such as "guards".
+        scope: names and plug-ins known to the document.
+
     Raises:
         ValidationError: it is none, or its parameters are wrong, in sentences.
     """

@@ -50,6 +50,11 @@ def due(state: State, nearest: Nearest, catalogue: Catalogue) -> Iterator[Failsa
 
     A transition that waits for `done` alone or for an event from outside replaces none, nor does
     one to a state that was made for something else.
+
+    Args:
+        state: of a kind in the catalogue, with the transitions of its author.
+        nearest: where a failsafe of each kind would lead from here.
+        catalogue: has the default failsafes of each kind.
     """
     have = {
         nearest.every[to].state.kind

@@ -79,7 +79,13 @@ def _told(data: object, path: Path, what: Mistake, origin: str | None, *, hinted
 def error_details(
     error: ValidationError, model: type[BaseModel], data: object
 ) -> Iterator[tuple[Path, Mistake]]:
-    """Yield path and sentence for each error of `model` on `data`."""
+    """Yield path and sentence for each error of `model` on `data`.
+
+    Args:
+        error: raised by `model`.
+        model: for the names of its fields and the units in its messages.
+        data: as it was written; paths are those of the text, not of the model.
+    """
     for item in error.errors(include_url=False):
         path = written_path(data, item["loc"])
         carries = item["type"] == "mistake"

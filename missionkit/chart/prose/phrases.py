@@ -97,7 +97,13 @@ def reason(transition: Transition, done: str = OWN) -> str:
 
 
 def held(when: ex.Expression, seconds: float, done: str = OWN) -> str:
-    """Say that a guard must hold, and how long."""
+    """Say that a guard must hold, and how long.
+
+    Args:
+        when: the guard's expression.
+        seconds: for which it must hold; 0 for at once.
+        done: words for a behaviour that has finished.
+    """
     lasting = f", for {seconds:g} s without a break" if seconds else ""
     return f"when {guard(when, done)}{lasting}"
 

@@ -72,7 +72,13 @@ class ExplainedChart:
 
 
 def state_sentences(chart: ExplainedChart, placed: Placed, depth: int) -> Iterator[Sentences]:
-    """Yield what a state is, what it does, what must hold in it, and how it is left."""
+    """Yield what a state is, what it does, what must hold in it, and how it is left.
+
+    Args:
+        chart: of the whole mission, with the names of states and failsafes added by defaults.
+        placed: the state and its parent.
+        depth: of the heading; everything below it is one deeper.
+    """
     name, state, _ = placed
     yield topic(f"{name}, {_nature(chart, placed)}", depth)
     sentences = [

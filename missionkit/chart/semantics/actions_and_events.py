@@ -22,6 +22,14 @@ def assigned(
     """Return the values after an assignment, and what was wrong with it.
 
     A value that is not of the variable's type or outside its range changes nothing.
+
+    Args:
+        variables: declarations, with type and range.
+        values: before the assignment; never changed.
+        output: variable and operand.
+
+    Returns:
+        New values and "", or the old ones and a sentence for the record.
     """
     name = output.text
     value = _value(values, output)

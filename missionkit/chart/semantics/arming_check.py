@@ -14,6 +14,12 @@ def against_arming(chart: Chart, memory: ChartMemory, seen: Estimate, contain: C
     A failsafe counts that holds now, for however long it would have to in the air; and one that
     cannot tell, if it would act at once then. What counts from the entry of a state counts as if
     one had been entered just now.
+
+    Args:
+        chart: compiled; its failsafes are looked at.
+        memory: of the state on the ground. Nothing is changed in it.
+        seen: the estimate at this tick, on the ground.
+        contain: calls the guards; a guard that raises is unknown.
     """
     fresh = seen.standing(memory.state, seen.now, done=False, goal=None)
     question = GuardContext(fresh, memory.windows, contain, memory.active, memory.variables)

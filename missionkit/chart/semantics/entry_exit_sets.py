@@ -51,7 +51,14 @@ class Move(NamedTuple):
 def move(
     chart: Chart, active: Configuration, chosen: Sequence[Transition], history: History
 ) -> Move:
-    """Return what taking `chosen` together does; worked out once where no history matters."""
+    """Return what taking `chosen` together does; worked out once where no history matters.
+
+    Args:
+        chart: compiled; results are kept in its `moves`.
+        active: configuration before the step.
+        chosen: transitions without conflicts.
+        history: configuration each history state remembers.
+    """
     if len(chosen) == 1 and chosen[0].number > 0:
         key: tuple[Any, ...] = (active, chosen[0].number)
     else:
@@ -79,6 +86,12 @@ def without_conflicts(
     """Return the transitions that can be taken together: removeConflictingTransitions.
 
     Of two that exit a common state, the one from the inner source wins, else the earlier one.
+
+    Args:
+        chart: compiled.
+        active: configuration before the step.
+        enabled: in document order.
+        history: configuration each history state remembers.
     """
     walk = _Walk(chart, history)
     kept: list[Transition] = []
@@ -98,7 +111,13 @@ def without_conflicts(
 
 
 def finished(chart: Chart, name: str, active: Iterable[str]) -> bool:
-    """Say whether a state is in a final state: isInFinalState."""
+    """Say whether a state is in a final state: isInFinalState.
+
+    Args:
+        chart: compiled.
+        name: of the state; one without children is not finished.
+        active: names of the active states.
+    """
     state = chart.states[name]
     if state.shape is Shape.COMPOUND:
         return any(

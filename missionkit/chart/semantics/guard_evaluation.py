@@ -11,7 +11,14 @@ from missionkit.chart.semantics.verdict_validation import TRUTHS
 def evaluated(
     here: Configuration, memory: ChartMemory, question: GuardContext, held: dict[int, float]
 ) -> bool:
-    """Ask the guards of every transition, and say whether one without an event may be ready."""
+    """Ask the guards of every transition, and say whether one without an event may be ready.
+
+    Args:
+        here: the active configuration, with its guards sorted by how they are asked.
+        memory: when each state was entered, and since when guards hold.
+        question: the estimate; the answers are collected in it.
+        held: filled with the mission time (s) since which each guard with a hold time has held.
+    """
     now, entered = question.seen.now, memory.entered
     moving = _asked_directly(here, memory, question)
     if moving is None:
@@ -68,7 +75,14 @@ def _asked_carefully(here: Configuration, memory: ChartMemory, question: GuardCo
 def ready(
     transition: Transition, memory: ChartMemory, question: GuardContext, held: dict[int, float]
 ) -> bool:
-    """Ask a transition's guard and say whether it has held for long enough."""
+    """Ask a transition's guard and say whether it has held for long enough.
+
+    Args:
+        transition: without a guard it is ready only if it fires on unknown.
+        memory: since when guards hold.
+        question: the estimate; the answer is collected in it.
+        held: gets the mission time (s) since which this guard has held, by number of transition.
+    """
     ask = transition.ask
     holds = None if ask is None else ask(question).holds
     if not (transition.unknown_takes if holds is None else holds):

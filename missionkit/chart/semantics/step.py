@@ -34,7 +34,17 @@ _new = tuple.__new__  # quicker than the class's own
 def decide(
     chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
 ) -> tuple[ChartMemory, Decision]:
-    """Advance the guards' windows, ask every guard, and take what is to be taken."""
+    """Advance the guards' windows, ask every guard, and take what is to be taken.
+
+    Args:
+        chart: compiled.
+        memory: as returned by the last step.
+        seen: the estimate at this tick, with the events that came since the last.
+        contain: calls the guards; one that raises is unknown and noted.
+
+    Returns:
+        What to remember, and what was decided and why. Nothing passed in is changed.
+    """
     active, _, windows, variables, _, _, was_held, was_violated, started, ended = memory
     here = chart.configurations.get(active) or configuration(chart, active)
     question = GuardContext(seen, windows, contain, active, variables)

@@ -27,7 +27,16 @@ def is_sound(verdict: Verdict) -> bool:
 
 
 def trusted(name: str, boxed: tuple[object] | None, question: GuardContext) -> Verdict:
-    """Return the verdict if it can be used; note what is wrong with it if not."""
+    """Return the verdict if it can be used; note what is wrong with it if not.
+
+    Args:
+        name: of the guard, for the note.
+        boxed: what it returned, or `None` if it raised.
+        question: of which the containment takes the note.
+
+    Returns:
+        Unknown instead of anything but a `Verdict` of a bool or `None` and finite numbers.
+    """
     if boxed is None:
         return Verdict.unknown("the guard failed")
     (answer,) = boxed

@@ -42,13 +42,26 @@ class Table(dict[str, Any]):
         self.value_places: dict[str, Place] = {}
 
     def put(self, key: str, value: object, key_place: Place, value_place: Place) -> None:
-        """Add an entry."""
+        """Add an entry.
+
+        Args:
+            key: as written.
+            value: plain data or another `Table` or `Row`.
+            key_place: for messages about the key.
+            value_place: for messages about the value.
+        """
         self[key] = value
         self.key_places[key] = key_place
         self.value_places[key] = value_place
 
     def extended(self, key: str, value: object, place: Place) -> Table:
-        """Return a copy with one more entry."""
+        """Return a copy with one more entry.
+
+        Args:
+            key: as if it had been written.
+            value: plain data.
+            place: for messages about key and value.
+        """
         table = Table(self.place)
         table.update(self)
         table.key_places.update(self.key_places)
@@ -83,7 +96,13 @@ def place_of(data: object) -> Place:
 
 
 def place_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
-    """Return where the value at `path` stands, or its nearest container that is written down."""
+    """Return where the value at `path` stands, or its nearest container that is written down.
+
+    Args:
+        data: root of the document.
+        path: keys and indices from the root.
+        root: returned for what is not in the text at all.
+    """
     place = root
     for step in path:
         if isinstance(data, Table) and isinstance(step, str):
@@ -109,7 +128,13 @@ def written_path(data: object, path: tuple[int | str, ...]) -> tuple[int | str, 
 
 
 def key_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
-    """Return where the key that ends `path` stands."""
+    """Return where the key that ends `path` stands.
+
+    Args:
+        data: root of the document.
+        path: keys and indices from the root, not empty.
+        root: returned for what is not in the text at all.
+    """
     table = value_at(data, path[:-1])
     if isinstance(table, Table) and path[-1] in table:
         return table.key_places[str(path[-1])]

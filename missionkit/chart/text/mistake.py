@@ -39,7 +39,15 @@ def sentence(
     known: Collection[str] = (),
     at_key: bool = False,
 ) -> InitErrorDetails:
-    """Return one error, to be raised with `sentences`, at `path` below the value validated."""
+    """Return one error, to be raised with `sentences`, at `path` below the value validated.
+
+    Args:
+        message: without place and without remedy.
+        path: keys and indices below the value validated.
+        word: as written, for which the nearest of `known` is named.
+        known: words that would have been right.
+        at_key: whether the place is that of the key, instead of its value.
+    """
     return carried(Mistake(message, word, known, at_key), path)
 
 

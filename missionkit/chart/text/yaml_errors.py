@@ -23,7 +23,13 @@ _SENTENCES = {
 
 
 def syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
-    """Turn a parser's error into a problem at the place where the mistake was made."""
+    """Turn a parser's error into a problem at the place where the mistake was made.
+
+    Args:
+        error: of the parser.
+        text: of the whole file, to look at the character at the mark.
+        file: name to be shown.
+    """
     if not isinstance(error, yaml.MarkedYAMLError):
         return Problem(Place(file, 1, 1), "not valid YAML")
     mark = error.problem_mark or error.context_mark

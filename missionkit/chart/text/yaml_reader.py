@@ -90,6 +90,11 @@ def read_file(path: Path, inside: str = "") -> Document:
 def read(text: str, file: str, inside: str = "") -> Document:
     """Read one YAML document.
 
+    Args:
+        text: of the file; a byte order mark is skipped.
+        file: name to be shown.
+        inside: name of the file that includes this one.
+
     Raises:
         FileError: the text is not YAML, empty, too large or too deep, so that nothing more can be
             said about it. Smaller problems are in the document.
