@@ -45,6 +45,12 @@ def passing(before: Vec3, x: Vec3, dt: float, out: Vec3) -> None:
 
     With the mean velocity v and rate ω in the axes of mid-interval, and d the mean distance:
     ẋ = -v_x / d - ω_y,  ẏ = -v_y / d + ω_x.
+
+    Args:
+        before: (13,) state at the start of the interval.
+        x: (13,) state at its end.
+        dt: s.
+        out: (5,), overwritten.
     """
     turn = _log(_multiply(_conjugate(before[6:10]), x[6:10]))
     middle = _multiply(before[6:10], _exp(0.5 * turn))
@@ -60,8 +66,16 @@ def passing(before: Vec3, x: Vec3, dt: float, out: Vec3) -> None:
 def look(before: Vec3, x: Vec3, dt: float, noise: Vec3, lens: Vec3, out: Vec3) -> None:
     """Write flow (2,), the gyroscope's rates (3,) and the quality into `out` (6,).
 
-    `noise` (5,) is standard normal; `lens` (10,): scale, noise of flow (2) and gyroscope, biases
-    (3), least and most distance, fastest flow. Where nothing is seen flow and quality are 0.
+    Where nothing is seen flow and quality are 0.
+
+    Args:
+        before: (13,) state at the start of the interval.
+        x: (13,) state at its end.
+        dt: s.
+        noise: (5,), standard normal.
+        lens: (10,): scale, noise of flow (2) and gyroscope (rad/s), biases (3, rad/s), least and
+            most distance (m), fastest flow (rad/s).
+        out: (6,), rad/s and 0 to 1, overwritten.
     """
     passing(before, x, dt, out)
     for i in range(3):

@@ -59,7 +59,13 @@ class TrueTrack:
         self._count = 0
 
     def add(self, at: float, state: Vec3, rest: tuple[float, ...]) -> None:
-        """Append a row: time (s), state (13,), and the seven numbers that follow it."""
+        """Append a row: time (s), state (13,), and the seven numbers that follow it.
+
+        Args:
+            at: not before the last row.
+            state: p (m, NED), v (m/s, NED), q (body to world), ω (rad/s, body).
+            rest: on ground, armed, mode, crashed, charge, clearance (m), energy (J).
+        """
         if self._count == len(self._rows):
             self._rows = np.concatenate((self._rows, np.empty_like(self._rows)))
         row = self._rows[self._count]

@@ -132,6 +132,14 @@ def accelerate(x: Vec3, memory: Vec3, now: float, gains: Gains, want: Vec3, push
 
     a = k (v_want - v) + i, with i the clamped integral of k_i (v_want - v). A loop that is too slow
     wants the same until its next turn.
+
+    Args:
+        x: (13,) state.
+        memory: by `kernel_layout`, changed in place.
+        now: s.
+        gains: and limits of the loop.
+        want: (3,), m/s, NED.
+        push: (3,), overwritten.
     """
     dt = max(at.DT, memory[at.LOOP_PERIOD])
     if dt > at.DT and now < memory[at.LOOP_DUE] - 1e-9:

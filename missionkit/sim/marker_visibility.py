@@ -72,7 +72,13 @@ def project(point: Vec3, lens: PinholeLens) -> tuple[float, float]:
 
 @compiled
 def exposed(things: Mat, eye: Vec3, point: Vec3) -> bool:
-    """Tell whether nothing stands between `eye` and `point` (3,), m, NED."""
+    """Tell whether nothing stands between `eye` and `point` (3,), m, NED.
+
+    Args:
+        things: (n, ·) obstacles, a row each.
+        eye: (3,), m, NED.
+        point: (3,), m, NED, not at `eye`.
+    """
     way = point - eye
     far = math.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
     return bool(cast(things, eye, way / far) > far - TOUCHING)

@@ -63,7 +63,16 @@ def view_of(camera: Transform, lens: Lens) -> View:
 
 
 def in_sight(view: View, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_]:
-    """Say which spheres (N, 3), (N,), m, NED, reach into the pyramid of sight."""
+    """Say which spheres (N, 3), (N,), m, NED, reach into the pyramid of sight.
+
+    Args:
+        view: of the camera.
+        centres: (N, 3), m, NED.
+        radii: (N,), m.
+
+    Returns:
+        (N,).
+    """
     width, height = view.size
     corners = np.array([[0, width, width, 0], [0, 0, height, height], [1, 1, 1, 1]])
     rays = (np.linalg.inv(view.projection) @ corners).T

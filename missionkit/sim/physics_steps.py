@@ -26,7 +26,15 @@ from missionkit.sim.rigid_body import advance, electrical_power, touch
 
 @compiled
 def blow(memory: Vec3, noise: Vec3, air: Air, extra: Vec3, wind: Vec3) -> None:
-    """Advance the gust by one step and write the wind (3,), m/s, NED, into `wind`."""
+    """Advance the gust by one step and write the wind (3,), m/s, NED, into `wind`.
+
+    Args:
+        memory: by `kernel_layout`; the gust in it is changed.
+        noise: (3,), standard normal.
+        air: mean wind (m/s, NED), and how the gust decays and is driven.
+        extra: (3,), m/s, NED, of a fault.
+        wind: (3,), overwritten.
+    """
     for n in range(3):
         kick = air.kick * (0.5 if n == 2 else 1.0)
         memory[at.GUST + n] = air.keep * memory[at.GUST + n] + kick * noise[n]

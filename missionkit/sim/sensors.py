@@ -58,7 +58,13 @@ class GnssSensor:
         self._drift = model.drift_sd * self._noise.take(1)[0, :3]
 
     def measure(self, at: float, x: Vec3, offset: Vec3) -> Gnss:
-        """Return the fix valid at `at` (s); `offset` (3,), m, NED, is a fault's."""
+        """Return the fix valid at `at` (s); `offset` (3,), m, NED, is a fault's.
+
+        Args:
+            at: s.
+            x: (13,) true state.
+            offset: (3,), m, NED; zero without a fault.
+        """
         noise = self._noise.take(1)[0]
         self._drift = self._keep * self._drift + self._kick * noise[6:]
         position = x[:3] + self._drift + self._white * noise[:3] + offset
@@ -80,7 +86,16 @@ class BaroSensor:
         self._last: float | None = None  # m
 
     def measure(self, at: float, x: Vec3, *, stuck: bool) -> Baro:
-        """Return the height at `at` (s); one that is `stuck` repeats the last."""
+        """Return the height at `at` (s); one that is `stuck` repeats the last.
+
+        Args:
+            at: s.
+            x: (13,) true state.
+            stuck: by a fault.
+
+        Returns:
+            m above the world's origin.
+        """
         white, walk = self._noise.take(1)[0].tolist()
         self._drift = self._keep * self._drift + self._kick * walk
         if not stuck or self._last is None:
@@ -120,7 +135,13 @@ class BatteryGauge:
         return max(0.0, self._model.charge - energy / self._joules - self.sag)
 
     def measure(self, at: float, energy: float, power: float) -> Battery:
-        """Return the reading at `at` (s) with `power` (W) being taken."""
+        """Return the reading at `at` (s) with `power` (W) being taken.
+
+        Args:
+            at: s.
+            energy: taken so far, J.
+            power: W.
+        """
         charge = self.charge(energy)
         idle = 13.2 + 3.6 * charge  # V, four cells
         return Battery(at, charge, idle - self._model.resistance * power / idle)

@@ -41,7 +41,13 @@ def refused(state: SitlState) -> int:
 
 
 def hear(state: SitlState, channel: Channel, message: Message) -> None:
-    """Carry out a command and acknowledge it to who sent it."""
+    """Carry out a command and acknowledge it to who sent it.
+
+    Args:
+        state: of the autopilot, changed.
+        channel: on which the command came, and on which it is acknowledged.
+        message: COMMAND_LONG or COMMAND_INT.
+    """
     order = order_of(message, channel)
     handler = HANDLERS.get(order.command)
     denied = state.troubles.active("command_denied", state.now)
@@ -54,7 +60,15 @@ def hear(state: SitlState, channel: Channel, message: Message) -> None:
 
 
 def acknowledge(state: SitlState, channel: Channel, who: Sender, command: int, result: int) -> None:
-    """Send COMMAND_ACK, unless a fault keeps it."""
+    """Send COMMAND_ACK, unless a fault keeps it.
+
+    Args:
+        state: with the faults that are active.
+        channel: on which the command came.
+        who: sent the command.
+        command: MAV_CMD.
+        result: MAV_RESULT.
+    """
     ack = mavlink.MAVLink_command_ack_message(command, result, 0, 0, *who)
     if state.troubles.active("acks_lost", state.now):
         return

@@ -26,7 +26,16 @@ Answer = dict[str, Any]
 
 
 def truth(state: SitlState, _: Any, __: Answer) -> Answer:
-    """Return the true state of the vehicle, and the autopilot's mode."""
+    """Return the true state of the vehicle, and the autopilot's mode.
+
+    Args:
+        state: of the autopilot.
+        _: not used.
+        __: not used.
+
+    Returns:
+        SI, NED; `None` as clearance where there are no obstacles.
+    """
     now = state.body.truth
     return {
         "at": now.at,
@@ -49,7 +58,13 @@ def truth(state: SitlState, _: Any, __: Answer) -> Answer:
 
 
 def track(state: SitlState, _: Any, request: Answer) -> Answer:
-    """Return the true track, from `since` (s) on."""
+    """Return the true track, from `since` (s) on.
+
+    Args:
+        state: of the autopilot.
+        _: not used.
+        request: `since` (s), and `every`: each how manieth row is wanted.
+    """
     rows = state.body.track.rows
     rows = rows[rows[:, 0] >= float(request.get("since", 0.0))]
     every = max(1, int(request.get("every", 1)))
@@ -58,19 +73,40 @@ def track(state: SitlState, _: Any, request: Answer) -> Answer:
 
 
 def journal(state: SitlState, what: Any, request: Answer) -> Answer:
-    """Return what happened, from `since` (s) on, of one kind or (`true`) of all."""
+    """Return what happened, from `since` (s) on, of one kind or (`true`) of all.
+
+    Args:
+        state: of the autopilot.
+        what: kind of note, or `true`.
+        request: `since` (s).
+    """
     since = float(request.get("since", 0.0))
     notes = [n for n in state.journal if n.at >= since and what in {True, n.what}]
     return {"notes": [n._asdict() for n in notes]}
 
 
 def time(state: SitlState, _: Any, __: Answer) -> Answer:
-    """Return simulated time (s), time since boot (s) and the machine's clock (s)."""
+    """Return simulated time (s), time since boot (s) and the machine's clock (s).
+
+    Args:
+        state: of the autopilot.
+        _: not used.
+        __: not used.
+    """
     return {"time": state.now, "boot": state.micros / 1e6, "wall": state.wall()}
 
 
 def fault(state: SitlState, text: Any, request: Answer) -> Answer:
-    """Let something go wrong: `NAME[=VALUE][@WHEN][+DURATION]`, at once without WHEN."""
+    """Let something go wrong: `NAME[=VALUE][@WHEN][+DURATION]`, at once without WHEN.
+
+    Args:
+        state: of the autopilot; the fault is added.
+        text: as above.
+        request: `after`, s from now, where the text has no WHEN.
+
+    Raises:
+        UsageError: there is no such fault, or its value does not fit.
+    """
     found = read_fault(str(text), state.dialect)
     if "@" not in str(text):
         found = found._replace(start=state.now + float(request.get("after", 0.0)))
@@ -79,20 +115,41 @@ def fault(state: SitlState, text: Any, request: Answer) -> Answer:
 
 
 def clear(state: SitlState, name: Any, _: Answer) -> Answer:
-    """End the faults of that name, or (`true`) all."""
+    """End the faults of that name, or (`true`) all.
+
+    Args:
+        state: of the autopilot.
+        name: of the fault, or `true`.
+        _: not used.
+    """
     state.troubles.clear(None if name is True else str(name))
     return {"ok": True}
 
 
 def entered(state: SitlState, name: Any, _: Answer) -> Answer:
-    """Say that the mission entered a state, for faults that wait for it."""
+    """Say that the mission entered a state, for faults that wait for it.
+
+    Args:
+        state: of the autopilot.
+        name: of the mission's state; only its first entry counts.
+        _: not used.
+    """
     state.troubles.entered.setdefault(str(name), state.now)
     state.body.entered(str(name), state.now)
     return {"ok": True}
 
 
 def parameter(state: SitlState, name: Any, request: Answer) -> Answer:
-    """Return a parameter, after setting it to `value` if that is given."""
+    """Return a parameter, after setting it to `value` if that is given.
+
+    Args:
+        state: of the autopilot.
+        name: of the parameter, as the dialect spells it.
+        request: `value`, a finite number.
+
+    Raises:
+        UsageError: no such parameter, or the value is not finite.
+    """
     if str(name) not in state.parameters.names:
         raise UsageError(
             f"unknown parameter {name!r}: {nearest(str(name), state.parameters.names)}"

@@ -31,7 +31,13 @@ def cruise(state: SitlState) -> float:
 
 
 def act(state: SitlState, action: Action, mode: str) -> Command | None:
-    """Return the action, unless the inner autopilot is in its mode already."""
+    """Return the action, unless the inner autopilot is in its mode already.
+
+    Args:
+        state: of the autopilot.
+        action: for the inner autopilot.
+        mode: of the inner autopilot, which the action leads to.
+    """
     return None if state.body.truth.mode == mode else Command(action=action)
 
 
@@ -41,6 +47,12 @@ def to(state: SitlState, aim: SetpointTarget) -> Command:
 
 
 def there(state: SitlState, aim: SetpointTarget, radius: float) -> bool:
-    """Tell whether it is within `radius` (m) of the position of a target."""
+    """Tell whether it is within `radius` (m) of the position of a target.
+
+    Args:
+        state: of the autopilot.
+        aim: axes without a position count as 0.
+        radius: m.
+    """
     gap = vec(*(goal or 0.0 for goal in aim.position)) - state.body.position
     return norm(gap) < radius

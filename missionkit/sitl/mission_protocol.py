@@ -37,7 +37,13 @@ class MissionProtocol:
         self._upload: Upload | None = None
 
     def hear(self, state: SitlState, channel: Channel, message: Message) -> None:
-        """Answer a message of the mission protocol."""
+        """Answer a message of the mission protocol.
+
+        Args:
+            state: of the autopilot; its plans are changed.
+            channel: on which the message came, and the answer goes.
+            message: of the mission protocol; an acknowledgement is not answered.
+        """
         who = sender(message)
         kind = getattr(message, "mission_type", MISSION)
         match message.get_type():

@@ -82,13 +82,26 @@ class TrackingLimits(NamedTuple):
 def towards(
     at: float, position: Vec3, *, yaw: float | None = None, speed: float | None = None
 ) -> SetpointTarget:
-    """Return the target of being at `position` (3,), m, NED."""
+    """Return the target of being at `position` (3,), m, NED.
+
+    Args:
+        at: s, when it was set.
+        position: (3,), m, NED.
+        yaw: rad, clockwise from north; kept if absent.
+        speed: m/s; that of the limits if absent.
+    """
     n, e, d = map(float, position)
     return SetpointTarget(at, position=(n, e, d), yaw=yaw, speed=speed)
 
 
 def follow(target: SetpointTarget, body: SimulatedBody, limits: TrackingLimits) -> Setpoint:
-    """Return the velocity and yaw rate that bring the vehicle to the target."""
+    """Return the velocity and yaw rate that bring the vehicle to the target.
+
+    Args:
+        target: from the wire or a mission.
+        body: the true vehicle.
+        limits: of speeds, accelerations and rates.
+    """
     if target.attitude is not None:
         return _inclined(target, target.attitude, body, limits)
     back, ahead = vec(0.0, 0.0, 0.0), vec(0.0, 0.0, 0.0)

@@ -217,14 +217,27 @@ class SitlState:
                 channel.send(mavlink.MAVLink_statustext_message(severity, words), self.now)
 
     def warn_once(self, key: str, text: str, severity: int = WARNING) -> None:
-        """Tell everyone, once until `warned` forgets it."""
+        """Tell everyone, once until `warned` forgets it.
+
+        Args:
+            key: by which it is remembered.
+            text: of the STATUSTEXT.
+            severity: MAV_SEVERITY.
+        """
         if key not in self.warned:
             self.warned.add(key)
             self.say(text, severity)
 
 
 def take_over(state: SitlState, name: str, flight: Flight, *, wait: float = 0.0) -> None:
-    """Let a failsafe fly; `wait` (s) of holding come first. Each takes over once."""
+    """Let a failsafe fly; `wait` (s) of holding come first. Each takes over once.
+
+    Args:
+        state: of the autopilot, changed.
+        name: of the failsafe, for the STATUSTEXT and the journal.
+        flight: what it does.
+        wait: s, of holding before.
+    """
     if name in state.warned or state.mode.does is flight:
         return
     state.warn_once(name, f"Failsafe activated: {name}", ALERT)

@@ -34,6 +34,11 @@ class Link(Protocol):
 def open_link(text: str, autopilot: MavlinkAutopilot, selector: selectors.BaseSelector) -> Link:
     """Open a link.
 
+    Args:
+        text: `udpout:HOST:PORT`, `udpin:HOST:PORT` or `tcpin:HOST:PORT`.
+        autopilot: hears what comes in.
+        selector: the sockets are registered there.
+
     Raises:
         UsageError: not of the form above.
         VehicleError: the port is taken.

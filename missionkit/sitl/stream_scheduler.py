@@ -179,6 +179,12 @@ def ask(state: SitlState, channel: Channel, number: int, interval: float) -> boo
     """Change the interval (s) of a stream, 0: as after a start, less: off; tell whether it can.
 
     The heartbeat stays as it is.
+
+    Args:
+        state: of the autopilot.
+        channel: whose streams are changed; other channels keep theirs.
+        number: id of the message.
+        interval: s.
     """
     if not known(state, number) or number == HEARTBEAT:
         return False
@@ -193,7 +199,14 @@ def ask(state: SitlState, channel: Channel, number: int, interval: float) -> boo
 
 
 def ask_group(state: SitlState, channel: Channel, group: int, rate: float) -> None:
-    """Set the rate (Hz) of a group of ArduPilot's streams, 0: off."""
+    """Set the rate (Hz) of a group of ArduPilot's streams, 0: off.
+
+    Args:
+        state: of the autopilot.
+        channel: whose streams are changed.
+        group: MAV_DATA_STREAM; an unknown one is ignored.
+        rate: Hz.
+    """
     groups = GROUPS if group == mavlink.MAV_DATA_STREAM_ALL else {group: GROUPS.get(group, ())}
     for numbers in groups.values():
         for number in numbers:

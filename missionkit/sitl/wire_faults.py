@@ -84,6 +84,14 @@ def _known(name: str) -> str:
 def value_of(name: str, text: str | None, dialect: ModeTable) -> float | None:
     """Return the value of a fault of this module.
 
+    Args:
+        name: of the fault, in `WIRE`.
+        text: after the `=`; `None`: the fault's default.
+        dialect: names the modes that a pilot can choose.
+
+    Returns:
+        In the unit of the fault; for `pilot_mode` the mode's number.
+
     Raises:
         UsageError: it does not fit.
     """

@@ -22,6 +22,12 @@ def axis(n: int, axes: Mat, others: Mat, line: Vec3) -> bool:
     """Write the n-th unit axis that may separate two cubes into `line`; False if it is none.
 
     Three of each cube, then the products of an edge of one with an edge of the other.
+
+    Args:
+        n: 0 to 14.
+        axes: (3, 3), a cube's axes as columns, world.
+        others: (3, 3), the other's.
+        line: (3,), overwritten.
     """
     for c in range(3):
         if n < 3:
@@ -42,7 +48,13 @@ def axis(n: int, axes: Mat, others: Mat, line: Vec3) -> bool:
 
 @compiled
 def reach(line: Vec3, axes: Mat, half: float) -> float:
-    """Return how far (m) a cube reaches from its centre along a unit axis."""
+    """Return how far (m) a cube reaches from its centre along a unit axis.
+
+    Args:
+        line: (3,), unit, world.
+        axes: (3, 3), the cube's axes as columns, world.
+        half: of an edge, m.
+    """
     total = 0.0
     for c in range(3):
         total += abs(line[0] * axes[0, c] + line[1] * axes[1, c] + line[2] * axes[2, c])
@@ -99,6 +111,12 @@ def touch(x: Vec3, memory: Vec3, body: Flyer, dock: Dock) -> None:
 
     A slow touch in the corridor stops the motion into the target, without rebound and friction.
     Any other touch is a crash: the chaser stops there.
+
+    Args:
+        x: (13,) state of the chaser, changed in place.
+        memory: by `flyer_layout`; clearance and crash are noted in it.
+        body: the chaser.
+        dock: the target, its corridor, and the closing speed (m/s) that is too hard.
     """
     offset = np.empty(3)
     for c in range(3):

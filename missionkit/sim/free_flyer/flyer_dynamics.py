@@ -54,7 +54,14 @@ def derivative(x: Vec3, wrench: Vec3, body: Flyer, out: Vec3) -> None:
 def advance(x: Vec3, wrench: Vec3, body: Flyer, dt: float, work: Vec3) -> None:
     """Move the state one step of `dt` (s), in place: classical Runge-Kutta of order four.
 
-    The wrench is constant in the body over the step; `work` is (5, 13) of scratch space.
+    The wrench is constant in the body over the step.
+
+    Args:
+        x: (13,) state, changed in place.
+        wrench: (6,), force (N) and torque (N·m), body.
+        body: mass (kg) and inertia (kg m²).
+        dt: s.
+        work: (5, 13), overwritten.
     """
     derivative(x, wrench, body, work[0])
     for stage in range(1, 4):

@@ -23,7 +23,13 @@ turn = compiled(rotate)
 
 @compiled
 def listen(memory: Vec3, now: float, body: Flyer) -> None:
-    """Take the wrench that is due; after too long a silence stop thrusting."""
+    """Take the wrench that is due; after too long a silence stop thrusting.
+
+    Args:
+        memory: by `flyer_layout`, changed in place.
+        now: s.
+        body: its `patience` (s) with silence.
+    """
     if memory[at.DUE_AT] <= now + 1e-9:
         for n in range(NOZZLES):
             memory[at.TOLD + n] = memory[at.DUE + n]
@@ -72,7 +78,14 @@ def stand(x: Vec3, memory: Vec3) -> None:
 
 @compiled
 def sample(memory: Vec3, noise: Vec3, body: Flyer, out: Vec3) -> None:
-    """Write one inertial sample (6,), specific force and rates, into `out`; `noise` is (9,)."""
+    """Write one inertial sample (6,), specific force and rates, into `out`.
+
+    Args:
+        memory: by `flyer_layout`; its sums begin again.
+        noise: (9,), standard normal: accelerometer, gyroscope, walk of the gyroscope's bias.
+        body: its standard deviations.
+        out: (6,), m/s² and rad/s, body, overwritten.
+    """
     for n in range(3):
         memory[at.GYRO_BIAS + n] += body.gyro_walk * noise[6 + n]
         accel = memory[at.FORCE_SUM + n] / IMU_EVERY + memory[at.ACCEL_BIAS + n]
@@ -84,7 +97,13 @@ def sample(memory: Vec3, noise: Vec3, body: Flyer, out: Vec3) -> None:
 
 @compiled
 def distance(x: Vec3, anchor: Vec3, body: Flyer) -> float:
-    """Return the true distance (m) from the radio, p + R(q) P, to an anchor."""
+    """Return the true distance (m) from the radio, p + R(q) P, to an anchor.
+
+    Args:
+        x: (13,) state.
+        anchor: (3,), m, world.
+        body: the place of its radio P (m, body).
+    """
     arm = turn(x[6:10], body.radio)
     a = x[0] + arm[0] - anchor[0]
     b = x[1] + arm[1] - anchor[1]
@@ -94,7 +113,15 @@ def distance(x: Vec3, anchor: Vec3, body: Flyer) -> float:
 
 @compiled
 def measure_range(x: Vec3, anchor: Vec3, noise: Vec3, rare: float, body: Flyer) -> float:
-    """Return a measured range (m): white noise, and a detour if `noise[1]` is below `rare`."""
+    """Return a measured range (m): white noise, and a detour if `noise[1]` is below `rare`.
+
+    Args:
+        x: (13,) state.
+        anchor: (3,), m, world.
+        noise: (3,): normal, uniform in 0 to 1, normal.
+        rare: probability of a detour.
+        body: the standard deviation and the length of a detour (m).
+    """
     detour = body.detour * abs(noise[2]) if noise[1] < rare else 0.0
     measured: float = distance(x, anchor, body) + body.range_sd * noise[0] + detour
     return max(0.0, measured)

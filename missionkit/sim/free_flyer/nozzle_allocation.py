@@ -110,6 +110,11 @@ def clipped_thrusts(size: float, arm: float, wrench: Vec3) -> Mat:
     """Return the thrusts (10,), N, of the pseudo-inverse, raised until none is negative.
 
     f = B⁺ w + λ 1 with the least λ >= 0, since all nozzles together exert nothing.
+
+    Args:
+        size: edge of the cube, m.
+        arm: of the corner nozzles, from the middle along each edge, m.
+        wrench: (6,), force (N) and torque (N·m), body.
     """
     thrusts: Mat = _pseudo_inverse(size, arm) @ wrench
     return thrusts + max(0.0, -float(thrusts.min()))
