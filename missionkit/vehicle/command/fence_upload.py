@@ -36,7 +36,13 @@ def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[PlanItem, ...]:
 
 
 def box(origin: Origin, north: Ground, east: Ground) -> tuple[PlanItem, ...]:
-    """Return the fence of `inside_fence`: between two norths and two easts (m)."""
+    """Return the fence of `inside_fence`: between two norths and two easts (m).
+
+    Args:
+        origin: of the mission's world.
+        north: from south to north, m.
+        east: from west to east, m.
+    """
     (south, top), (west, right) = north, east
     return polygon(origin, ((south, west), (top, west), (top, right), (south, right)))
 

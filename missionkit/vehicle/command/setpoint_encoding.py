@@ -42,7 +42,13 @@ def sound(setpoint: AutopilotSetpoint) -> bool:
 
 
 def leashed(setpoint: PositionSetpoint, here: Vec3, leash: float | None) -> PositionSetpoint:
-    """Return the setpoint, or the point on the way to it that is `leash` (m) from `here` (3,)."""
+    """Return the setpoint, or the point on the way to it that is `leash` (m) from `here` (3,).
+
+    Args:
+        setpoint: m, NED.
+        here: (3,), m, NED.
+        leash: m, or `None` for none.
+    """
     way = setpoint.position - here
     away = norm(way)
     if leash is None or away <= leash:

@@ -37,7 +37,13 @@ class Poller:
         self._rest = False  # one that is not urgent was served just now
 
     def add(self, descriptor: int, handler: Handler, *, urgent: bool = False) -> None:
-        """Call `handler(events)` when there is something to read; what is not urgent can wait."""
+        """Call `handler(events)` when there is something to read; what is not urgent can wait.
+
+        Args:
+            descriptor: of a file that epoll can wait for.
+            handler: gets the events of epoll.
+            urgent: whether it is served even while bytes to the autopilot wait.
+        """
         self._handlers[descriptor] = handler
         self._epoll.register(descriptor, select.EPOLLIN)
         if urgent:
@@ -87,6 +93,13 @@ Take = Callable[[list[bytes]], None]
 
 def open_link(scheme: str, place: str, number: int, poller: Poller, take: Take) -> Link:
     """Open the link to an autopilot; `take` gets whole frames.
+
+    Args:
+        scheme: udpin, udpout, tcpin, tcpout or serial.
+        place: host, or path of a device.
+        number: port, or baud rate.
+        poller: calls the link when bytes have come.
+        take: called with each frame, complete and intact.
 
     Raises:
         OSError: it cannot be opened.

@@ -133,14 +133,27 @@ def target(frame: Frame) -> tuple[int, int]:
 
 
 def still(to: Route, sequence: int, millis: int) -> bytes:
-    """Return a SET_POSITION_TARGET_LOCAL_NED of no velocity and no yaw rate."""
+    """Return a SET_POSITION_TARGET_LOCAL_NED of no velocity and no yaw rate.
+
+    Args:
+        to: sender and recipient.
+        sequence: 0 to 255.
+        millis: since boot, as the frame wants it; it wraps.
+    """
     ends = (VELOCITY, to.target, to.target_component, NED)
     payload = struct.pack("<I11fHBBB", millis & 0xFFFFFFFF, *(0.0,) * 11, *ends)
     return _packed(LOCAL_TARGET, payload, to, sequence)
 
 
 def mode(to: Route, sequence: int, params: tuple[float, float, float], again: int) -> bytes:
-    """Return a COMMAND_LONG for MAV_CMD_DO_SET_MODE, asked for the `again`-th time."""
+    """Return a COMMAND_LONG for MAV_CMD_DO_SET_MODE, asked for the `again`-th time.
+
+    Args:
+        to: sender and recipient.
+        sequence: 0 to 255.
+        params: the command's first three: base mode, custom mode, sub-mode.
+        again: 0 for the first time.
+    """
     numbers = (*params, 0.0, 0.0, 0.0, 0.0)
     ends = (176, to.target, to.target_component, min(again, 255))
     return _packed(COMMAND_LONG, struct.pack("<7fHBBB", *numbers, *ends), to, sequence)

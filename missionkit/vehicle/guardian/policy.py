@@ -109,7 +109,13 @@ def heard(guard: GuardianState, *, ours: bool) -> GuardianState:
 
 
 def moves(guard: GuardianState, now: float, speed: float) -> GuardianState:
-    """Return the state after a speed over ground (m/s), for a vehicle without a mode to hold in."""
+    """Return the state after a speed over ground (m/s), for a vehicle without a mode to hold in.
+
+    Args:
+        guard: state before.
+        now: s, the vehicle's time.
+        speed: m/s, not negative.
+    """
     settled = guard.phase is Phase.HOLDING and now - guard.since >= SETTLED
     return guard._replace(phase=Phase.HELD) if settled and speed < STANDS else guard
 
@@ -128,7 +134,13 @@ def given(guard: GuardianState) -> GuardianState:
 
 
 def waited(guard: GuardianState, now: float, patience: Patience = USUAL) -> GuardianState:
-    """Return the state at a time (s)."""
+    """Return the state at a time (s).
+
+    Args:
+        guard: state before.
+        now: s, the vehicle's time.
+        patience: s of silence before braking and holding.
+    """
     silence = now - guard.last_setpoint_at
     match guard.phase:
         case Phase.STEERED | Phase.BRAKING if silence > patience.hold:

@@ -82,7 +82,13 @@ async def become_fit(
 
 
 async def wait_for_messages(vehicle: MavsdkVehicle, names: Iterable[str], patience: float) -> bool:
-    """Ask for streams until a message of each name has come; say whether that was in time (s)."""
+    """Ask for streams until a message of each name has come; say whether that was in time (s).
+
+    Args:
+        vehicle: connected.
+        names: of MAVLink messages.
+        patience: s, real time.
+    """
     for _ in range(round(patience / LOOK)):
         vehicle.tend()
         if all(_is_told(vehicle.cache, name) for name in names):

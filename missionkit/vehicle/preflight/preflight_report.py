@@ -90,7 +90,13 @@ class PreflightReport(NamedTuple):
 
 
 def judged(vehicle: str, dialect: Dialect, found: Findings) -> PreflightReport:
-    """Return the report on what was found."""
+    """Return the report on what was found.
+
+    Args:
+        vehicle: name for the head of the report.
+        dialect: which parameters and modes to look for.
+        found: `None` in it where nothing was heard, which counts against flying.
+    """
     by_flow = found.flow is not None
     checks = (
         *_system(found),

@@ -65,7 +65,13 @@ def pack_of(fields: Fields, at: float) -> Pack:
 
 
 def heard(known: Packs, fields: Fields, at: float) -> Packs:
-    """Return the packs after one more BATTERY_STATUS."""
+    """Return the packs after one more BATTERY_STATUS.
+
+    Args:
+        known: packs by their ids.
+        fields: of the message, as MAVLink has them.
+        at: s.
+    """
     pack = pack_of(fields, at)
     before = known.get(pack.ident)
     times = 1 if before is None else before.heard + 1

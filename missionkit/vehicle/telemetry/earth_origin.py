@@ -24,7 +24,13 @@ class Origin(NamedTuple):
     sphere: float | None = None  # m, radius of the earth that a simulator believes in
 
     def local(self, latitude: float, longitude: float, altitude: float) -> Vec3:
-        """Return a place as (3,), m, NED."""
+        """Return a place as (3,), m, NED.
+
+        Args:
+            latitude: deg, WGS 84.
+            longitude: deg, WGS 84; across the date line too.
+            altitude: m, above the same level as the origin's.
+        """
         meridian, normal = self._radii()
         north = math.radians(latitude - self.latitude) * meridian
         around = math.remainder(longitude - self.longitude, 360.0)

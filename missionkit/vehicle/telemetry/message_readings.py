@@ -55,7 +55,13 @@ def pressure_height(fields: Fields) -> float | None:
 
 
 def baro(fields: Fields, at: float, ground: float) -> Baro | None:
-    """Return the height above a pressure altitude `ground` (m)."""
+    """Return the height above a pressure altitude `ground` (m).
+
+    Args:
+        fields: of the message, as MAVLink has them.
+        at: s.
+        ground: pressure altitude where the height is 0.
+    """
     height = pressure_height(fields)
     return None if height is None else Baro(at, height - ground)
 

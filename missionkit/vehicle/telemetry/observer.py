@@ -128,7 +128,13 @@ class Observer:
         self._forget.set()
 
     def observe(self, now: float, frame: Frame | None, events: Iterable[str]) -> Observation:
-        """Return all that arrived since the last call, at mission time `now` (s)."""
+        """Return all that arrived since the last call, at mission time `now` (s).
+
+        Args:
+            now: s.
+            frame: of the camera, new at this tick.
+            events: from the operator, beside those that the vehicle sent as texts.
+        """
         if self._forget.is_set():
             self._forget.clear()
             self._arrivals.forget()

@@ -74,7 +74,13 @@ def points_of(fields: Fields, attitude: Quat | None) -> Points:
 
 
 def ring_of(fields: Fields, at: float, attitude: Quat | None) -> Ring:
-    """Return a ring that is not refused, measured `at` (s); `attitude` as for `points_of`."""
+    """Return a ring that is not refused, measured `at` (s); `attitude` as for `points_of`.
+
+    Args:
+        fields: of OBSTACLE_DISTANCE, as MAVLink has them.
+        at: s.
+        attitude: body to world, if it is known.
+    """
     return Ring(at, points_of(fields, attitude), 0.01 * float(fields["max_distance"]))
 
 
