@@ -117,6 +117,12 @@ def found_origin(folder: Path) -> Origin:
 def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:
     """Refuse a mission that has changed since the run was started, unless forced.
 
+    Args:
+        before: as read from the folder of the run.
+        now: of the files and options given for resuming.
+        folder: of the run, for the message.
+        force: resume with the changed mission; changed targets are refused all the same.
+
     Raises:
         UsageError: it was, and that is not wanted or cannot be flown; names the differences.
     """

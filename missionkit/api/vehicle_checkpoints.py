@@ -60,6 +60,11 @@ def woken(past: Before, vehicle: MavsdkVehicle, speed: float) -> Resumption:
     """Return the state to resume with, now that the vehicle has been reached.
 
     Mission time has advanced by the real gap. A clock that was set back counts as no gap.
+
+    Args:
+        past: the checkpoint, with the wall-clock date at which it was written.
+        vehicle: connected; its observer gets the datum of the checkpoint back.
+        speed: times real time, by which the gap in wall-clock time is multiplied.
     """
     saved = past.saved
     vehicle.observer.settle(saved.datum)

@@ -135,6 +135,11 @@ def worst(rows: Iterable[Row], count: int = WORST, alike: int = ALIKE) -> tuple[
     """Return the runs to look at first: crashes, broken runs, failures, then the narrowest.
 
     Of a variant's runs that ended for the same reason only the worst are taken: `alike` of them.
+
+    Args:
+        rows: in any order.
+        count: rows returned at most.
+        alike: rows at most with the same variant and reason.
     """
     taken, shown = Counter[tuple[int, str]](), list[Row]()
     for row in sorted(rows, key=_rank):

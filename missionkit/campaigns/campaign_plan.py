@@ -77,7 +77,19 @@ class Campaign(BaseModel):
 
 
 def digest_of(mission: Mission, path: Path, plugins: tuple[Path, ...] = ()) -> str:
-    """Return one number for all files that a campaign stands on."""
+    """Return one number for all files that a campaign stands on.
+
+    Args:
+        mission: loaded from `path`; its included files and its world count too.
+        path: of the mission file, whose folder the names of the others are relative to.
+        plugins: files with plug-ins, of which every byte counts.
+
+    Returns:
+        SHA-256 in hexadecimal digits.
+
+    Raises:
+        OSError: a file cannot be read.
+    """
     root = path.resolve().parent
     world = () if mission.world is None else (root / mission.world,)
     total = hashlib.sha256()

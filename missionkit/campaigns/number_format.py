@@ -33,7 +33,13 @@ def scaled(name: str, values: Iterable[float]) -> list[float]:
 
 
 def number(value: float, name: str, *, sign: bool = False) -> str:
-    """Return a metric's value in its unit."""
+    """Return a metric's value in its unit.
+
+    Args:
+        value: in SI units; "—" if it is not finite.
+        name: of the metric, which determines unit and digits; 3 digits and no unit if it has none.
+        sign: write a plus too, for differences.
+    """
     _, _, factor, digits = UNITS.get(name, ("", "", 1.0, 3))
     if not math.isfinite(value):
         return "—"

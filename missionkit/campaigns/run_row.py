@@ -64,7 +64,13 @@ class Row(BaseModel):
 
 
 def unflown(case: Case, outcome: Outcome, reason: str) -> Row:
-    """Return the row of a run that gave no result."""
+    """Return the row of a run that gave no result.
+
+    Args:
+        case: the order that was not carried out.
+        outcome: what the run counts as.
+        reason: one sentence for the report.
+    """
     return Row(
         number=case.number,
         variant=case.variant,

@@ -35,6 +35,11 @@ def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
 
     (p + z²/2n ± z √(p(1-p)/n + z²/4n²)) / (1 + z²/n).  Source: E. B. Wilson, "Probable inference,
     the law of succession, and statistical inference", 1927. No runs: anything is possible.
+
+    Args:
+        successes: 0 to `n`.
+        n: runs.
+        confidence: of the two-sided interval, in (0, 1).
     """
     if n == 0:
         return Interval(math.nan, 0.0, 1.0)
@@ -54,7 +59,14 @@ def _z(confidence: float) -> float:
 def quantile(
     values: Sequence[float], q: float, rng: np.random.Generator, confidence: float = 0.95
 ) -> Interval:
-    """Return a quantile with its percentile bootstrap interval; NaN without values."""
+    """Return a quantile with its percentile bootstrap interval; NaN without values.
+
+    Args:
+        values: (N,), finite, in any unit.
+        q: 0 to 1; 0.5 is the median.
+        rng: draws the bootstrap samples.
+        confidence: of the two-sided interval, in (0, 1).
+    """
     return bootstrap(values, lambda drawn: np.quantile(drawn, q, axis=-1), rng, confidence)
 
 

@@ -74,7 +74,13 @@ def enough(rows: Sequence[Row], rule: Rule, variants: int) -> int | None:
 
 
 def decision(rows: Sequence[Row], rule: Rule, variant: int) -> StopDecision | None:
-    """Return what became of the requirement for a variant; `None` without one."""
+    """Return what became of the requirement for a variant; `None` without one.
+
+    Args:
+        rows: of all variants flown so far, in order.
+        rule: with the requirement and its error probabilities.
+        variant: number of the one judged.
+    """
     return None if rule.require is None else sprt(_successes(rows, variant), rule)
 
 

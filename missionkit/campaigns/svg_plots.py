@@ -16,7 +16,14 @@ FEWEST, MOST = 8, 24  # bars of a histogram
 
 
 def svg(width: float, height: float, parts: Iterator[str], title: str) -> str:
-    """Return an SVG element with an accessible name."""
+    """Return an SVG element with an accessible name.
+
+    Args:
+        width: px.
+        height: px.
+        parts: elements, already escaped.
+        title: read out by screen readers; escaped here.
+    """
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
         f'width="{width:.0f}" role="img" aria-label="{escape(title)}">{"".join(parts)}</svg>'
@@ -26,7 +33,13 @@ def svg(width: float, height: float, parts: Iterator[str], title: str) -> str:
 def rates(
     named: Sequence[tuple[str, Interval]], goal: float | None = None, width: float = 640.0
 ) -> str:
-    """Draw success rates with their intervals, one below the other."""
+    """Draw success rates with their intervals, one below the other.
+
+    Args:
+        named: label and success rate (0 to 1) of each row, from the top.
+        goal: 0 to 1, drawn as a dashed line.
+        width: px.
+    """
     side = min(260.0, 30.0 + 7.0 * max((len(name) for name, _ in named), default=0))
     low = min([interval.low for _, interval in named] + ([] if goal is None else [goal]))
     floor = max(0.0, math.floor(20 * low - 0.5) / 20)
@@ -55,7 +68,13 @@ def rates(
 def running(
     successes: Sequence[bool], goal: float | None = None, size: tuple[float, float] = (640.0, 190.0)
 ) -> str:
-    """Draw how the success rate and its interval settled as runs came in."""
+    """Draw how the success rate and its interval settled as runs came in.
+
+    Args:
+        successes: of each run, in the order in which they came in.
+        goal: 0 to 1, drawn as a dashed line.
+        size: width and height, px.
+    """
     width, height = size
     n = len(successes)
     counts = np.unique(np.linspace(1, n, min(n, 200)).astype(int)) if n else np.array([], int)
@@ -89,7 +108,14 @@ def running(
 def histogram(
     good: Sequence[float], bad: Sequence[float], title: str, size: tuple[float, float] = (312, 150)
 ) -> str:
-    """Draw how a number is spread; runs without success stand on those with, in another colour."""
+    """Draw how a number is spread; runs without success stand on those with, in another colour.
+
+    Args:
+        good: values of the runs with success, in the unit of the axis.
+        bad: values of the other runs.
+        title: read out by screen readers.
+        size: width and height, px.
+    """
     width, height = size
     both = np.array([*good, *bad], dtype=float)
     low, high = (float(both.min()), float(both.max())) if len(both) else (0.0, 1.0)

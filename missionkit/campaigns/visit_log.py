@@ -90,6 +90,11 @@ class VisitLog:
 def way(source: str, to: str, reason: str) -> str:
     """Return what a row calls a transition that was taken.
 
+    Args:
+        source: name of the state that was left.
+        to: name of the state that was entered.
+        reason: of the transition, as the record writes it.
+
     >>> way("visual", "search", "when target lost for 2 s")
     'visual -> search: when target lost for 2 s'
     """

@@ -42,6 +42,11 @@ class CampaignOverlay(NamedTuple):
     def overlay(self, path: Path, mission: Mission, catalogue: Catalogue) -> Overlay:
         """Return what is drawn over the chart of a mission.
 
+        Args:
+            path: of the mission file.
+            mission: loaded from it, with the values that were flown.
+            catalogue: with the plug-ins of the campaign.
+
         Raises:
             UsageError: other files were flown.
         """

@@ -183,6 +183,11 @@ def live_view(out: TextIO, wall: Callable[[], float], title: str = "") -> LiveVi
     """Return the view that suits `out`: a page on a terminal, lines elsewhere.
 
     `NO_COLOR` is respected, as rich does.
+
+    Args:
+        out: where the view is written; never closed here.
+        wall: s, the clock by which the page is redrawn.
+        title: above the page; lines have none.
     """
     if not out.isatty():
         return LineView(out)

@@ -31,7 +31,18 @@ def validate(
     *,
     strict: bool = False,
 ) -> ExitCode:
-    """Check mission files and say all that is wrong with them."""
+    """Check mission files and say all that is wrong with them.
+
+    Args:
+        paths: of mission files; problems of all are shown together.
+        settings: NAME=VALUE, as of `--set`.
+        plugins: files with plug-ins.
+        form: a key of `FORMATS`.
+        strict: whether warnings count as errors.
+
+    Raises:
+        UsageError: unknown format, or a setting without `=`.
+    """
     if form not in FORMATS:
         raise UsageError(f"--format {form}: unknown; {nearest(form, FORMATS)}")
     values = overrides(settings)
@@ -83,7 +94,17 @@ def _for_programs(form: str, problems: Sequence[Problem]) -> str:
 
 
 def explain(path: Path, settings: Iterable[str], plugins: Iterable[Path]) -> None:
-    """Say a chart in plain sentences."""
+    """Say a chart in plain sentences.
+
+    Args:
+        path: of the mission file.
+        settings: NAME=VALUE, as of `--set`.
+        plugins: files with plug-ins.
+
+    Raises:
+        FileError: the mission or a plug-in file cannot be loaded.
+        UsageError: a setting has no `=`.
+    """
     from missionkit.chart.prose.mission_text import explained  # noqa: PLC0415
     from missionkit.cli.explain_command import page, width  # noqa: PLC0415
 
@@ -168,7 +189,16 @@ def _flown(folder: Path, path: Path, settings: Iterable[str]) -> CampaignOverlay
 
 
 def new(kind: str, name: str, to: Path) -> None:
-    """Write a working example."""
+    """Write a working example.
+
+    Args:
+        kind: guard, behavior or mission.
+        name: of the plug-in or mission.
+        to: existing folder.
+
+    Raises:
+        UsageError: the name is taken or not a word, or there are such files already.
+    """
     from missionkit.cli.scaffold import new as write  # noqa: PLC0415
 
     taken = assemble().plugins.get(f"{kind}s", {})

@@ -22,6 +22,11 @@ from missionkit.states.contract import StateKind
 def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
     """List every plug-in, kind of state and fault, or show one plug-in or kind.
 
+    Args:
+        name: kind of plug-in or of state; all if `None`.
+        files: with plug-ins, beside those installed.
+        as_json: for programs; kinds of state are left out.
+
     Raises:
         UsageError: there is nothing called `name`.
     """

@@ -40,6 +40,11 @@ def text(problems: Sequence[Problem], lines: Sources, *, colours: bool = False) 
     """Return every problem with its line, a caret and the remedy.
 
     The first line of each is `file:line:column: level[code]: message`, as compilers write it.
+
+    Args:
+        problems: in the order in which they are to be shown.
+        lines: text of each file, by its name.
+        colours: whether to write ANSI escape sequences.
     """
     paint = _painted if colours else _unpainted
     return "\n".join(line for problem in problems for line in _block(problem, lines, paint))

@@ -15,7 +15,16 @@ from missionkit.recorder.run_summary import Summary
 
 
 def guarded(order: RunOptions, folder: Path, fly: Callable[[], Summary]) -> ExitCode:
-    """Fly, tell how it went, and return what the command says to the shell."""
+    """Fly, tell how it went, and return what the command says to the shell.
+
+    Args:
+        order: says whether the result is printed as JSON.
+        folder: of the run, in which `crash.txt` is left if something unexpected is raised.
+        fly: flies to the end and returns the summary.
+
+    Raises:
+        MissionkitError: raised by `fly`; whoever parses the command line prints it.
+    """
     try:
         summary = fly()
     except MissionkitError:

@@ -25,6 +25,12 @@ def run_in_simulator(
 ) -> ExitCode:
     """Fly the mission in the simulator; `origins` say what it stands on.
 
+    Args:
+        order: the options of the command.
+        mission: loaded, with `--set` applied.
+        catalogue: with which the mission was loaded.
+        origins: files and options that a resumed run is compared with.
+
     Raises:
         FileError: the world cannot be used.
         UsageError: an option does not fit, or there is no checkpoint to resume from.

@@ -37,6 +37,12 @@ def run_on_vehicle(
 ) -> ExitCode:
     """Fly the mission with the vehicle at an address; `origins` say what it stands on.
 
+    Args:
+        order: the options of the command.
+        mission: loaded, with `--set` applied.
+        catalogue: with which the mission was loaded.
+        origins: files and options that a resumed run is compared with.
+
     Raises:
         FileError: the world, or the video used as camera, cannot be read.
         UsageError: an option does not fit, there is no checkpoint, or the address is none.

@@ -59,7 +59,14 @@ class Folder(NamedTuple):
     def recorder(
         self, plan: PreparedMission, scenery: Scenery, past: Past | None, sink: Sink
     ) -> FlightRecorder:
-        """Return what records the flight, beside the records that are there already."""
+        """Return what records the flight, beside the records that are there already.
+
+        Args:
+            plan: of which the camera is recorded.
+            scenery: what is drawn around the flight.
+            past: the flight before a resume, which goes first in the track.
+            sink: gets everything that is recorded, as well as the file.
+        """
         return FlightRecorder(
             self.path,
             camera=plan.camera,

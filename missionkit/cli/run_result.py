@@ -23,7 +23,15 @@ def summed_up(
     *,
     landing_requested: bool,
 ) -> Summary:
-    """Return the summary of a flight that has ended."""
+    """Return the summary of a flight that has ended.
+
+    Args:
+        order: seed and faults.
+        mission: with the parameters flown.
+        recorder: closed here, for the hash of the record.
+        result: of the flight, graded.
+        landing_requested: whether someone stopped the run early.
+    """
     return summarise(
         recorder.track,
         mission=mission.name,
@@ -63,7 +71,13 @@ def _length(metres: float) -> str:
 
 
 def report(order: RunOptions, summary: Summary, folder: Path) -> None:
-    """Print the result for people, or as JSON."""
+    """Print the result for people, or as JSON.
+
+    Args:
+        order: says whether JSON is wanted.
+        summary: of the flight.
+        folder: of the run, named in the last line.
+    """
     if order.as_json:
         print(json.dumps({**summary.model_dump(), "folder": str(folder)}, indent=2))  # noqa: T201
         return

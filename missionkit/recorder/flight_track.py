@@ -63,7 +63,16 @@ def begin() -> FlightTrack:
 
 
 def rows(track: FlightTrack, first: int = 0, last: int | None = None) -> npt.NDArray[np.float64]:
-    """Return time, estimated and true position of the ticks from `first` to `last`, (N, 7)."""
+    """Return time, estimated and true position of the ticks from `first` to `last`, (N, 7).
+
+    Args:
+        track: as recorded so far.
+        first: index of the first tick.
+        last: index after the last tick; up to the end if absent.
+
+    Returns:
+        s, then m, NED; the true position is NaN where it is not known.
+    """
     times, estimated = track.times[first:last], track.estimated[first:last]
     true = track.true[first:last] or [(np.nan, np.nan, np.nan)] * len(times)
     places = zip(times, estimated, true, strict=True)
@@ -96,7 +105,13 @@ def with_rows(track: FlightTrack, rows: npt.NDArray[np.float64]) -> FlightTrack:
 
 
 def add(track: FlightTrack, record: Record, truth: Truth | None) -> None:
-    """Append one tick."""
+    """Append one tick.
+
+    Args:
+        track: appended to.
+        record: of one tick.
+        truth: at the same time; `None` on a real vehicle.
+    """
     now, seen = record.now, record.estimate
     before = track.times[-1] if track.times else now
     track.times.append(now)

@@ -63,7 +63,14 @@ def quaternion(q: Quat) -> str:
 
 
 def colour(r: float, g: float, b: float, a: float = 1.0) -> str:
-    """Return a colour, each part from 0 to 1."""
+    """Return a colour, each part from 0 to 1.
+
+    Args:
+        r: red.
+        g: green.
+        b: blue.
+        a: opacity.
+    """
     return f'{{"r":{r},"g":{g},"b":{b},"a":{a}}}'
 
 
@@ -73,7 +80,14 @@ def pose(position: Vec3, attitude: Quat) -> str:
 
 
 def transform(at: str, parent: str, child: str, link: Transform) -> str:
-    """Return one link of the frame tree; `link` maps child coordinates to the parent's."""
+    """Return one link of the frame tree; `link` maps child coordinates to the parent's.
+
+    Args:
+        at: JSON of the time.
+        parent: name of the frame.
+        child: name of the frame.
+        link: child to parent, m.
+    """
     return (
         f'{{"timestamp":{at},"parent_frame_id":"{parent}","child_frame_id":"{child}",'
         f'"translation":{vector(link.translation)},"rotation":{quaternion(link.rotation)}}}'

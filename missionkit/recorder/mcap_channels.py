@@ -39,7 +39,13 @@ class Channels:
         }
 
     def publish(self, topic: str, at: int, text: str) -> None:
-        """Write one message: JSON `text` at mission time `at` (ns)."""
+        """Write one message: JSON `text` at mission time `at` (ns).
+
+        Args:
+            topic: registered before.
+            at: ns.
+            text: a JSON object.
+        """
         data = text.encode()
         self._digest.add(topic, at, data)
         self._writer.add_message(self._ids[topic], at, data, at)

@@ -41,7 +41,13 @@ DARK = json_fragments.colour(0.0, 0.0, 0.0, 0.6)
 
 
 def pose(at: str, position: Vec3, attitude: Quat) -> str:
-    """Return a pose in world NED: (3,) m and (4,) body to world."""
+    """Return a pose in world NED: (3,) m and (4,) body to world.
+
+    Args:
+        at: JSON of the time.
+        position: (3,), m.
+        attitude: (4,).
+    """
     return (
         f'{{"timestamp":{at},"frame_id":"{NED}","pose":{json_fragments.pose(position, attitude)}}}'
     )
@@ -101,7 +107,13 @@ def guards(at: str, record: Record) -> str:
 
 
 def state(at: str, record: Record, since: float) -> str:
-    """Return where the chart stands; `since` (s) is when the state was entered."""
+    """Return where the chart stands; `since` (s) is when the state was entered.
+
+    Args:
+        at: JSON of the time.
+        record: of the tick.
+        since: mission time, s.
+    """
     return (
         f'{{"timestamp":{at},"state":{json_fragments.text(record.state)},"mode":"{record.mode.value}",'
         f'"since":{float(since)},"done":{json_fragments.flag(record.estimate.done)},'
@@ -173,7 +185,13 @@ def timing(at: str, cycle: Cycle) -> str:
 
 
 def log(at: str, level: int, message: str) -> str:
-    """Return a line of the log; `level` is 2 for information, 3 for a warning."""
+    """Return a line of the log; `level` is 2 for information, 3 for a warning.
+
+    Args:
+        at: JSON of the time.
+        level: of `foxglove.Log`.
+        message: any text; escaped here.
+    """
     return (
         f'{{"timestamp":{at},"level":{level},"message":{json_fragments.text(message)},'
         '"name":"missionkit","file":"","line":0}'

@@ -64,7 +64,14 @@ def draw(path: Path, track: FlightTrack, scenery: Scenery, title: str, subtitle:
 
 
 def picture(track: FlightTrack, scenery: Scenery, title: str, subtitle: str = "") -> Figure:
-    """Return the page that `draw` saves, laid out and not yet rendered."""
+    """Return the page that `draw` saves, laid out and not yet rendered.
+
+    Args:
+        track: of at least one tick.
+        scenery: obstacles, targets and fence.
+        title: cut where the page ends.
+        subtitle: below it, in as many lines as it takes.
+    """
     figure = Figure(dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     flown, goal = Flown.of(track), last_goal(track)

@@ -24,7 +24,13 @@ def guard_rows(track: FlightTrack) -> int:
 
 
 def draw_guards(axes: Axes, ruler: Ruler, track: FlightTrack) -> None:
-    """Draw one row per guard: its answers while it was evaluated, nothing otherwise."""
+    """Draw one row per guard: its answers while it was evaluated, nothing otherwise.
+
+    Args:
+        axes: empty, as tall as `guard_rows` says.
+        ruler: for the widths of names.
+        track: with the guards' answers.
+    """
     names = _liveliest(track)
     rows = guard_rows(track)
     axes.set_title("Guards", pad=10)

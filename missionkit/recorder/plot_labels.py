@@ -58,7 +58,16 @@ def placed(labels: Sequence[Wanted], room: Room) -> list[tuple[float, float] | N
 
 
 def boxes(centres: Pixels, width: float, height: float) -> Boxes:
-    """Return the boxes (N, 4) of a size around centres (N, 2)."""
+    """Return the boxes (N, 4) of a size around centres (N, 2).
+
+    Args:
+        centres: px.
+        width: px.
+        height: px.
+
+    Returns:
+        px: left, bottom, right, top.
+    """
     half = np.array([0.5 * width, 0.5 * height])
     return np.hstack([centres - half, centres + half])
 

@@ -66,7 +66,13 @@ def draw_map(axes: Axes, scene: Scene, view: View) -> None:
 
 
 def frame(axes: Axes, across: tuple[float, float], along: tuple[float, float]) -> None:
-    """Show at least these limits (m), with a metre as long across as along."""
+    """Show at least these limits (m), with a metre as long across as along.
+
+    Args:
+        axes: laid out already, for the shape of the panel decides.
+        across: from west to east, m.
+        along: from south to north, m.
+    """
     panel = axes.get_window_extent()
     span = max((across[1] - across[0]) / panel.width, (along[1] - along[0]) / panel.height)
     middle, centre = 0.5 * sum(across), 0.5 * sum(along)

@@ -57,7 +57,13 @@ def label_map(axes: Axes, scene: Scene, goals: Sequence[Spot]) -> None:
 
 
 def label_close_up(axes: Axes, scene: Scene, goal: Spot) -> None:
-    """Write the labels of a close-up: those of the map without the names of states."""
+    """Write the labels of a close-up: those of the map without the names of states.
+
+    Args:
+        axes: with the flight drawn and the limits set.
+        scene: what is drawn.
+        goal: marked as the goal.
+    """
     _write(axes, scene, [*_names(scene), *_transitions(axes, scene)], [goal])
 
 

@@ -40,7 +40,13 @@ class Ruler:
         return float(wide)
 
     def cut(self, text: str, font: Font, room: float) -> str:
-        """Return a text that is at most `room` px wide; one that was cut ends in an ellipsis."""
+        """Return a text that is at most `room` px wide; one that was cut ends in an ellipsis.
+
+        Args:
+            text: one line.
+            font: it will be drawn in.
+            room: px.
+        """
         if self.width(text, font) <= room:
             return text
         short, long = 0, len(text)  # letters that fit, and that do not
@@ -51,7 +57,14 @@ class Ruler:
         return text[:short].rstrip() + MORE
 
     def lines(self, text: str, font: Font, room: float, most: int) -> list[str]:
-        """Return a text in at most `most` lines, each at most `room` px wide, the last one cut."""
+        """Return a text in at most `most` lines, each at most `room` px wide, the last one cut.
+
+        Args:
+            text: broken at blanks.
+            font: it will be drawn in.
+            room: px.
+            most: lines, at least 1.
+        """
         lines = [""]
         for word in text.split():
             longer = f"{lines[-1]} {word}".lstrip()

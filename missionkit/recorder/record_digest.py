@@ -16,7 +16,13 @@ class Digest:
         self._sum = hashlib.sha256()
 
     def add(self, topic: str, at: int, data: bytes) -> None:
-        """Take in one message; `at` in ns."""
+        """Take in one message; `at` in ns.
+
+        Args:
+            topic: those with wall-clock times do not count.
+            at: mission time, ns.
+            data: the whole message.
+        """
         if topic not in WALL_CLOCK:
             self._sum.update(b"%s %d %d\n%b" % (topic.encode(), at, len(data), data))
 

@@ -27,7 +27,13 @@ class Reports:
         self._named = set[str]()
 
     def add(self, what: str, why: str | Exception, then: str = "; the flight continues") -> None:
-        """Report that `what` failed, unless that was reported before."""
+        """Report that `what` failed, unless that was reported before.
+
+        Args:
+            what: name of the part; a second failure of the same is not reported.
+            why: a sentence, or what was raised.
+            then: end of the sentence.
+        """
         if what in self._named:
             return
         self._named.add(what)
@@ -47,7 +53,13 @@ def _sentence(why: str | Exception) -> str:
 
 
 def contained(what: str, call: Callable[P, None], reports: Reports) -> Callable[P, None]:
-    """Return a call that reports what it raises and continues."""
+    """Return a call that reports what it raises and continues.
+
+    Args:
+        what: name of the part, for the report.
+        call: its result is dropped.
+        reports: collects the sentence.
+    """
 
     def safe(*args: P.args, **kwargs: P.kwargs) -> None:
         try:

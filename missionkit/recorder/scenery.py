@@ -122,7 +122,13 @@ def _obstacle(it: Any) -> Round | Box:
 
 
 def scene_update(scenery: Scenery, at: str, frame: str) -> str:
-    """Return the world as one `foxglove.SceneUpdate`."""
+    """Return the world as one `foxglove.SceneUpdate`.
+
+    Args:
+        scenery: m, NED.
+        at: JSON of the time.
+        frame: id of the frame in which the scenery stands.
+    """
     round_ones = [it for it in scenery.obstacles if isinstance(it, Round)]
     balls = [_solid(*_round(it)) for it in round_ones if it.ball]
     cylinders = [_cylinder(it) for it in round_ones if not it.ball]
