@@ -119,7 +119,13 @@ class CompositeGuard(Plugin):
 
     @abc.abstractmethod
     def check(self, memory: Any, seen: Estimate, inputs: Inputs) -> Verdict:
-        """Say whether the guard holds, from the memory already advanced to this tick."""
+        """Say whether the guard holds, from the memory already advanced to this tick.
+
+        Args:
+            memory: as returned by `advance` at this tick.
+            seen: the estimate at this tick.
+            inputs: answers what `named_inputs` names: guards, variables, active states.
+        """
 
     def resumed(self, memory: Any, gap: float) -> Any:  # noqa: ARG002
         """Return the memory after a `gap` (s) without commands and observations."""

@@ -92,7 +92,13 @@ class CompositeGuardProtocol(Protocol):
         """Return the next memory."""
 
     def check(self, memory: Any, seen: Estimate, inputs: Inputs) -> Verdict:
-        """Say whether the guard holds."""
+        """Say whether the guard holds.
+
+        Args:
+            memory: as returned by `advance` at this tick.
+            seen: the estimate at this tick.
+            inputs: answers what `named_inputs` names.
+        """
 
     def resumed(self, memory: Any, gap: float) -> Any:
         """Return the memory after a `gap` (s)."""
@@ -141,4 +147,10 @@ class DetectorProtocol(Protocol):
         """Name of the target it looks for."""
 
     def detect(self, frame: Frame, camera: CameraModel, prior: Prior) -> tuple[Sighting, ...]:
-        """Return what a frame shows of the target; empty: it is not in view."""
+        """Return what a frame shows of the target; empty: it is not in view.
+
+        Args:
+            frame: picture and the time of its exposure.
+            camera: intrinsics and place on the body.
+            prior: where vehicle and target are thought to be.
+        """

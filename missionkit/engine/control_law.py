@@ -39,7 +39,13 @@ class ControlLaw(Protocol):
         """Take in what was scanned, whatever the state does."""
 
     def blind(self, acting: BehaviorState, guidance: Guidance | None, seen: Estimate) -> bool:
-        """Say whether the guidance leads past obstacles that can no longer be seen."""
+        """Say whether the guidance leads past obstacles that can no longer be seen.
+
+        Args:
+            acting: with the last scan.
+            guidance: of the behaviour; `None` if it wants none.
+            seen: the estimate at this tick.
+        """
 
     def hold_point(self, seen: Estimate) -> HoldPoint:
         """Return where the vehicle comes to rest if it brakes now."""

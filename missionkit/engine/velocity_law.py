@@ -54,7 +54,13 @@ class VelocityLaw(NamedTuple):
         return acting._replace(scan=self.brake.noted(acting.scan, seen))
 
     def blind(self, acting: BehaviorState, guidance: Guidance | None, seen: Estimate) -> bool:
-        """Say whether the guidance leads past obstacles that can no longer be seen."""
+        """Say whether the guidance leads past obstacles that can no longer be seen.
+
+        Args:
+            acting: with the last scan and its time.
+            guidance: blind only if it has `avoid`.
+            seen: the estimate at this tick.
+        """
         if self.brake is None or guidance is None or not guidance.avoid:
             return False
         return self.brake.blind(acting.scan, seen.now)

@@ -38,7 +38,13 @@ class WrenchLaw(NamedTuple):
         return acting
 
     def blind(self, acting: BehaviorState, guidance: Guidance | None, seen: Estimate) -> bool:  # noqa: ARG002
-        """Say whether guidance needs a scanner that is silent: it never does."""
+        """Say whether guidance needs a scanner that is silent: it never does.
+
+        Args:
+            acting: not used: nothing is scanned.
+            guidance: not used.
+            seen: not used.
+        """
         return False
 
     def hold_point(self, seen: Estimate) -> HoldPoint:
@@ -52,7 +58,18 @@ class WrenchLaw(NamedTuple):
     def command(
         self, acting: BehaviorState, mode: Mode, step: Step, seen: Estimate, contain: Containment
     ) -> Controlled:
-        """Return the wrench for one tick; none, so that the vehicle holds, if there is none."""
+        """Return the wrench for one tick; none, so that the vehicle holds, if there is none.
+
+        Args:
+            acting: pose to hold, if there is one, and the controller's memory.
+            mode: of the active state.
+            step: of the behaviour; its payload is passed on.
+            seen: the estimate at this tick.
+            contain: calls the controller; what it raises or returns wrongly is noted.
+
+        Returns:
+            Command and memory; after a fault the memory begins again.
+        """
         guidance = step.guidance if acting.held is None else guidance_to(acting.held)
         asked = (acting.control, mode, None if step.stop else guidance, seen, self.period)
         name = str(getattr(self.control, "kind", "controller"))

@@ -23,20 +23,44 @@ class Verdict(NamedTuple):
 
     @classmethod
     def below(cls, value: float, threshold: float, why: str = "") -> Verdict:
-        """Holds when `value` < `threshold`."""
+        """Holds when `value` < `threshold`.
+
+        Args:
+            value: finite.
+            threshold: in the unit of `value`; equal does not hold.
+            why: for people, such as what was measured.
+        """
         return _new(cls, (value < threshold, why, value, threshold, threshold - value))
 
     @classmethod
     def above(cls, value: float, threshold: float, why: str = "") -> Verdict:
-        """Holds when `value` > `threshold`."""
+        """Holds when `value` > `threshold`.
+
+        Args:
+            value: finite.
+            threshold: in the unit of `value`; equal does not hold.
+            why: for people, such as what was measured.
+        """
         return _new(cls, (value > threshold, why, value, threshold, value - threshold))
 
     @classmethod
     def at_least(cls, value: float, threshold: float, why: str = "") -> Verdict:
-        """Holds when `value` >= `threshold`."""
+        """Holds when `value` >= `threshold`.
+
+        Args:
+            value: finite.
+            threshold: in the unit of `value`; equal holds.
+            why: for people, such as what was measured.
+        """
         return _new(cls, (value >= threshold, why, value, threshold, value - threshold))
 
     @classmethod
     def at_most(cls, value: float, threshold: float, why: str = "") -> Verdict:
-        """Holds when `value` <= `threshold`."""
+        """Holds when `value` <= `threshold`.
+
+        Args:
+            value: finite.
+            threshold: in the unit of `value`; equal holds.
+            why: for people, such as what was measured.
+        """
         return _new(cls, (value <= threshold, why, value, threshold, threshold - value))
