@@ -16,7 +16,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.geometry import Mat
-from missionkit.messages import Estimate, Observation, Record, Verdict
+from missionkit.messages import MARKER_DUPLICATED, Estimate, Observation, Record, Verdict
 from missionkit.plugin import Guard
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
@@ -35,6 +35,7 @@ class Outcome(StrEnum):
     HOME = "landed where it should, work not done"
     ELSEWHERE = "landed elsewhere, unhurt"
     ASTRAY = "worked at the wrong place, landed unhurt"
+    REPORTED = "worked at the wrong place, landed unhurt, two markers of its id reported"
     LEFT = "left the fence, landed unhurt"
     HIT = "hit something"
     UP = "did not come down"
@@ -104,13 +105,15 @@ def _loaded(flight: Flight, catalogue: Catalogue) -> tuple[Mission, World]:
 
 
 class _Path:
-    """Keeps the states in the order they were entered."""
+    """Keeps the states in the order they were entered, and whether duplicates were reported."""
 
     def __init__(self) -> None:
         self.states: list[str] = []
+        self.duplicated = False
 
     def __call__(self, record: Record, _: Observation) -> None:
         """Take in one tick."""
+        self.duplicated |= MARKER_DUPLICATED in record.estimate.events
         if not self.states or record.state != self.states[-1]:
             self.states.append(record.state)
 
@@ -118,10 +121,10 @@ class _Path:
 def flown(flight: Flight, seed: int) -> Seen:
     """Fly one seed."""
     ready, path = staged(flight, seed), _Path()
-    return judged(flight, seed, rehearse(ready, [path]), ready.vehicle.track.rows, path.states)
+    return _judged(flight, seed, rehearse(ready, [path]), ready.vehicle.track.rows, path)
 
 
-def judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, states: list[str]) -> Seen:
+def _judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, path: _Path) -> Seen:
     """Judge by the track, (N, TRACK_WIDTH), of the truth.
 
     The work is done when the grade says so: the state that counts was entered at the right place.
@@ -132,7 +135,7 @@ def judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, states: list[st
     elif not run.grade.landed:
         outcome = Outcome.UP
     elif run.grade.visit is not None and run.grade.visit.position_error > ASTRAY:
-        outcome = Outcome.ASTRAY
+        outcome = Outcome.REPORTED if path.duplicated else Outcome.ASTRAY
     elif outside(rows, flight.fence) > 0.0:
         outcome = Outcome.LEFT
     elif away > AT_HOME:
@@ -140,7 +143,7 @@ def judged(flight: Flight, seed: int, run: Rehearsal, rows: Mat, states: list[st
     else:
         outcome = Outcome.DONE if run.succeeded else Outcome.HOME
     details = (
-        f"{' '.join(states)}; down {away:.1f} m from where it should, clearance "
+        f"{' '.join(path.states)}; down {away:.1f} m from where it should, clearance "
         f"{run.grade.clearance:.2f} m, outside the fence by {outside(rows, flight.fence):.1f} m"
     )
     return Seen(seed, outcome, details, run.succeeded and outcome is not Outcome.DONE)

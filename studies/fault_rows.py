@@ -20,7 +20,7 @@ from studies.fault_flights import (
 )
 
 DONE, HOME, ELSEWHERE, LEFT = Outcome.DONE, Outcome.HOME, Outcome.ELSEWHERE, Outcome.LEFT
-ASTRAY = Outcome.ASTRAY
+REPORTED = Outcome.REPORTED
 SAFE = (DONE, HOME, ELSEWHERE)
 NORTH_FENCE = 60.0  # m, of the row "fence"
 OVERRUN = 6.0  # m it may need to turn round there: braking from 5 m/s
@@ -132,8 +132,9 @@ FLIGHTS = (
     _flight(
         "decoy",
         "a twin of the marker on a tree 3 to 6 m beside; one within 5.6 m of a target that is "
-        "surveyed to 1 m (5 sigma, the vehicle's own included) can pass for it if seen first",
-        (DONE, HOME, ASTRAY),
+        "surveyed to 1 m (5 sigma, the vehicle's own included) can pass for it if seen first; "
+        "reported when both are in view",
+        (DONE, HOME, REPORTED),
         Flight(world=_with_decoy),
     ),
     _flight(

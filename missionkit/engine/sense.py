@@ -10,7 +10,16 @@ from missionkit.engine.flight_state import FlightMemory, SensorState
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
-from missionkit.messages import Estimate, Look, Observation, Points, Sighting, Target
+from missionkit.messages import (
+    MARKER_DUPLICATED,
+    Estimate,
+    Look,
+    Observation,
+    Points,
+    Sighting,
+    Target,
+)
+from missionkit.perception.duplicate_markers import begun
 from missionkit.perception.marker_search import Priors
 from missionkit.perception.vision_pipeline import VisionMemory
 from missionkit.plugin_containment import Containment
@@ -102,7 +111,7 @@ def _estimate(
         obstacles=_around(plan.navigator, senses, state, seen.now),
         scanned_at=None if senses.scan is None else senses.scan.at,
         scan_range=math.inf if senses.scan is None else senses.scan.range,
-        events=seen.events + acting.events,
+        events=seen.events + acting.events + _duplicated(senses, memory.senses),
         cycle=seen.cycle,
         map=plan.map,
         range=senses.range,
@@ -112,6 +121,10 @@ def _estimate(
         done=acting.done,
         goal=acting.goal,
     )
+
+
+def _duplicated(now: SensorState, before: SensorState) -> tuple[str, ...]:
+    return (MARKER_DUPLICATED,) if begun(now.eye.duplicates, before.eye.duplicates) else ()
 
 
 def _believed(look: Look, state: NavState) -> Look:

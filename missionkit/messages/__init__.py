@@ -20,7 +20,13 @@ from missionkit.messages.command import (
     Wrench,
 )
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
-from missionkit.messages.events import ABORT, CONTROL_RESUMED, GROUND_TOUCHED, is_event
+from missionkit.messages.events import (
+    ABORT,
+    CONTROL_RESUMED,
+    GROUND_TOUCHED,
+    MARKER_DUPLICATED,
+    is_event,
+)
 from missionkit.messages.observation import (
     NO_CYCLE,
     AnchorRange,
@@ -49,6 +55,7 @@ __all__ = [
     "ABORT",
     "CONTROL_RESUMED",
     "GROUND_TOUCHED",
+    "MARKER_DUPLICATED",
     "NO_CYCLE",
     "Action",
     "AnchorRange",

@@ -13,6 +13,9 @@ CONTROL_RESUMED = "control_resumed"
 GROUND_TOUCHED = "ground_touched"
 """Comes when the vehicle touches the ground outside landing and take-off."""
 
+MARKER_DUPLICATED = "marker_duplicated"
+"""Comes when more markers of one id are in view than the mission has."""
+
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -27,11 +28,16 @@ class MarkerSearch:
     Args:
         camera: intrinsics and mount.
         markers: to be looked for.
+
+    Attributes:
+        declared: number of places in the mission with a marker of a dictionary and id.
     """
 
     def __init__(self, camera: CameraModel, markers: Sequence[Aruco]) -> None:
         self._camera = camera
         self._markers = {name: _of(markers, name) for name in {m.dictionary for m in markers}}
+        places = {(m.dictionary, m.id, m.target, m.offset) for m in markers}
+        self.declared = Counter((name, number) for name, number, *_ in places)
         longest = max(camera.width, camera.height)
         self._detectors = [MarkerDetector(name, longest) for name in sorted(self._markers)]
 

@@ -12,6 +12,7 @@ import numpy as np
 from missionkit.geometry import Vec3
 from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
 from missionkit.perception.aruco import Aruco
+from missionkit.perception.duplicate_markers import DuplicateMarkers, continued, told_apart
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
 from missionkit.perception.sighting_validation import fault_of
@@ -29,6 +30,7 @@ class VisionMemory(NamedTuple):
     heard_at: float | None = None  # s, when the last frame arrived or was given up
     asked_at: float | None = None  # s, of the last tick
     digest: int | None = None  # of the last frame's content
+    duplicates: tuple[DuplicateMarkers, ...] = ()  # episodes of more markers than the mission has
 
 
 class VisionPipeline:
@@ -75,28 +77,35 @@ class VisionPipeline:
         if frame is None:
             return memory, missed, ()
         digest = _digest(frame)
-        following = VisionMemory(now, now, digest)
+        following = memory._replace(heard_at=now, asked_at=now, digest=digest)
         if digest is not None and digest == memory.digest:
             return following, (*missed, Look(frame.at, frozenset(), silent=True)), ()
-        sightings = self._sightings(frame, priors, contain or Containment())
-        seen = frozenset(s.target for s in sightings)
-        return following, (*missed, Look(frame.at, seen)), sightings
-
-    def _sightings(
-        self, frame: Frame, priors: Priors, contain: Containment
-    ) -> tuple[Sighting, ...]:
-        every = [*self._search.find(frame, priors), *self._found_by_others(frame, priors, contain)]
-        body = priors.body(frame.at) if every else None
-        eye = None if body is None else body @ self._camera.mount
-        found: dict[str, list[Candidate]] = {}
-        for it in every:
-            candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
-            if plausible(candidate, priors.targets.get(it.target)):
-                found.setdefault(it.target, []).append(candidate)
-        return tuple(
+        markers = tuple(self._search.find(frame, priors))
+        others = tuple(self._found_by_others(frame, priors, contain or Containment()))
+        found = self._plausible((*markers, *others), frame.at, priors)
+        found, duplicates = told_apart(found, markers, self._search.declared, priors.targets)
+        following = following._replace(
+            duplicates=continued(memory.duplicates, duplicates, frame.at)
+        )
+        sightings = tuple(
             select(candidates, _expected(target, priors)).sighting
             for target, candidates in sorted(found.items())
         )
+        seen = frozenset(s.target for s in sightings)
+        return following, (*missed, Look(frame.at, seen)), sightings
+
+    def _plausible(
+        self, sightings: Sequence[Sighting], at: float, priors: Priors
+    ) -> dict[str, list[Candidate]]:
+        """Return by target the sightings that lie near enough to where it is believed to be."""
+        body = priors.body(at) if sightings else None
+        eye = None if body is None else body @ self._camera.mount
+        found: dict[str, list[Candidate]] = {}
+        for it in sightings:
+            candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
+            if plausible(candidate, priors.targets.get(it.target)):
+                found.setdefault(it.target, []).append(candidate)
+        return found
 
     def _found_by_others(
         self, frame: Frame, priors: Priors, contain: Containment
@@ -130,7 +139,7 @@ def _missed(
         missed = min(missed, round((memory.asked_at - heard) / period))
     missed = min(max(missed, 0), _MOST_MISSED)
     looks = tuple(Look(heard + i * period, frozenset(), silent=True) for i in range(1, missed + 1))
-    return VisionMemory(heard + missed * period, now, memory.digest), looks
+    return memory._replace(heard_at=heard + missed * period, asked_at=now), looks
 
 
 def _expected(target: str, priors: Priors) -> Vec3 | None:

@@ -11,10 +11,11 @@ from rehearsed import precise, short
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.engine.sense import STALE_SCAN, sense
+from missionkit.engine.tick import tick
 from missionkit.estimation.navigator import NavState
 from missionkit.geometry import Transform, conjugate, from_euler, rotate, to_matrix, vec
 from missionkit.goal_pose import facing
-from missionkit.messages import Battery, Cycle, Health, Observation, Scan, VehicleStatus
+from missionkit.messages import Battery, Cycle, Frame, Health, Observation, Scan, VehicleStatus
 from missionkit.plugin_containment import Containment
 
 MISSION = """\
@@ -163,3 +164,30 @@ def test_the_age_of_a_scan_counts_from_its_measurement():
     now, later = sensed(Observation(0.45, scan=scan), Observation(2.0))
     assert (now.scanned_at, now.scan_range) == (0.05, 9.0)
     assert (later.scanned_at, later.obstacles) == (0.05, None)
+
+
+EQUAL_MARKERS = """\
+targets: {tree: {position: [6, 0, 0]}}
+perception: [{use: aruco, target: tree, id: 23, size: 0.4}]
+initial: idle
+states:
+  idle: {kind: idle, transitions: [{to: land, event: marker_duplicated}]}
+  land: {kind: land}
+"""
+
+
+def test_two_markers_of_one_id_are_reported_once_and_are_an_event_of_the_chart():
+    plan = plan_of(EQUAL_MARKERS)
+    memory, records, marker = begin(plan), [], np.array([[0, 0], [40, 0], [40, 40], [0, 40.0]])
+    for tick_number in range(1, 5):
+        at = 0.05 * tick_number
+        shifts = (100.0, 300.0 + tick_number) if tick_number > 1 else (100.0,)
+        found = tuple(("DICT_6X6_250", 23, marker + shift) for shift in shifts)
+        seen = Observation(at, frame=Frame(at, None, found))
+        done = tick(plan, memory, seen, Containment())
+        memory = done.memory
+        records.append(done.record)
+    problems = [[it for it in record.problems if "with id 23" in it] for record in records]
+    assert [len(it) for it in problems] == [0, 1, 0, 0]
+    assert [record.estimate.events for record in records] == [(), ("marker_duplicated",), (), ()]
+    assert [record.state for record in records] == ["idle", "land", "land", "land"]

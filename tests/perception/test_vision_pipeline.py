@@ -103,21 +103,6 @@ def test_a_far_decoy_with_the_same_id_is_refused():
     assert look(VisionPipeline(CAMERA, [TRUNK]), decoy, away, body=None)[1][0].seen == {"trunk"}
 
 
-@pytest.mark.parametrize("swap", [False, True])
-def test_of_two_equal_markers_the_one_where_the_target_is_expected_is_taken(swap):
-    near, far = marker_at(4.0, -1.0, 0.0), marker_at(6.0, 0.5, 0.0)
-    both = [(23, corners(near)), (23, corners(far))]
-    observation = with_corners(1.0, *(both[::-1] if swap else both))
-    eye = VisionPipeline(CAMERA, [TRUNK])
-    expected = target(position=(6.3, 0.5, 0.0), sd=1.0)
-    chosen = [
-        look(eye, observation, expected)[2][0],
-        look(eye, observation, goal=vec(6.0, 1.0, 0.0))[2][0],
-        look(eye, observation)[2][0],
-    ]
-    assert [round(s.pose.translation[2] + 0.1) for s in chosen] == [6, 6, 4]
-
-
 def test_markers_of_one_target_agree_on_its_centre_and_the_largest_speaks():
     big = TRUNK.model_copy(update={"id": 1, "offset": (0.0, 0.5, 0.0)})
     small = TRUNK.model_copy(update={"id": 2, "size": 0.2, "offset": (0.3, -0.2, 0.0)})
