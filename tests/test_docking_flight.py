@@ -73,7 +73,7 @@ def test_a_free_flyer_is_not_flown_over_mavlink():
 def test_a_world_of_another_vehicle_is_refused():
     text = FILE.read_text().replace("worlds/docking.yaml", "worlds/orchard.yaml")
     mission = parse(text, str(FILE), builtin())
-    with pytest.raises(FileError, match="is for vehicle 'sim', but the mission's is 'free_flyer'"):
+    with pytest.raises(FileError, match="is for vehicle 'sim', not for 'free_flyer'"):
         world_of(mission, MISSIONS)
 
 

@@ -16,6 +16,7 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.validation_problems import plain, problems_in
 from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.text.document_kind import document_kind
 from missionkit.chart.text.file_references import MISSING, unfit
 from missionkit.chart.text.includes import inlined
 from missionkit.chart.text.located_data import shown
@@ -57,8 +58,10 @@ def _require_world(root: Path, mission: Mission, name: str) -> None:
     if not wrong and (root / name).suffix not in {".yaml", ".yml"}:
         wrong = "expected a name that ends in .yaml"
     if not wrong:
-        data = read_file(root / name).data
-        wrong = "" if isinstance(data, dict) and "world" in data else "this file is not a world"
+        kind = document_kind(read_file(root / name).data)
+        wrong = (
+            "" if kind == "world" else f"this file is {f'a {kind}, ' if kind else ''}not a world"
+        )
     if wrong:
         raise FileError([Problem(mission.place("world"), f"world {name!r}: {wrong}")])
 
@@ -91,7 +94,7 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     Raises:
         FileError: everything that is wrong with it.
     """
-    _require_mapping(document)
+    _require_mapping(document, "mission")
     expanded = inlined(expand(document, overrides), document.file)
     try:
         scope = Scope.of(expanded.data, catalogue, Path(document.file).parent)
@@ -134,7 +137,7 @@ def load_model(path: Path, model: type[M]) -> M:
         FileError: everything that is wrong with the file.
     """
     document = read_file(path)
-    _require_mapping(document)
+    _require_mapping(document, "world" if "world" in model.model_fields else "")
     expanded = Expanded(document.data, {}, document.problems)
     try:
         found = plain(model, document.data)
@@ -146,10 +149,19 @@ def load_model(path: Path, model: type[M]) -> M:
     return found
 
 
-def _require_mapping(document: Document) -> None:
+def _require_mapping(document: Document, wanted: str) -> None:
+    """Refuse a document that is no mapping, or of another kind than the one that is `wanted`."""
     if not isinstance(document.data, dict):
         message = f"expected a mapping (key: value), got {shown(document.data)}"
         raise FileError([*document.problems, Problem(document.start, message)])
+    kind = document_kind(document.data)
+    if wanted and kind not in {wanted, ""}:
+        hint = "; give the mission that names it" if wanted == "mission" else ""
+        raise FileError([Problem(document.start, _not_a(wanted, kind) + hint)])
+
+
+def _not_a(wanted: str, kind: str) -> str:
+    return f"this file is {f'a {kind}, ' if kind else ''}not a {wanted}"
 
 
 def _refusal(problems: Sequence[Problem], expanded: Expanded) -> FileError:

@@ -8,11 +8,11 @@ import threading
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.chart.load import load_model
 from missionkit.errors import ExitCode, UsageError
 from missionkit.sim.airframes import flown_with
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import World
+from missionkit.sim.world_files import load_multicopter_world
 from missionkit.sitl.geodetic import Spot
 from missionkit.sitl.sitl_server import LINKS, Server, Setup
 
@@ -42,7 +42,8 @@ def sitl(wanted: SitlOptions) -> ExitCode:
         UsageError: an option does not fit.
         VehicleError: a port is taken.
     """
-    world = World(world="empty") if wanted.world is None else load_model(wanted.world, World)
+    path = wanted.world
+    world = World(world="empty") if path is None else load_multicopter_world(path)
     setup = Setup(
         flown_with(world, wanted.airframe),
         wanted.dialect,

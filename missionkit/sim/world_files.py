@@ -23,17 +23,31 @@ def load_world(path: Path, kind: str, named_at: Place) -> AnyWorld:
 
     Args:
         path: of the file.
-        kind: of vehicle, that the mission names.
-        named_at: where the mission names the world.
+        kind: of vehicle that is to fly in it.
+        named_at: where the world is named, for messages.
 
     Raises:
         FileError: the file cannot be used, or is that of another kind of vehicle.
     """
+    _require_kind(path, kind, named_at)
+    return load_model(path, _WORLDS[kind])
+
+
+def load_multicopter_world(path: Path) -> World:
+    """Read the file of a world that a multicopter flies in.
+
+    Raises:
+        FileError: the file cannot be used, or is that of another kind of vehicle.
+    """
+    _require_kind(path, "sim", Place(str(path), 1, 1))
+    return load_model(path, World)
+
+
+def _require_kind(path: Path, kind: str, named_at: Place) -> None:
     found = _kind_of(path)
     if found != kind:
-        wrong = f"world {path.name!r} is for vehicle {found!r}, but the mission's is {kind!r}"
+        wrong = f"world {path.name!r} is for vehicle {found!r}, not for {kind!r}"
         raise FileError([Problem(named_at, wrong)])
-    return load_model(path, _WORLDS[kind])
 
 
 def _kind_of(path: Path) -> str:

@@ -85,6 +85,35 @@ def test_a_fault_that_never_comes_is_refused(call, hop, when):
     )
 
 
+@pytest.mark.parametrize("command", ["validate", "explain", "graph", "run", "campaign"])
+def test_a_world_in_place_of_a_mission_is_one_sentence(call, hop, command):
+    (hop.parent / "field.yaml").write_text("world: field\nwind: {gust: 1}\n")
+    said = refused(call, command, "field.yaml")
+    assert "this file is a world, not a mission; give the mission that names it" in said
+    assert said.count("field.yaml:1:") == 1
+
+
+def test_a_map_in_place_of_a_mission_is_one_sentence(call, hop):
+    (hop.parent / "map.yaml").write_text("image: map.png\nresolution: 0.1\n")
+    assert "this file is a map, not a mission" in refused(call, "run", "map.yaml")
+
+
+def test_a_mission_in_place_of_a_world_is_one_sentence(call, hop):
+    text = hop.read_text()
+    hop.write_text(f"{text}world: hop.yaml\n")
+    assert "world 'hop.yaml': this file is a mission, not a world" in refused(
+        call, "run", "hop.yaml"
+    )
+    (hop.parent / "plain.yaml").write_text(text)
+    assert "this file is a mission, not a world" in refused(call, "sitl", "--world", "plain.yaml")
+
+
+def test_a_world_of_another_kind_of_vehicle_is_one_sentence(call, hop):
+    (hop.parent / "space.yaml").write_text("world: space\nvehicle: {use: free_flyer}\n")
+    said = refused(call, "sitl", "--world", "space.yaml")
+    assert "world 'space.yaml' is for vehicle 'free_flyer', not for 'sim'" in said
+
+
 @pytest.mark.parametrize(
     ("name", "says"),
     [
