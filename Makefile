@@ -5,12 +5,14 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
-.PHONY: run test lint types layers unit bench studies schema reference docs picture clean
+.PHONY: run test lint types layers kernels unit bench studies schema reference docs picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
 
-test: lint types layers unit
+test: .venv/ready
+	$(MAKE) --no-print-directory --jobs 2 --output-sync lint types layers kernels
+	$(MAKE) --no-print-directory unit
 
 lint: .venv/ready
 	$(BIN)/ruff check .
@@ -21,6 +23,9 @@ types: .venv/ready
 
 layers: .venv/ready
 	$(BIN)/lint-imports
+
+kernels: .venv/ready
+	PYTHONPATH=tests $(BIN)/python -m compile_kernels
 
 unit: .venv/ready
 	$(BIN)/pytest -n 2

@@ -151,6 +151,9 @@ class Behavior(Plugin):
     def step(self, seen: Estimate, memory: Any) -> Step:
         """Say what to do now; the answer's `memory` comes back at the next tick."""
 
+    def warm_up(self) -> None:
+        """Compile or load, before take-off, what `step` would otherwise make a tick wait for."""
+
     def targets(self) -> tuple[str, ...]:
         """Name the targets this behaviour needs, for checks before flight."""
         return ()

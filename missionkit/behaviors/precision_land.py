@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 from typing_extensions import override
@@ -14,6 +14,9 @@ from missionkit.messages import Estimate, Goal, Guidance, Step, Target
 from missionkit.planning.pad_view import ViewCone, deviation_height, entry_radius
 from missionkit.plugin import Behavior
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
+
+if TYPE_CHECKING:
+    from missionkit.planning.energy_optimal import LandingPath
 
 FOLLOW = 1.5  # 1/s, of an error of height
 LEAD = 0.2  # s, level, the vehicle answers so late
@@ -128,8 +131,26 @@ class PrecisionLand(Behavior):
         half_angle = math.radians(self.half_angle_deg)
         return ViewCone(half_angle, self.sigmas, self.descent, self.acceleration, self.least)
 
+    @override
+    def warm_up(self) -> None:
+        self._path(1.0, 1.0, 0.0, 0.1)
+
     def _planned(self, seen: Estimate, target: Target) -> OnTheWay:
         """Plan the path from where the vehicle is, and how it moves."""
+        north, east, height = (target.position - seen.position).tolist()
+        left = math.hypot(north, east)
+        closing = 0.0
+        if left > 0.0:
+            closing = (seen.velocity[0] * north + seen.velocity[1] * east) / left
+        path = self._path(left, height, closing, target.position_sd)
+        yaw = math.atan2(east, north) if left > 1.0 else seen.yaw
+        left_over, heights, rates = (
+            tuple(column[::-1].tolist()) for column in (path.left, path.height, path.descent)
+        )
+        return OnTheWay(yaw, left_over, heights, rates, path.top_speed)
+
+    def _path(self, left: float, height: float, closing: float, sd: float) -> LandingPath:
+        """Plan a path over `left` (m) and down `height` (m), the pad known to `sd` (m)."""
         from missionkit.planning.energy_optimal import (  # noqa: PLC0415 - compiles kernels
             NO_GATE,
             Airframe,
@@ -139,15 +160,10 @@ class PrecisionLand(Behavior):
         )
         from missionkit.planning.rotor_power import RotorPower  # noqa: PLC0415
 
-        north, east, height = (target.position - seen.position).tolist()
-        left = math.hypot(north, east)
-        closing = 0.0
-        if left > 0.0:
-            closing = (seen.velocity[0] * north + seen.velocity[1] * east) / left
         gate = NO_GATE
         if self.phase == "deviate":
-            high = deviation_height(self._cone, target.position_sd)
-            gate = Gate(entry_radius(self._cone, target.position_sd, high), high)
+            high = deviation_height(self._cone, sd)
+            gate = Gate(entry_radius(self._cone, sd, high), high)
         limits = LandingLimits(
             self.speed,
             self.acceleration,
@@ -157,12 +173,7 @@ class PrecisionLand(Behavior):
             self.touch_down,
         )
         airframe = Airframe(self.mass, self.drag, RotorPower().model())
-        path = plan(left, height, airframe, limits, gate, closing)
-        yaw = math.atan2(east, north) if left > 1.0 else seen.yaw
-        left_over, heights, rates = (
-            tuple(column[::-1].tolist()) for column in (path.left, path.height, path.descent)
-        )
-        return OnTheWay(yaw, left_over, heights, rates, path.top_speed)
+        return plan(left, height, airframe, limits, gate, closing)
 
     def _in_view(self, seen: Estimate, target: Target) -> bool:
         return target.seen_at is not None and seen.now - target.seen_at <= self.blind

@@ -53,7 +53,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     """Build what flies from a mission that was loaded without problems, ready to tick in time.
 
     Raises:
-        UsageError: a navigator or a planner of another package does not begin.
+        UsageError: a navigator, planner or behaviour of another package cannot be made ready.
     """
     warm_up()
     if mission.known is not None:
@@ -70,6 +70,8 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     }
     navigation = mission.navigation
     chart = compile_mission(mission, catalogue)
+    for state in chart.states.values():
+        _warm_up(state.behavior)
     return PreparedMission(
         chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
@@ -106,6 +108,16 @@ def _navigator(
     except PluginError as error:
         raise UsageError(f"navigator {kind!r} cannot be used: build raised {error}") from error
     return contained(kind, plugin, built)
+
+
+def _warm_up(behavior: object) -> None:
+    """Let a behaviour compile what it needs; one of another package may have nothing to."""
+    try:
+        with reporting_faults():
+            getattr(behavior, "warm_up", lambda: None)()
+    except PluginError as error:
+        kind = getattr(behavior, "kind", type(behavior).__name__)
+        raise UsageError(f"behaviour {kind!r} cannot be used: warm_up raised {error}") from error
 
 
 def _planner(use: Use[AvoidancePlanner]) -> AvoidancePlanner:
