@@ -1,4 +1,4 @@
-"""What a campaign is made of: its flights, and how many at a time."""
+"""Cost of a campaign: its flights, and how many run in parallel."""
 
 from __future__ import annotations
 

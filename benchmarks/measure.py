@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class Table(NamedTuple):
-    """What one benchmark found."""
+    """Result of one benchmark."""
 
     title: str
     header: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What the flight recorder costs."""
+"""Cost of the flight recorder."""
 
 from __future__ import annotations
 

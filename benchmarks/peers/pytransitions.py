@@ -13,7 +13,7 @@ Rows = list[tuple[str, str, str]]
 
 
 class Model:
-    """What the machine decorates with `tick` and `state`."""
+    """The model that the machine adds `tick` and `state` to."""
 
     tick: Any
     state: str

@@ -46,7 +46,7 @@ class Ring(NamedTuple):
 
 
 class Sky:
-    """What the guards of one chart look at."""
+    """Inputs of the guards of one chart."""
 
     def __init__(self, seen: Estimate) -> None:
         self.seen = seen
@@ -108,7 +108,7 @@ def predicate(ask: Ask, sky: Sky) -> Predicate:
 
 
 class Views(NamedTuple):
-    """What the vehicle looks like when nothing is to happen, and to and fro."""
+    """Estimates: one at which no guard holds, and two that lead out of a state."""
 
     calm: Estimate
     low: Estimate  # leads out of even states
@@ -116,7 +116,7 @@ class Views(NamedTuple):
 
 
 def views(*, in_air: bool = False, events: tuple[str, ...] = ()) -> Views:
-    """Return what charts are shown; on the ground no failsafe acts."""
+    """Return the estimates that charts are stepped with; on the ground no failsafe acts."""
     return Views(
         _seen(0.9, 0.0, events, in_air=in_air),
         _seen(0.4, 0.0, events, in_air=in_air),

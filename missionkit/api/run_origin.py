@@ -35,7 +35,7 @@ class Origin(NamedTuple):
 
 
 class Origins(NamedTuple):
-    """What a run stands on now, and what the run that it resumes stood on."""
+    """The origin of a run, and that of the run that it resumes."""
 
     now: Origin
     before: Origin | None = None

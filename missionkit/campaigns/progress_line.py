@@ -13,7 +13,7 @@ QUIETLY = 10.0  # s between two lines elsewhere
 
 
 class CampaignProgress:
-    """Told of every row that is new; writes a line now and then.
+    """Called with every new row; writes a line now and then.
 
     Args:
         stream: where to; a terminal sees one line that changes.

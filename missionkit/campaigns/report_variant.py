@@ -1,4 +1,4 @@
-"""The part of the report that tells of one variant: endings, numbers, the chart as flown."""
+"""The part of the report about one variant: endings, numbers, the chart as flown."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from missionkit.plugin_protocols import (
 
 
 class PluginGroup(NamedTuple):
-    """What the plug-ins of a group are called and must satisfy, and which ones come along."""
+    """A group of plug-ins: its name in messages, its contracts, and its built-in classes."""
 
     word: str  # for one of them, in messages
     contracts: tuple[type, ...]  # protocols; a class satisfies one of them

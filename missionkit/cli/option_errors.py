@@ -30,7 +30,7 @@ _EXPECTED = {
 
 
 class Commands(TyperGroup):
-    """The commands, with mistakes in their use told in our own words."""
+    """The commands, with errors in their use worded as elsewhere in missionkit."""
 
     @override
     def make_context(self, *args: Any, **kwargs: Any) -> Any:

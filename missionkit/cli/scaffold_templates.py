@@ -71,7 +71,7 @@ class ${Class}(Guard):
 
 ESTIMATE = '''\
 def estimate(**changes):
-    """What a hovering vehicle knows."""
+    """Return the estimate of a hovering vehicle."""
     hovering = {
         "now": 10.0,
         "position": np.array([0.0, 0.0, -5.0]),  # m, NED

@@ -20,7 +20,7 @@ Positive = Annotated[Number, Field(gt=0)]
 
 
 class Reference(NamedTuple):
-    """What the vehicle is to do now: it moves to the guidance within the limits."""
+    """Reference of the control loop; it moves to the guidance within the limits."""
 
     position: Vec3  # (3,), m, world
     velocity: Vec3  # (3,), m/s, world

@@ -190,7 +190,7 @@ async def fly(
     """Fly the mission.
 
     The command alone must succeed. What `observers` and `keeper` raise joins the problems, once for
-    each, and the flight goes on; where nobody takes `reports`, the first of it is raised when the
+    each, and the flight continues; without `reports`, the first of it is raised when the
     flight is over. Over a vehicle they hand over what may wait to sinks (`recorder.record_sinks`).
 
     Args:
@@ -205,8 +205,8 @@ async def fly(
             a busy machine does not change how a mission is rehearsed.
         keeper: called after every tick but the last with everything needed to resume from it.
         reports: what failed beside the flight since the last call; joins the problems.
-        resume: continues a flight in progress instead of starting one; called, if time goes on
-            while the vehicle is being reached, once it is.
+        resume: continues a flight in progress instead of starting one. A function is called once
+            the vehicle is connected, for time passes while connecting.
 
     Raises:
         VehicleError: the vehicle could not be reached, or must not be commanded.

@@ -76,7 +76,7 @@ class WrenchLaw(NamedTuple):
         boxed = contain.call(name, self.control.step, *asked, foreign=is_foreign(self.control))
         fault = "" if boxed is None else wrench_fault(boxed[0])
         if fault:
-            contain.note(f"{name} answered {fault}")
+            contain.note(f"{name} returned {fault}")
         if boxed is None or fault:
             return Controlled(Command(payload=step.payload), self.begin())
         setpoint, control = boxed[0]

@@ -186,7 +186,7 @@ class MdpPolicy(CompositeGuard):
         """Return the verdict in a known state."""
         here = self._costs_in(state)
         if self.action not in here:
-            return Verdict(holds=False, why=f"in {state}, where {self.action} is no choice")
+            return Verdict(holds=False, why=f"in {state}, where {self.action} cannot be chosen")
         others = [cost for name, cost in here.items() if name != self.action]
         costs = ", ".join(f"{name} {cost:.4g}" for name, cost in here.items())
         holds, why = state in self.chosen, f"in {state}: {costs}"

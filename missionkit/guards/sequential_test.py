@@ -29,7 +29,7 @@ class Sprt(WindowGuard):
     """Holds once detections prove that a target is there, until they prove that it is not.
 
     Λ = Σ ln(p1 / p0) for a frame with it, ln((1 - p1) / (1 - p0)) for one without;
-    there at Λ ≥ ln((1 - β) / α), not there at Λ ≤ ln(β / (1 - α)), in between the test goes on.
+    there at Λ ≥ ln((1 - β) / α), not there at Λ ≤ ln(β / (1 - α)), in between the test continues.
     Source: A. Wald, "Sequential tests of statistical hypotheses", 1945; frames are taken as
     independent.
 

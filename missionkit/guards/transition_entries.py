@@ -46,7 +46,7 @@ class ConfidenceWindow(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """What entries are read from at one tick."""
+    """Sources of the entries at one tick."""
 
     seen: Estimate
     windows: Mapping[ConfidenceWindow, Window]

@@ -18,7 +18,7 @@ class Quantity(NamedTuple):
     most: float = math.inf
     unit: str = ""
     whole: bool = False  # whole numbers only; a truth value is 0 or 1
-    at_entry: Literal["goes on", "zero", "unknown"] = "goes on"  # when a state is entered
+    at_entry: Literal["kept", "zero", "unknown"] = "kept"  # when a state is entered
     sees: str = ""  # the target whose marker must be looked for
     words: tuple[str, ...] = ()  # names of the whole numbers
 

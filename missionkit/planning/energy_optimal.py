@@ -35,7 +35,7 @@ LEAST = 0.05  # m/s, slowest speed tried
 
 
 class LandingLimits(NamedTuple):
-    """What the vehicle may do (SI)."""
+    """Limits of speed and acceleration (SI)."""
 
     speed: float = 6.0  # m/s, level
     acceleration: float = 2.5  # m/s², level
@@ -46,7 +46,7 @@ class LandingLimits(NamedTuple):
 
 
 class Airframe(NamedTuple):
-    """What the vehicle weighs, how it drags, and its rotors."""
+    """Mass, drag and rotors of a multicopter."""
 
     mass: float  # kg
     drag: float  # N/(m/s)²
@@ -183,7 +183,7 @@ def descent_begins(
         closing: speed towards the pad at the start, m/s.
         marks: (2, 4), of `level_times` and `vertical_marks`.
         limits: of vertical acceleration.
-        gate: (2,), distance and height, m; a height of 0 is no gate.
+        gate: (2,), distance and height, m; a height of 0 means none.
     """
     level, down = marks[0], marks[1]
     begin = max(0.0, level[2] - down[2])

@@ -12,7 +12,7 @@ REACTION = 0.3  # s, until a sighting has changed the velocity
 
 
 class ViewCone(NamedTuple):
-    """What a camera is sure to see below it, and how the vehicle moves in there."""
+    """The cone below a camera that is certainly in view, and how the vehicle moves in it."""
 
     half_angle: float  # rad, φ, about the vertical
     sigmas: float  # k, standard deviations of the pad's place that are allowed for

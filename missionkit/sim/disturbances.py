@@ -1,4 +1,4 @@
-"""What faults do to the simulated body, its inner autopilot and its satellite fixes."""
+"""Effects of faults on the simulated body, its inner autopilot and its satellite fixes."""
 
 from __future__ import annotations
 

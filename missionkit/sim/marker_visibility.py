@@ -101,7 +101,7 @@ def facing(shape: Mat, eye: Vec3) -> float:
 def outlined(
     shape: Mat, eye: Vec3, back: Vec3, lens: PinholeLens, things: Mat, pixels: Mat
 ) -> bool:
-    """Project the corners into `pixels` (4, 2); tell whether the whole marker is in view.
+    """Project the corners into `pixels` (4, 2); return whether the whole marker is in view.
 
     Args:
         shape: (5, 3), m, NED, centre and corners.

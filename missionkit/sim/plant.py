@@ -113,7 +113,7 @@ class Plant:
         memory[at.DUE_AT] = min(due, memory[at.DUE_AT])
 
     def order(self, action: Action, height: float | None, *, ready: bool) -> bool:
-        """Carry out an action now; tell whether the autopilot accepted it.
+        """Carry out an action now; return whether the autopilot accepted it.
 
         Args:
             action: what to do.

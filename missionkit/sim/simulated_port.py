@@ -1,4 +1,4 @@
-"""What all simulated vehicles have in common behind the port `Vehicle`."""
+"""The port `Vehicle` as every simulated vehicle implements it."""
 
 from __future__ import annotations
 

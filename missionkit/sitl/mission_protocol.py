@@ -148,7 +148,7 @@ def _store(state: SitlState, kind: int, items: tuple[Item, ...]) -> None:
 
 
 def set_current(state: SitlState, seq: int) -> bool:
-    """Go on with another item; tell whether there is one."""
+    """Go on with another item; return whether there is one."""
     if not 0 <= seq < len(state.plans.mission):
         return False
     state.plans.current = seq

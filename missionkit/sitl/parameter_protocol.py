@@ -167,7 +167,7 @@ class Parameters:
         )
 
     def accept(self, name: str, value: float) -> bool:
-        """Take over the value of a PARAM_SET; tell whether there is such a parameter."""
+        """Take over the value of a PARAM_SET; return whether there is such a parameter."""
         entry = self._entries.get(name)
         if entry is None:
             return False

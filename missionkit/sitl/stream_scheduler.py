@@ -176,7 +176,7 @@ def begin(state: SitlState, channel: Channel) -> None:
 
 
 def ask(state: SitlState, channel: Channel, number: int, interval: float) -> bool:
-    """Change the interval (s) of a stream, 0: as after a start, less: off; tell whether it can.
+    """Change the interval (s) of a stream, 0: as after a start, less: off; return whether it can.
 
     The heartbeat stays as it is.
 

@@ -13,7 +13,7 @@ SetpointName = Literal["velocity", "wrench"]
 
 @dataclass(frozen=True, slots=True)
 class VehicleKind:
-    """What mission, checks, engine and grade need to know of a kind of vehicle.
+    """A kind of vehicle, as mission, checks, engine and grade need it.
 
     Every kind has a safe end, which its states of kind `land` lead to. It is reached when the
     vehicle reports itself neither armed nor in the air, whatever that takes: landed, or docked.

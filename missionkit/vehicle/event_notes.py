@@ -1,4 +1,4 @@
-"""What the threads of a vehicle have to say: events for the mission, sentences for the record."""
+"""Events for the mission and sentences for the record, from any thread of a vehicle."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class DockingPose(NamedTuple):
 
 
 class DockingBehavior(Behavior):
-    """What the behaviours of docking share: the target, its face, and the camera."""
+    """Parameters shared by the docking behaviours: the target, its face, and the camera."""
 
     kind: ClassVar[str]
     target: str

@@ -70,7 +70,7 @@ def _fresh(box: Box) -> Box | None:
     """Return what of a box is possible on entry, None if nothing is."""
     kept: dict[Quantity, Interval | None] = {}
     for quantity, span in box.items():
-        if span is None or quantity.at_entry == "goes on":
+        if span is None or quantity.at_entry == "kept":
             kept[quantity] = span
         elif quantity.at_entry == "unknown" or span.low > 0.0 or (span.low_open and span.low == 0):
             return None
@@ -86,7 +86,7 @@ def _after_dwell(way: GuardedTransition) -> Boxes:
     if waits > way.dwell:
         return ()
     return tuple(
-        box for box in way.truth.may if all(quantity.at_entry == "goes on" for quantity in box)
+        box for box in way.truth.may if all(quantity.at_entry == "kept" for quantity in box)
     )
 
 

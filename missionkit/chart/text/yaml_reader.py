@@ -1,7 +1,7 @@
 """YAML text -> plain data that remembers the line and column of every key and value.
 
 The tree is built from libyaml's events, without recursion (docs/decisions/0003-yaml-reader.md).
-YAML is read as version 1.2's core schema says, and strictly: duplicate keys, keys that are no
+YAML is read as version 1.2's core schema says, and strictly: duplicate keys, keys that are not
 strings, own tags, numbers that are not finite and a second document are problems.
 """
 

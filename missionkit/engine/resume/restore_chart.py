@@ -25,7 +25,7 @@ def fitted(
 
     How long a guard has held (`for:`) is not known across a gap: for the states' own transitions
     it restarts, for failsafes and invariants it keeps counting. Times of entry stay, so `after:`
-    goes on.
+    continues.
 
     Args:
         chart: that is flown now.

@@ -11,7 +11,7 @@ DIVERGED_ABOVE, TRUSTED_BELOW = 0.5, 0.2
 
 
 class Acceptance(NamedTuple):
-    """What became of one kind of measurement lately."""
+    """How many of the last measurements of one kind were accepted."""
 
     at: float | None = None  # s, of the last accepted one
     refused: float = 0.0  # share of those refused, exponentially averaged

@@ -1,4 +1,4 @@
-"""What ranges and feature points say about the state, compiled.
+"""Measurement models of ranges and feature points, compiled.
 
 Which measurement corrects which filter is where tandem differs from compound:
 

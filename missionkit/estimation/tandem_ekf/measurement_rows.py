@@ -48,7 +48,7 @@ class MeasurementRows(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """What one observation brought."""
+    """Measurements of one observation."""
 
     rows: Mat  # (n, 10), in order of time
     heard: tuple[float, ...]  # s, newest measurement of each source

@@ -27,7 +27,7 @@ class FeaturedTarget(BaseModel):
 
 
 class FlyerEkf(Plugin):
-    """What both filters of a free flyer are given."""
+    """Parameters shared by the filters of a free flyer."""
 
     anchors: Mapping[Name, Point] = Field(
         min_length=3, description="radio anchors in the mother-ship's frame"

@@ -135,7 +135,7 @@ class FlyerPlant:
         memory[at.DUE_AT] = min(due, memory[at.DUE_AT])
 
     def order(self, action: Action) -> bool:
-        """Carry out an action now; tell whether it was accepted.
+        """Carry out an action now; return whether it was accepted.
 
         ARM enables the thrusters. DISARM is accepted in a safe end alone: where the docking
         mechanism takes hold, or outside the keep-out sphere without relative velocity. HOLD and

@@ -104,7 +104,7 @@ class FreeFlyer(SimulatedPort):
         DISARM outside a safe end, which events say.
 
         Raises:
-            VehicleError: the setpoint is no finite wrench.
+            VehicleError: the setpoint is not a finite wrench.
         """
         self.payload = command.payload
         action, wanted = command.action, command.setpoint

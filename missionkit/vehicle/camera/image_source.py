@@ -26,7 +26,7 @@ def found(source: int | str, folder: Path) -> int | str:
     if path.is_file():
         return str(path)
     if path.exists():
-        raise ValueError("this is no file")
+        raise ValueError("this is not a file")
     raise ValueError(f"no such file in {path.parent}; {nearest(path.name, _films(path))}")
 
 

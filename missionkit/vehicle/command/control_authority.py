@@ -58,7 +58,7 @@ TRANSITIONS: list[list[Any]] = [  # trigger, from, to
 
 
 class Evidence(NamedTuple):
-    """What heartbeats say of a takeover."""
+    """Evidence of a takeover in heartbeats."""
 
     mode: str = ""  # in which it flies, or flew until it was disarmed; "": none is to be judged
     critical: bool = False  # a failsafe of the autopilot chose that mode

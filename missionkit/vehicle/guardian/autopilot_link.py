@@ -276,7 +276,7 @@ def _opened(scheme: str, place: str, number: int) -> int:
 def _serial(device: str, baud: int) -> int:
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:
-        raise OSError(f"{baud} is no baud rate of this system")
+        raise OSError(f"{baud} is not a baud rate of this system")
     descriptor = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         control = termios.CS8 | termios.CREAD | termios.CLOCAL
@@ -286,5 +286,5 @@ def _serial(device: str, baud: int) -> int:
         termios.tcflush(descriptor, termios.TCIOFLUSH)
     except termios.error as error:
         os.close(descriptor)
-        raise OSError(f"{device} is no serial line: {error.args[-1]}") from None
+        raise OSError(f"{device} is not a serial line: {error.args[-1]}") from None
     return descriptor
