@@ -23,7 +23,7 @@ MISSIONS = Path(__file__).parents[1] / "missions"
 
 
 class Flight(NamedTuple):
-    """What a flight gave, and what it saw and decided at every tick."""
+    """Result of a flight, with the estimate and the decision of every tick."""
 
     ready: Stage
     result: Rehearsal

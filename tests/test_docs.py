@@ -1,4 +1,4 @@
-"""What the documents say is what the program does."""
+"""The documents agree with the program."""
 
 from __future__ import annotations
 
@@ -129,8 +129,8 @@ def test_links_lead_somewhere(path):
     ],
 )
 def test_a_table_has_every_key_and_its_default(text, heading, part):
-    told = [(row[0].strip("`"), row[1]) for row in table(text, heading)]
-    assert dict(told) == dict(defaults(part.model_fields))
+    documented = [(row[0].strip("`"), row[1]) for row in table(text, heading)]
+    assert dict(documented) == dict(defaults(part.model_fields))
 
 
 @pytest.mark.parametrize(
@@ -141,8 +141,8 @@ def test_a_table_has_every_key_and_its_default(text, heading, part):
     ],
 )
 def test_the_tables_of_sensors_are_complete(heading, sensors):
-    told = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, heading)]
-    assert told == [
+    documented = [(row[0].strip("`"), row[1]) for row in table(SIMULATOR, heading)]
+    assert documented == [
         (f"{sensor}.{key}", default)
         for sensor, it in sensors.model_fields.items()
         for key, default in defaults(it.annotation.model_fields)
@@ -213,5 +213,5 @@ def test_every_fault_has_its_row(heading, faults):
 
 
 def test_every_topic_of_the_record_has_its_row():
-    told = {row[0].strip("`") for row in table(RECORD, "Topics")}
-    assert told == {topic.name for topic in TOPICS}
+    documented = {row[0].strip("`") for row in table(RECORD, "Topics")}
+    assert documented == {topic.name for topic in TOPICS}

@@ -1,4 +1,4 @@
-"""What a reader of the source finds at each public function."""
+"""Public functions explain their parameters, and commands their options."""
 
 import ast
 import inspect

@@ -90,7 +90,7 @@ def test_links_that_are_not_on_the_way_need_no_pose():
         ("world", "base", 2.0, "only from 1.000 s to 1.300 s"),
     ],
 )
-def test_errors_say_what_is_known(target, source, at, words):
+def test_errors_list_the_known_names(target, source, at, words):
     with pytest.raises(FrameError, match=words):
         TREE.lookup(target, source, at)
 

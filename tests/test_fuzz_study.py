@@ -38,10 +38,12 @@ def test_a_traceback_is_counted(monkeypatch, capsys):
 
     monkeypatch.setattr(fuzz, "checked", broken)
     assert fuzz.main(["--documents", str(len(FAMILIES)), "--workers", "1"]) == 1
-    told = capsys.readouterr().out
-    assert f"| all          | {len(FAMILIES)}         | 0    | 0        | {len(FAMILIES)} " in told
-    assert "--only spliced:0:" in told
-    assert "RecursionError: too deep" in told
+    printed = capsys.readouterr().out
+    assert (
+        f"| all          | {len(FAMILIES)}         | 0    | 0        | {len(FAMILIES)} " in printed
+    )
+    assert "--only spliced:0:" in printed
+    assert "RecursionError: too deep" in printed
 
 
 def test_a_slow_document_is_reported(monkeypatch, capsys):

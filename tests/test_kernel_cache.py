@@ -1,4 +1,4 @@
-"""A stale kernel is never run, and no place to keep one is no reason not to fly."""
+"""A stale kernel is never run, and a cache that cannot be written does not prevent a flight."""
 
 from __future__ import annotations
 

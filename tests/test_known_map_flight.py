@@ -54,7 +54,7 @@ def test_it_passes_both_walls_with_half_a_metre_and_reaches_the_goal(variant):
     assert flight.problems() == []
 
 
-def test_no_more_than_half_a_metre_a_second_is_ever_commanded():
+def test_the_commanded_speed_never_exceeds_half_a_metre_a_second():
     asked = [
         np.linalg.norm(record.command.setpoint.velocity[:2])
         for record in known().records

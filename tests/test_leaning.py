@@ -30,6 +30,6 @@ def test_noise_that_does_not_fit_is_a_problem_once() -> None:
     ready = precise_stage(limit=50.0)
     world = sih(ready.world, (0.0, 0.0, 0.0), 0.0)
     flight = flown(stage(ready.mission, builtin(), world, 21))
-    told = [problem for problem in flight.problems() if "filter's noise" in problem]
-    (problem,) = told
+    problems = [problem for problem in flight.problems() if "filter's noise" in problem]
+    (problem,) = problems
     assert "accel_noise" in problem

@@ -1,4 +1,4 @@
-"""What is called a success, and what never is: short flights, graded by their truth."""
+"""Success and failure of short flights, graded by their ground truth."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def test_the_same_seed_means_the_same_trouble():
     assert groups(2, 20, 7)["random search"][1:] == groups(2, 19, 8)["random search"]
 
 
-def test_what_was_flown_is_kept_and_not_flown_again(tmp_path):
+def test_runs_already_flown_are_kept_and_not_repeated(tmp_path):
     kept = tmp_path / "flights"
     kept.write_text(f"{SAFE.written()}\n{HURT.written()}\n")
     runs = envelope.gathered([SAFE.order, HURT.order], kept, workers=1)

@@ -63,7 +63,7 @@ def test_the_page_lists_every_deviation_and_no_other():
 @pytest.mark.parametrize(
     "name", ["GNSS jump", "fence", "filter diverged", "plug-in raises", "bad file", "bad import"]
 )
-def test_one_seed_comes_to_what_was_declared(name):
+def test_one_seed_gives_the_declared_results(name):
     seen = once(name, 1)
     assert good(row(name), seen), seen
 

@@ -1,4 +1,4 @@
-"""What `missionkit` exports: lazily, and the same to a type checker as to Python."""
+"""The names that `missionkit` exports: lazily, and the same to a type checker as to Python."""
 
 import ast
 import json

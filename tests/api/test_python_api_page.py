@@ -21,10 +21,10 @@ def test_the_page_is_what_the_public_names_say(update_refs):
 
 
 def test_every_public_name_has_its_place_and_example():
-    told = [name for names in PARTS.values() for name in names]
-    assert sorted([*told, "__version__"]) == sorted(missionkit.__all__)
+    documented = [name for names in PARTS.values() for name in names]
+    assert sorted([*documented, "__version__"]) == sorted(missionkit.__all__)
     entries = re.split(r"^### ", PAGE.read_text(), flags=re.MULTILINE)[1:]
-    assert [it.split("\n")[0] for it in entries] == told
+    assert [it.split("\n")[0] for it in entries] == documented
     assert [it.split("\n")[0] for it in entries if "```pycon" not in it] == []
 
 

@@ -33,7 +33,7 @@ def status(now: float = 10.0, *, armed=True, in_air=True, ready=True, mode="offb
 
 
 def marker(*place: float, faces_deg: float = 180.0, seen_at: float | None = 10.0) -> Target:
-    """A target whose upright marker faces `faces_deg`: south unless told otherwise."""
+    """A target whose upright marker faces `faces_deg`: south by default."""
     attitude = facing(math.radians(faces_deg))
     return Target("trunk", vec(*place), 0.05, attitude, 0.02, seen_at)
 

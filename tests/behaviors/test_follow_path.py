@@ -114,7 +114,7 @@ def _at(path, along):
 
 
 def door(north, east, down=-2.0):
-    """What a scan sees of a closed door 1 m wide."""
+    """Return the scan of a closed door 1 m wide."""
     return np.array([[north, east + off, down] for off in np.arange(-0.5, 0.51, 0.1)])
 
 
@@ -203,7 +203,7 @@ def test_a_changed_map_is_replanned():
     assert first.memory.spots != planned.memory.spots
 
 
-def test_without_a_way_it_stands_tells_the_chart_and_tries_again():
+def test_without_a_path_it_stops_notifies_the_chart_and_tries_again():
     shut = ROOM.with_walls([(4.1, 3.0 + 0.1 * n) for n in range(51)])
     times = (10.0, 10.5, 11.9, 12.1)
     none, *waiting, again = play(FLY, [seen(now, 0.0, 0.0, -2.0, map=shut) for now in times])

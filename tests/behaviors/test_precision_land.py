@@ -92,7 +92,7 @@ def test_deviating_it_says_once_that_the_pad_is_below():
     assert [step.events for step in steps] == [(OVER,)] + [()] * 19
 
 
-def test_a_pad_that_does_not_come_into_view_is_looked_for_higher_and_given_up():
+def test_a_pad_that_stays_out_of_view_is_searched_from_higher_up_then_abandoned():
     look = PrecisionLand(target="pad", phase="deviate", highest=4.0)
     steps = play(look, [seen(n * TICK, 0.1, 1.9) for n in range(300)])
     rates = [float(step.guidance.velocity[2]) for step in steps]

@@ -96,7 +96,7 @@ def test_the_pattern_keeps_before_the_plane_off_the_marker(form):
         assert np.abs(np.diff(places[:, 0])).max() <= 0.8 * TICK + 1e-6
 
 
-def test_a_target_that_is_too_near_to_tell_a_side_binds_nothing():
+def test_a_target_too_near_to_decide_a_side_sets_no_bound():
     near = marker(14.5, 5.0, -4.0)._replace(attitude=None)
     (step, *_) = searched(FORMS["steady"].model_copy(update={"back": 0.0}), 0.1, trunk=near)
     assert step.bound is None

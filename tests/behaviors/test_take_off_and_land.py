@@ -142,7 +142,7 @@ def test_an_unheard_take_off_is_requested_again():
 
 
 @pytest.mark.parametrize("height", [0.0, -1.0, float("nan")])
-def test_a_take_off_to_nowhere_is_refused(height):
+def test_a_take_off_without_a_valid_height_is_refused(height):
     with pytest.raises(ValidationError):
         TakeOff(height=height)
 

@@ -1,4 +1,4 @@
-"""Short campaigns for tests, and rows that nobody had to fly."""
+"""Short campaigns for tests, and rows of flights that never took place."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from missionkit.messages import Verdict
 
 
 class Bomb(Guard):
-    """Holds, unless it is told to do harm."""
+    """Holds, unless its parameters make it do harm."""
 
     kind: ClassVar[str] = "bomb"
     how: str = "no"

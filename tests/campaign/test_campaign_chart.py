@@ -125,7 +125,7 @@ def test_two_transitions_between_the_same_states_are_distinguished(over):
     assert (late.pale, late.lines) == (True, ("never taken",))
 
 
-def test_what_was_flown_stands_on_the_chart(over):
+def test_counts_of_the_flights_are_drawn_on_the_chart(over):
     assert over.states["idle"].lines[0] == "in 100 % of flights"
     assert over.states["idle"].lines[2] == "66.7 % succeed, 33.3 % crash"
     assert over.states["work"].lines[0] == "in 66.7 % of flights"
@@ -156,7 +156,7 @@ def test_counted_and_chain_stand_side_by_side_where_they_differ(chart):
     assert over.states["land"].lines[2:] == ("50.0 % succeed, 50.0 % crash",)
 
 
-def test_what_was_never_flown_is_listed(chart, calm, alarmed):
+def test_states_and_transitions_never_flown_are_listed(chart, calm, alarmed):
     missed = list(unflown(chart, coverage([alarmed])))
     assert [it.name for it in missed if it.what == "state"] == ["old", "home"]
     assert ("failsafe", "weak", 1) in missed

@@ -16,7 +16,7 @@ ADDRESS = "tcp://127.0.0.1:1"
 PATIENCE = 60.0  # s for a run that is not to hang
 
 
-def test_without_dask_it_says_what_is_missing(monkeypatch):
+def test_without_dask_the_error_names_the_missing_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match=r"pip install 'missionkit\[cluster\]'"):
         next(dask_cluster.flown(RunOrder("m.yaml", {}), cases(1), address=ADDRESS))
@@ -122,7 +122,7 @@ class Future:
 def test_a_lost_scheduler_is_reported_in_a_sentence(monkeypatch, error, answers):
     monkeypatch.setattr(dask_cluster, "_client", lambda *_: Vanishing(error, answers))
     monkeypatch.setattr(dask_cluster, "_ended", lambda _, flying: list(flying))
-    with pytest.raises(VehicleError, match=f"lost the Dask cluster at {ADDRESS}") as told:
+    with pytest.raises(VehicleError, match=f"lost the Dask cluster at {ADDRESS}") as caught:
         list(dask_cluster.flown(RunOrder("m.yaml", {}), cases(3), address=ADDRESS))
-    assert "repeat the command to fly the rest" in str(told.value)
-    assert told.value.exit_code == 3
+    assert "repeat the command to fly the rest" in str(caught.value)
+    assert caught.value.exit_code == 3

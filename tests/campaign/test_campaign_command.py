@@ -54,12 +54,12 @@ def test_a_campaign_leaves_table_summary_and_report(call, tmp_path):
     assert [(it["seed"], it["param:height"]) for it in rows] == [
         (seed, height) for seed in "456" for height in "23"
     ]
-    told = json.loads((folder / "summary.json").read_text())
-    high = told["comparisons"][0]
+    summary = json.loads((folder / "summary.json").read_text())
+    high = summary["comparisons"][0]
     assert (high["variant"], high["pairs"]) == ("height = 3", 3)
     assert high["median_changes"]["distance"][0] == pytest.approx(2.0, abs=0.6)
-    assert told["variants"][0]["chain"]["idle"]["ends"] == {"success in land": 1.0}
-    assert told["worst"][0]["command"].startswith(f"missionkit run {tmp_path}/hop.yaml --seed ")
+    assert summary["variants"][0]["chain"]["idle"]["ends"] == {"success in land": 1.0}
+    assert summary["worst"][0]["command"].startswith(f"missionkit run {tmp_path}/hop.yaml --seed ")
 
 
 def test_the_report_needs_nothing_beside_itself(call, tmp_path):
@@ -192,7 +192,7 @@ def test_a_campaign_can_be_made_longer_but_not_changed(call, whole, tmp_path):
 def test_a_report_covers_the_runs_flown_so_far(call, whole):
     rows = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
     (whole / JOURNAL).write_bytes(b"".join(rows[:3]))
-    told = json.loads(call("report", whole, "--json").stdout)
-    assert told["runs"] == 3
+    summary = json.loads(call("report", whole, "--json").stdout)
+    assert summary["runs"] == 3
     (whole / JOURNAL).unlink()
     assert "no run has finished yet" in call("report", whole).stderr

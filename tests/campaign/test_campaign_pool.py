@@ -46,7 +46,7 @@ def test_cases_are_taken_when_a_worker_is_free(order):
     assert multiprocessing.active_children() == []
 
 
-def test_a_worker_that_is_lost_costs_nothing(order):
+def test_a_lost_worker_loses_no_runs(order):
     whole = [fly(order, case) for case in cases(6)]
     rows = flown(order, cases(6), workers=2)
     some = [next(rows)]

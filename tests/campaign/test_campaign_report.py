@@ -1,4 +1,4 @@
-"""What the page says, and what its plots show."""
+"""Text and plots of the report page."""
 
 from __future__ import annotations
 
@@ -195,11 +195,11 @@ def test_numbers_are_written_with_their_units():
 
 
 def test_every_option_is_documented():
-    told = {
+    documented = {
         option.split()[0]
         for cells in table(document("docs/reference/campaign.md"), "Campaigns")
         for option in cells[0].replace("`", "").split(", ")
     }
     command = typer.main.get_command(app).commands["campaign"]
     options = {name for it in command.params for name in it.opts if name.startswith("--")}
-    assert told == options - {"--help"}
+    assert documented == options - {"--help"}

@@ -22,8 +22,8 @@ def test_the_command_of_a_row_flies_it_again(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mission, faults = hop(tmp_path), ("gnss_drift=0.3@2",)
     row = fly(RunOrder(mission, {}, (), faults), Case(4, 1, 9, {"height": "3"}))
-    told = Campaign(mission=mission, name="hop", runs=9, faults=faults, digest="")
-    words = shlex.split(command(told, row))
+    campaign = Campaign(mission=mission, name="hop", runs=9, faults=faults, digest="")
+    words = shlex.split(command(campaign, row))
     result = CliRunner().invoke(app, [*words[1:], "--headless"])
     assert result.exit_code == 0
     summary = json.loads((tmp_path / "runs/hop-seed9/summary.json").read_text())

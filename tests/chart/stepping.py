@@ -85,7 +85,7 @@ class Walk:
         return self.memory.state
 
     def seen(self, *events: str, **changes: Any) -> Estimate:
-        """What the next tick would see."""
+        """Return the estimate of the next tick."""
         stands = {
             "now": (self.count + 1) * TICK,
             "state": self.memory.state,

@@ -64,7 +64,7 @@ def test_stuck_plugins_lead_to_land_where_there_is_no_way_home():
     assert chart.land == "down"
 
 
-def test_a_broken_invariant_leads_to_its_kinds_exit_or_to_the_missions_own():
+def test_a_violated_invariant_takes_the_exit_of_its_kind_or_of_the_mission():
     text = """\
 initial: g
 targets: {t: {position: [1, 2, 3]}}
@@ -124,7 +124,7 @@ def test_everything_a_transition_says_is_carried_over():
     assert [chart.states[name].dwell for name in ("x", "y", "land")] == [1.5, 0.0, 1.5]
 
 
-def test_a_chart_speaks_in_plain_strings_which_can_be_saved():
+def test_a_chart_outputs_plain_strings_that_can_be_saved():
     chart = chart_of(TEXTS)
     x = chart.states["x"]
     said = [output.text for output in (*x.entry, *x.exit, *x.transitions[0].outputs)]

@@ -25,13 +25,13 @@ def read_or_refused(text: str) -> None:
     try:
         mission = parse(text, "m.yaml", CATALOGUE)
     except FileError as error:
-        told = error.problems
+        problems = error.problems
     else:
         assert isinstance(mission, Mission)
         return
-    assert told
-    assert all(problem.place.line >= 1 and problem.message for problem in told)
-    assert all(problem.place.file == "m.yaml" for problem in told)
+    assert problems
+    assert all(problem.place.line >= 1 and problem.message for problem in problems)
+    assert all(problem.place.file == "m.yaml" for problem in problems)
 
 
 @settings(deadline=None, max_examples=150, derandomize=True, database=None)

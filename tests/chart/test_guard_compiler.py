@@ -25,7 +25,7 @@ RANK = {False: 0, None: 1, True: 2}  # Kleene: and is the least, or is the great
 
 
 class Says(Guard):
-    """Answers as told."""
+    """Returns what the test gives it."""
 
     kind: ClassVar[str] = "says"
     name: str = ""

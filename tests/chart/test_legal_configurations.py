@@ -27,7 +27,7 @@ randomly = settings(
     max_examples=200,
     derandomize=True,
     database=None,
-    phases=[Phase.generate],  # a smaller seed is no smaller chart
+    phases=[Phase.generate],  # a smaller seed does not make a smaller chart
 )
 
 
@@ -74,8 +74,8 @@ def test_a_chart_goes_where_the_recommendation_says(pick):
             reference.external_event(*events)
             compare(reference, stepped, decision)
     except UnsettledError:
-        (told,) = stepped.contain.take()
-        assert told.startswith("the chart keeps changing state within one tick")
+        (problem,) = stepped.contain.take()
+        assert problem.startswith("the chart keeps changing state within one tick")
 
 
 def test_events_of_the_beginning_come_in_the_order_of_entry():

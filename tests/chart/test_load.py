@@ -30,7 +30,7 @@ class Room(BaseModel):
     obstacles: tuple[Annotated[Box | Ball, Field(discriminator="use")], ...] = ()
 
 
-def told(path: Path) -> list[str]:
+def messages_of(path: Path) -> list[str]:
     with pytest.raises(FileError) as error:
         load_model(path, Room)
     return [str(problem).partition("room.yaml:")[2] for problem in error.value.problems]
@@ -69,7 +69,7 @@ def test_plain_values_have_the_same_messages(tmp_path: Path):
         "  - {size: 1}\n"
         "  - {use: ball, radius: .nan}\n"
     )
-    assert told(path) == [
+    assert messages_of(path) == [
         "1:9: 'at', item 2: expected a list of 3 numbers (m), got 'two'",
         "3:5: 'obstacles', item 1: 'boxx' is unknown; did you mean 'box'? Known: ball, box",
         "4:22: obstacle 2: 'size': must be above 0 m, got -1",
@@ -83,7 +83,7 @@ def test_plain_values_have_the_same_messages(tmp_path: Path):
 def test_a_file_is_a_mapping(tmp_path: Path, text: str):
     path = tmp_path / "room.yaml"
     path.write_text(text)
-    (only,) = told(path)
+    (only,) = messages_of(path)
     assert only.startswith("1:1: expected a mapping (key: value), got ")
 
 

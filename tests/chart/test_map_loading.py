@@ -1,4 +1,4 @@
-"""The map of a mission: read with it, and its mistakes told with it."""
+"""The map of a mission: read with it, and its mistakes reported with it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def written(folder, meta=META, **kept):
     return path
 
 
-def told(section=DRAWN, spot="[6, 6, 0]", more=""):
+def message_of(section=DRAWN, spot="[6, 6, 0]", more=""):
     with pytest.raises(FileError) as caught:
         parse(MISSION.format(section=section, spot=spot, more=more), "m.yaml", builtin())
     return str(caught.value)
@@ -90,19 +90,21 @@ def test_an_unreadable_map_is_reported_with_its_place(tmp_path, meta, section, w
 
 def test_a_path_needs_a_map_and_a_goal_on_it():
     where = "m.yaml:9:15: state 'path': follow_path: "
-    assert told(section="summary: no map") == where + "needs the mission's 'map'"
-    assert told(spot="[60, 6, 0]") == where + "its target 'spot' is outside the map"
-    assert "'spot' is 0.00 m from a wall, less than the 1.05 m to keep" in told(spot="[3.5, 2, 0]")
-    assert "'spot' is 0.50 m from a wall" in told(spot="[4.5, 2, 0]")
-    assert "'manhattan' overestimates" in told(more=", heuristic: manhattan")
+    assert message_of(section="summary: no map") == where + "needs the mission's 'map'"
+    assert message_of(spot="[60, 6, 0]") == where + "its target 'spot' is outside the map"
+    assert "'spot' is 0.00 m from a wall, less than the 1.05 m to keep" in message_of(
+        spot="[3.5, 2, 0]"
+    )
+    assert "'spot' is 0.50 m from a wall" in message_of(spot="[4.5, 2, 0]")
+    assert "'manhattan' overestimates" in message_of(more=", heuristic: manhattan")
 
 
 def test_a_start_off_the_map_or_in_a_wall_is_a_mistake_as_for_targets():
     where = "m.yaml:9:15: state 'path': follow_path: the take-off point is "
     north = DRAWN.replace("north: [-2, 8]", "north: [1, 8]")
-    assert told(section=north) == where + "outside the map"
+    assert message_of(section=north) == where + "outside the map"
     walled = DRAWN.replace("[[3, 0], [4, 0], [4, 4], [3, 4]]", "[[-1, -1], [1, -1], [1, 1]]")
-    assert told(section=walled) == where + "inside a wall of the map"
+    assert message_of(section=walled) == where + "inside a wall of the map"
 
 
 def test_an_image_of_many_bytes_is_not_even_read(tmp_path, monkeypatch):

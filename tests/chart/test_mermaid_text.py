@@ -192,11 +192,11 @@ def test_marks_sit_on_the_instance_of_an_included_file_that_has_the_problem(
 ):
     found = findings(twice, catalogue)
     never = [n for n, it in enumerate(found, 1) if it.code == "contradictory-timers"]
-    told = [found[n - 1].message.split("'")[1] for n in never]
-    assert sorted(told) == ["second/near", "third/in/near"]
+    named = [found[n - 1].message.split("'")[1] for n in never]
+    assert sorted(named) == ["second/near", "third/in/near"]
     marked = marks(twice, found)
     ways = {way: [n for n in numbers if n in never] for way, numbers in marked.ways.items()}
-    assert {way for way, numbers in ways.items() if numbers} == {(it, 0) for it in told}
+    assert {way for way, numbers in ways.items() if numbers} == {(it, 0) for it in named}
     assert all("part.yaml line 6:" in marked.lines[n - 1] for n in never)
 
 

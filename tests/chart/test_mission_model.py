@@ -43,7 +43,7 @@ def test_the_example_is_a_mission(example: Path, catalogue: Catalogue):
     assert mission.camera.focal == 554
 
 
-def test_what_is_left_out_has_its_default(smallest: Mission):
+def test_omitted_keys_have_their_defaults(smallest: Mission):
     assert smallest.dwell == 2.0
     assert smallest.settings.rate == 20.0
     assert smallest.navigation.kind == "visual_inertial_ekf"
@@ -69,7 +69,7 @@ def test_a_transition_knows_its_place_in_the_file(smallest: Mission):
     assert transition.place("after") == transition.place()
 
 
-def test_a_named_guard_goes_before_a_plugin_of_that_name(catalogue: Catalogue):
+def test_a_named_guard_hides_a_plugin_of_that_name(catalogue: Catalogue):
     text = SMALLEST + "guards: {done: {not: ready}}\n"
     (transition,) = parse(text, "m.yaml", catalogue).states["idle"].transitions
     assert transition.when == Named("done", Place("m.yaml", 8, 26))

@@ -70,15 +70,13 @@ def test_a_guard_in_a_file_is_used_from_a_mission(tmp_path: Path, catalogue: Cat
         ),
     ],
 )
-def test_a_file_that_is_no_plugin(tmp_path: Path, catalogue: Catalogue, text: str, message: str):
+def test_a_file_that_is_not_a_plugin(tmp_path: Path, catalogue: Catalogue, text: str, message: str):
     with pytest.raises(FileError) as error:
         catalogue.with_file(written(tmp_path, text))
     assert str(error.value).partition("mine.py")[2].startswith(message.removeprefix("mine.py"))
 
 
-def test_ctrl_c_while_a_file_is_imported_is_no_fault_of_the_file(
-    tmp_path: Path, catalogue: Catalogue
-):
+def test_ctrl_c_during_an_import_is_not_blamed_on_the_file(tmp_path: Path, catalogue: Catalogue):
     waits = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nfor _ in range(1000): pass\n"
     with pytest.raises(KeyboardInterrupt):
         catalogue.with_file(written(tmp_path, waits))

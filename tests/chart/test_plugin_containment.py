@@ -17,7 +17,7 @@ from missionkit.plugin_containment import (
 )
 
 
-def test_the_answer_comes_in_a_box_so_that_none_is_an_answer_too():
+def test_the_result_is_boxed_so_that_none_can_be_a_result():
     contain = Containment()
     assert contain.call("x", lambda a, b: a + b, 2, 3) == (5,)
     assert contain.call("x", lambda: None) == (None,)
@@ -72,7 +72,7 @@ def test_ctrl_c_is_not_contained():
 
 
 class Watched(Containment):
-    """Refuses the answer of a plug-in called `late`; keeps what it was told."""
+    """Refuses the answer of a plug-in called `late`; keeps what was noted."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""I(s): checked at every tick; a violation is told once and takes the declared exit."""
+"""I(s): checked at every tick; a violation is reported once and takes the declared exit."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ states:
 
 
 @pytest.mark.parametrize(("way_out", "went"), [("", []), (", exit: y", [(0.3, "y")])])
-def test_a_broken_mission_invariant_is_reported_and_left_at_once_if_it_has_an_exit(way_out, went):
+def test_a_violated_mission_invariant_is_reported_and_takes_its_exit_at_once(way_out, went):
     walk = Walk(OWN % way_out)
     walk.run(0.25, "a")
     walk.run(0.5, "b")

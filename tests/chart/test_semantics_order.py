@@ -67,7 +67,7 @@ def test_the_operators_landing_does_not_match_a_star():
     assert walk.went() == [(0.05, "land")]
 
 
-def test_a_star_hears_all_others():
+def test_a_wildcard_takes_all_other_events():
     walk = Walk(HEARS_ALL)
     walk.tick("operator")
     assert walk.state == "y"
@@ -100,8 +100,10 @@ def test_a_chart_that_never_settles_is_stopped_and_reported():
     walk = Walk(RING.format(dwell=0))
     decision = walk.tick("a", "b")
     assert len(decision.fired) <= MOST_MICROSTEPS
-    (told,) = walk.contain.take()
-    assert told == "the chart keeps changing state within one tick: ... y -> z -> x -> y -> z -> x"
+    (problem,) = walk.contain.take()
+    assert (
+        problem == "the chart keeps changing state within one tick: ... y -> z -> x -> y -> z -> x"
+    )
 
 
 def test_guards_that_did_not_decide_are_still_evaluated_and_recorded():

@@ -81,7 +81,7 @@ def test_an_event_does_not_wait_for_the_dwell():
     assert walk.went() == [(0.05, "y")]
 
 
-def test_what_is_held_during_the_dwell_counts():
+def test_holding_during_the_dwell_counts():
     walk = walk_of("{to: y, when: a, for: 1.5}", top="")
     walk.run(2.5, "a")
     assert walk.went() == [(2.0, "y")]

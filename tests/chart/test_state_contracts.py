@@ -1,4 +1,4 @@
-"""What the kinds of state bring with them, and what they demand."""
+"""Contracts of the state kinds: the failsafes they add, and the transitions they demand."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_default_failsafes_become_transitions_after_the_missions_own():
     }
 
 
-def test_a_state_that_has_a_way_to_that_kind_already_gets_no_other():
+def test_a_state_with_a_transition_to_that_kind_gets_no_second_one():
     own = FULL.replace("{to: task, when: a}", "{to: search, when: b, for: 5}")
     assert ways(own)["visual"] == [("search", "b"), FAR]
 
@@ -165,7 +165,7 @@ states:
         ("{kind: hover, transitions: [{to: land, after: 90}]}", True),
     ],
 )
-def test_a_pause_of_the_operator_is_not_where_an_unreachable_goal_leads(pause, taken):
+def test_an_unreachable_goal_does_not_lead_to_the_operators_pause(pause, taken):
     text = f"""\
 initial: gps
 states:
@@ -228,7 +228,7 @@ states:
     return path
 
 
-def test_an_included_file_keeps_its_own_and_gets_a_hover_of_its_own(tmp_path):
+def test_an_included_file_keeps_its_states_and_gets_its_own_hover(tmp_path):
     found = leads("", included(tmp_path, PART))
     assert found["work/look"] == {"search-timeout": "work/fly"}
     assert found["work/fly"] == {"unreachable": "work/hover", "broken": "work/hover"}
@@ -260,7 +260,7 @@ def test_the_mission_itself_is_left_as_it_was():
     assert len(before.states["visual"].transitions) == 1
 
 
-def told(text: str) -> list[str]:
+def messages_of(text: str) -> list[str]:
     return [str(problem) for problem in unmet(mission(text), CATALOGUE)]
 
 
@@ -276,7 +276,7 @@ def test_the_example_meets_its_contracts(example):
 
 
 def test_a_mission_without_land_gets_only_that_problem():
-    assert told("initial: x\nstates:\n  x: {kind: custom}\n") == [
+    assert messages_of("initial: x\nstates:\n  x: {kind: custom}\n") == [
         "m.yaml:7:3: no state of kind 'land': the mission needs one to end in"
     ]
 
@@ -291,16 +291,16 @@ states:
     transitions: [{{to: land, when: a}}]
   land: {{kind: land}}
 """
-    assert told(text) == [cannot("8:11", "v", "visual", "search")]
+    assert messages_of(text) == [cannot("8:11", "v", "visual", "search")]
 
 
 def test_a_state_that_cannot_land_is_reported_unless_a_failsafe_lands():
     text = "initial: x\nstates:\n  x: {kind: custom}\n  y: {kind: idle}\n  land: {kind: land}\n"
-    assert told(text) == [cannot("7:13", "x", "custom", "land")]
-    assert told(text + "failsafes: [{name: f, when: a, to: land}]\n") == []
+    assert messages_of(text) == [cannot("7:13", "x", "custom", "land")]
+    assert messages_of(text + "failsafes: [{name: f, when: a, to: land}]\n") == []
 
 
-def test_a_search_that_leads_nowhere_lacks_everything():
+def test_a_search_without_transitions_lacks_every_required_one():
     text = f"""\
 initial: s
 states:
@@ -308,10 +308,12 @@ states:
   v: {{kind: visual, {SERVO}, transitions: [{{to: s, when: a}}, {{to: land, when: b}}]}}
   land: {{kind: land}}
 """
-    assert told(text) == [cannot("7:13", "s", "search", kind) for kind in ("visual", "gps", "land")]
+    assert messages_of(text) == [
+        cannot("7:13", "s", "search", kind) for kind in ("visual", "gps", "land")
+    ]
 
 
 @pytest.mark.parametrize(("kind", "lacking"), [("gps", 0), ("return", 0), ("hover", 1)])
 def test_default_failsafes_count_as_ways(kind, lacking):
     text = f"initial: x\nstates: {{x: {{kind: {kind}, behavior: hold}}, land: {{kind: land}}}}\n"
-    assert told(text) == [cannot("6:20", "x", kind, "land")] * lacking
+    assert messages_of(text) == [cannot("6:20", "x", kind, "land")] * lacking

@@ -99,8 +99,8 @@ def test_an_event_is_matched_by_its_words(described, event, heard):
 
 
 def test_an_output_is_described():
-    told = [
+    records = [
         in_words(Output("assign", "n", operation, operand))
         for operation, operand in (("set", 3), ("add", 1), ("copy", "m"), ("toggle", True))
     ]
-    assert told == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]
+    assert records == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]

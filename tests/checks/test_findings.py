@@ -21,7 +21,7 @@ FOLDER = Path(__file__).parent
 FILES = sorted(path.name for path in FOLDER.glob("*.yaml"))
 
 
-def told(problem: Problem) -> str:
+def line_of(problem: Problem) -> str:
     head = f"{problem.place}: {problem.level}[{problem.code}]: {problem.message}"
     return f"{head}\n  help: {problem.remedy}\n"
 
@@ -31,7 +31,7 @@ def test_findings(name: str, catalogue: Catalogue, monkeypatch: pytest.MonkeyPat
     monkeypatch.chdir(FOLDER)
     mission = load(Path(name), catalogue)
     found = findings(mission, catalogue, endurance=ENDURANCE, sight=SIGHT)
-    report = "".join(map(told, found))
+    report = "".join(map(line_of, found))
     if update_refs:
         Path(name).with_suffix(".txt").write_text(report)
     assert report == Path(name).with_suffix(".txt").read_text()

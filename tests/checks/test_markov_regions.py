@@ -1,4 +1,4 @@
-"""What the checks know of guards about Markov chains and decision processes."""
+"""Regions of the guards about Markov chains and decision processes, in the checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the checks prove is true of random charts when they are stepped."""
+"""Soundness of the checks: random charts never do what was proved impossible."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def flown(mission: Mission, seen: list) -> tuple[set[str], set[str], bool]:
 
 @settings(deadline=None, derandomize=True, database=None, max_examples=300)
 @given(st.lists(WAYS, min_size=2, max_size=9), st.sampled_from(["0", "0.1"]), SEEN)
-def test_what_is_called_dead_never_happens(ways, dwell, seen):
+def test_transitions_reported_dead_never_fire(ways, dwell, seen):
     text, named = chart(ways, dwell)
     mission = parse(text, "m.yaml", CATALOGUE)
     found = findings(mission, CATALOGUE)

@@ -104,14 +104,14 @@ def test_the_how_to_is_what_the_commands_do(tmp_path, monkeypatch):
         cv2.imwrite(f"views/{n:02}.png", it)
     Path("mission.yaml").write_text(MARKED % 0)
     monkeypatch.setattr(image_stream, "opened", {0: Driver(wall_with(23))}.get)
-    told = {}
+    printed = {}
     for line in re.findall(r"^missionkit camera (.*)$", page, re.M):
         name, *words = shlex.split(line.replace("views/*.png", " ".join(sorted(VIEWS))))
         done = call(name, *words)
         assert done.exit_code == 0, done.output
-        told[line] = done.stdout
-    found = told["calibrate views/*.png"]
+        printed[line] = done.stdout
+    found = printed["calibrate views/*.png"]
     assert found.splitlines()[4:7] == ["camera:", "  width: 640", "  height: 480"]
     (shown,) = re.findall(r"^```\n(# repro.*?)```", page, re.M | re.S)
     assert re.sub(NUMBER, "N", shown) == re.sub(NUMBER, "N", found)
-    assert "30 images of 640x480" in told["check --mission mission.yaml --out seen.png"]
+    assert "30 images of 640x480" in printed["check --mission mission.yaml --out seen.png"]

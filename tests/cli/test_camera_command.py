@@ -94,21 +94,21 @@ def test_images_of_another_size_are_refused(desk):
 
 
 @pytest.mark.parametrize(
-    ("stamps", "told"),
+    ("stamps", "expected"),
     [
         (True, r"\n30 ms old on arrival, by the driver's timestamps; latency of the mission: 50"),
         (False, r"\nthe driver does not report their age; latency of the mission: 50 ms\n"),
     ],
 )
 def test_the_age_of_the_images_is_reported_if_the_driver_stamps_them(
-    stamps, told, desk, monkeypatch
+    stamps, expected, desk, monkeypatch
 ):
     driver = Driver(wall_with(23), stamps)
     monkeypatch.setattr(image_stream, "opened", {2: driver}.get)
     monkeypatch.setattr(image_stream, "wall", lambda: driver.now)
     done = call("check", "--mission", desk(2), "--images", 3)
     assert done.exit_code == 0, done.output
-    assert re.search(told, done.output)
+    assert re.search(expected, done.output)
     assert re.search(r"^3 images of 640x480, 25.0 a second; mission: 25\n", done.output)
     assert (cv2.CAP_PROP_FRAME_WIDTH, 640) in driver.asked
     assert (cv2.CAP_PROP_FPS, 25.0) in driver.asked

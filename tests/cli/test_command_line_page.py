@@ -14,15 +14,17 @@ COMMANDS = typer.main.get_command(app).commands
 
 
 def test_every_command_is_documented():
-    told = [row[0].strip("`") for row in table(PAGE, "The command line")]
-    assert set(told) <= set(COMMANDS)
-    assert {"validate", "explain", "graph", "run"} <= set(told)
+    documented = [row[0].strip("`") for row in table(PAGE, "The command line")]
+    assert set(documented) <= set(COMMANDS)
+    assert {"validate", "explain", "graph", "run"} <= set(documented)
 
 
 def test_every_option_of_validate_is_documented():
-    told = {row[0].strip("`") for row in table(PAGE, "validate")} | set(re.findall(r"--\w+", PAGE))
+    documented = {row[0].strip("`") for row in table(PAGE, "validate")} | set(
+        re.findall(r"--\w+", PAGE)
+    )
     options = {name for it in COMMANDS["validate"].params for name in it.opts if name[:2] == "--"}
-    assert options - {"--help"} <= told
+    assert options - {"--help"} <= documented
 
 
 def test_the_example_is_what_explain_says(call, monkeypatch):

@@ -50,10 +50,14 @@ def test_without_a_live_view_a_run_still_says_what_the_mission_logs(call, hop):
 
 def test_a_run_for_programs(call, tmp_path):
     result = call("run", "hop.yaml", "--json", "--set", "height=3", "--out", "here")
-    told = json.loads(result.stdout)
-    assert told.pop("folder") == "here/hop-seed0"
-    assert told == summary(tmp_path / "here/hop-seed0")
-    assert (told["outcome"], told["parameters"], told["seed"]) == ("success", {"height": 3}, 0)
+    printed = json.loads(result.stdout)
+    assert printed.pop("folder") == "here/hop-seed0"
+    assert printed == summary(tmp_path / "here/hop-seed0")
+    assert (printed["outcome"], printed["parameters"], printed["seed"]) == (
+        "success",
+        {"height": 3},
+        0,
+    )
 
 
 @pytest.mark.parametrize(
@@ -130,10 +134,10 @@ def test_ctrl_c_lands(interrupted):
     code, out, err, folder = interrupted("climbing")
     assert (code, err) == (1, "")
     assert "ended safely: landed because the operator requested it" in out
-    told = summary(folder)
-    assert told["transitions"][-1]["reason"] == "operator: land"
-    assert told["grade"]["landed"]
-    assert told["duration"] > 7.0
+    printed = summary(folder)
+    assert printed["transitions"][-1]["reason"] == "operator: land"
+    assert printed["grade"]["landed"]
+    assert printed["duration"] > 7.0
     assert states(folder)[-1] == "land"
     assert {path.name for path in folder.iterdir()} == FILES
 

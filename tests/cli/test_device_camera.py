@@ -77,7 +77,7 @@ def test_the_command_line_names_another(text, opening, tmp_path):
     assert opening(text, "other.mp4", folder=tmp_path / "elsewhere") == "other.mp4"
 
 
-def test_a_film_lies_beside_the_mission(opening, tmp_path):
+def test_the_video_path_is_relative_to_the_mission(opening, tmp_path):
     beside = tmp_path / "missions"
     beside.mkdir()
     (beside / "film.mp4").touch()
@@ -113,7 +113,7 @@ def test_the_option_draws_instead_of_opening(opening):
         assert isinstance(camera, Rendered)
 
 
-def test_what_is_drawn_for_a_device_is_an_image_through_its_lens():
+def test_images_drawn_for_a_device_have_its_lens_distortion():
     section = Camera(use="device", source=0, width=320, height=240)
     frame = vehicle_camera.painter_of(section, EMPTY)(POSE, 1.0)
     assert frame.image.shape == (240, 320)
@@ -160,16 +160,16 @@ def test_a_device_sees(call, hop):
     assert "[no-camera]" not in call("validate", "hop.yaml").stderr
 
 
-def test_what_is_wrong_with_the_camera_is_a_problem_of_the_flight():
+def test_errors_of_the_camera_are_problems_of_the_flight():
     class Vehicle:
         camera_problem = ""
 
         def take_remarks(self):
             return ()
 
-    told, vehicle = [], Vehicle()
-    tell = with_remarks((lambda record, _: told.append(record.problems),), vehicle)
+    reported, vehicle = [], Vehicle()
+    tell = with_remarks((lambda record, _: reported.append(record.problems),), vehicle)
     record = Record(1.0, "idle", ("idle",), Mode.NONE, (), (), Command(), "", ("late",), calm())
     for vehicle.camera_problem in ("", "it cannot be opened", ""):
         tell(record, Observation(1.0))
-    assert told == [("late",), ("late", "camera: it cannot be opened"), ("late",)]
+    assert reported == [("late",), ("late", "camera: it cannot be opened"), ("late",)]

@@ -31,11 +31,11 @@ def test_a_rehearsal_flies_to_its_end_when_files_cannot_grow(call, hop):
         result = call("run", "hop.yaml")
     assert result.exit_code == 0
     assert "success: flown as planned" in result.stdout
-    told = result.stderr.splitlines()
-    assert told[0].startswith("the flight record: File too large")
-    assert told[1].startswith("checkpoints: File too large")
-    assert [line.count("; the flight continues") for line in told] == [1, 1, 0]
-    assert "track.png: File too large" in told[2]
+    printed = result.stderr.splitlines()
+    assert printed[0].startswith("the flight record: File too large")
+    assert printed[1].startswith("checkpoints: File too large")
+    assert [line.count("; the flight continues") for line in printed] == [1, 1, 0]
+    assert "track.png: File too large" in printed[2]
     flown = json.loads((hop.parent / f"{HOP}-2" / "summary.json").read_text())
     assert flown["outcome"] == "success"
     assert flown["record_hash"] == ""

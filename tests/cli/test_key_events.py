@@ -79,7 +79,7 @@ def test_an_unreadable_plan_is_reported(text):
         Planned([text], Operator())
 
 
-def test_a_key_may_do_something_else_than_send_an_event():
+def test_a_key_can_do_other_things_than_send_an_event():
     main, terminal = pty.openpty()
     operator, done = Operator(), []
     with (

@@ -93,7 +93,7 @@ LOGGED = LOCKED._replace(outputs=("mode visual", "log marker found", "raise go",
 
 
 @pytest.mark.parametrize("logs_only", [False, True])
-def test_what_a_mission_logs_stands_below_its_transition(logs_only):
+def test_logs_of_a_mission_are_listed_below_their_transition(logs_only):
     out = io.StringIO()
     LineView(out, logs_only=logs_only).update(tick(7.5, fired=(LOGGED,), problems=("drifting",)))
     lines = out.getvalue().splitlines()
@@ -214,7 +214,7 @@ def late(k):
     return (f"state 'low': pad was last seen {0.5 + 0.05 * (k % 10):.2f} s ago",) * (k % 10 > 5)
 
 
-def test_a_problem_that_comes_again_with_other_figures_is_one_line_with_a_count():
+def test_a_problem_repeated_with_other_numbers_is_one_line_with_a_count():
     out = io.StringIO()
     with LineView(out) as view:
         for k in range(30):

@@ -28,7 +28,7 @@ def test_another_map_makes_another_mission(tmp_path):
     cv2.imwrite(str(image), np.full((120, 100), 254, np.uint8))
     changed = origin(path)
     assert stamp(changed) != stamp(first)
-    told = list(differences(first, changed))
-    assert told[0] == "--- maps/two_walls.png (as flown)"
-    assert len(told) == 5
-    assert all(line[1:].split()[1:3] == ["bytes,", "SHA-256"] for line in told[3:])
+    lines = list(differences(first, changed))
+    assert lines[0] == "--- maps/two_walls.png (as flown)"
+    assert len(lines) == 5
+    assert all(line[1:].split()[1:3] == ["bytes,", "SHA-256"] for line in lines[3:])

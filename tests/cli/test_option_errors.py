@@ -58,13 +58,13 @@ def test_no_option_answers_in_the_words_of_the_library(words):
 
 
 @pytest.mark.parametrize("words", [[], ["--help"], ["run", "--help"], ["--version"]])
-def test_help_is_no_mistake(words):
+def test_asking_for_help_is_not_an_error(words):
     result = CliRunner().invoke(app, words)
     assert "says what it takes" not in result.output
     assert len(result.output) > 5
 
 
-def test_an_origin_that_is_no_text_is_one_sentence(call, tmp_path):
+def test_an_origin_that_is_not_text_is_reported_in_one_sentence(call, tmp_path):
     (tmp_path / "origin.json").write_bytes(bytes([255, 254, 0]))
     result = call("run", "--resume", str(tmp_path))
     assert result.exit_code == 2

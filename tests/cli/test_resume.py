@@ -1,4 +1,4 @@
-"""A run whose process is killed goes on from where it was; what changed meanwhile is named."""
+"""A run whose process is killed resumes from where it was; changes to the mission are named."""
 
 from __future__ import annotations
 
@@ -87,11 +87,11 @@ def test_a_killed_run_continues_and_is_summarised_as_a_whole(call, killed):
     assert (result.exit_code, result.stderr) == (0, "")
     assert "resumed after 2.95 s: in the air, in up; the chart continues" in result.stdout
     assert result.stdout.count("  up: ") == 1  # the live view does not catch up with the past
-    told = summary(folder)
-    assert [it["to"] for it in told["transitions"]] == ["up", "land"]
-    assert [it["state"] for it in told["states"]] == ["idle", "up", "land"]
-    assert told["duration"] > saved.now + 3.0
-    assert (told["grade"]["landed"], told["seed"]) == (True, 0)
+    written = summary(folder)
+    assert [it["to"] for it in written["transitions"]] == ["up", "land"]
+    assert [it["state"] for it in written["states"]] == ["idle", "up", "land"]
+    assert written["duration"] > saved.now + 3.0
+    assert (written["grade"]["landed"], written["seed"]) == (True, 0)
     assert {path.name for path in folder.iterdir()} == {
         *("flight.mcap", "flight-2.mcap", "mission.yaml", "summary.json", "track.png")
     }
@@ -222,7 +222,7 @@ def test_a_changed_mission_is_refused_before_anything_is_compiled(
     assert "the mission has changed since" in result.stderr
 
 
-def test_a_changed_mission_that_dies_at_once_is_still_a_changed_one(
+def test_a_changed_mission_killed_right_after_resuming_is_still_changed(
     call, killed, stay, monkeypatch
 ):
     folder = killed()

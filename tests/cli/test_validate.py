@@ -55,8 +55,8 @@ def test_several_files_are_checked_at_once(call, hop):
     assert result.stdout == "hop.yaml: ok (2 states, 0 guards, 0 failsafes)\n"
     for start in ("bad.yaml:8:11: error: ", "list.yaml:1:1: error: ", "none.yaml:1:1: error: "):
         assert f"\n{start}" in f"\n{result.stderr}"
-    told = json.loads(call("validate", "bad.yaml", "none.yaml", "--format", "json").stdout)
-    assert [it["file"] for it in told] == ["bad.yaml", "none.yaml"]
+    printed = json.loads(call("validate", "bad.yaml", "none.yaml", "--format", "json").stdout)
+    assert [it["file"] for it in printed] == ["bad.yaml", "none.yaml"]
 
 
 def test_formats_for_programs_write_only_to_stdout(call, found):
@@ -65,8 +65,8 @@ def test_formats_for_programs_write_only_to_stdout(call, found):
     assert (result.exit_code, result.stderr) == (2, "")
     (result,) = json.loads(result.stdout)["runs"][0]["results"]
     assert result["ruleId"] == "dead"
-    (told,) = json.loads(call("validate", "hop.yaml", "--format", "json").stdout)
-    assert (told["code"], told["level"], told["remedy"]) == ("dead", "error", "say when")
+    (printed,) = json.loads(call("validate", "hop.yaml", "--format", "json").stdout)
+    assert (printed["code"], printed["level"], printed["remedy"]) == ("dead", "error", "say when")
 
 
 def test_an_unusable_plugin_file_is_reported_in_every_format(call, tmp_path):

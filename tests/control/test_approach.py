@@ -1,4 +1,4 @@
-"""What matters of a position controller, on a vehicle with lag."""
+"""The position controller on a vehicle with lag: no overshoot, no oscillation."""
 
 from __future__ import annotations
 

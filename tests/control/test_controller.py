@@ -35,7 +35,7 @@ def within_limits(setpoint, limits: Limits, control: Control) -> bool:
 
 
 @given(triples, triples, triples, triples, anything, anything, anything, st.sampled_from(Mode))
-def test_whatever_comes_in_what_goes_out_is_finite_and_within_limits(
+def test_the_output_is_finite_and_within_limits_for_any_input(
     goal, reference, position, velocity, speed, yaw, dt, mode
 ):
     control, memory = Control(), ControlMemory()

@@ -70,16 +70,16 @@ def test_the_nearest_place_inside_is_inside(at) -> None:
 
 
 @pytest.mark.parametrize("learnt", [0.0, 2.0], ids=["prompt", "integral wound up"])
-def test_a_vehicle_with_lag_that_wants_through_the_plane_does_not_cross_it(learnt: float) -> None:
+def test_a_lagging_vehicle_commanded_through_the_plane_does_not_cross_it(learnt: float) -> None:
     """The velocity loop of a quadrotor with drag: a = k (u - v) - c v + i, i' = k_i (u - v)."""
     position, velocity, integral = -6.0, 3.0, learnt
-    told = [3.0] * 4  # 0.2 s on its way
+    commands = [3.0] * 4  # 0.2 s on its way
     nearest = -math.inf
     for _ in range(400):
         now = seen(vec(10.0 + position, 0.0, -2.0), vec(velocity, 0.0, 0.0))
-        told.append(kept((3.0, 0.0, 0.0), now, SOUTH, LIMITS)[0])
+        commands.append(kept((3.0, 0.0, 0.0), now, SOUTH, LIMITS)[0])
         for _ in range(5):
-            error = told[-5] - velocity
+            error = commands[-5] - velocity
             push = 1.8 * error - 1.0 * velocity + integral
             integral += 0.4 * error * 0.01
             velocity += max(-5.0, min(5.0, push)) * 0.01

@@ -106,7 +106,7 @@ def test_short_periods_tend_to_the_gains_of_continuous_time():
     np.testing.assert_allclose(law.gains, [k, math.sqrt(2.0 * 1.33 * k), 0.0], rtol=1e-3)
 
 
-def test_it_goes_where_it_is_told_and_stays():
+def test_it_flies_to_the_goal_and_stays():
     body = Body(Lqr()).fly(to((0.3, -0.2, 0.1)), 40)
     np.testing.assert_allclose(body.y[0:3], [0.3, -0.2, 0.1], atol=1e-3)
     assert norm(body.y[3:6]) < 1e-3
@@ -232,7 +232,7 @@ def test_an_estimate_that_is_not_finite_gives_no_thrust(part, bad):
 
 @pytest.mark.parametrize("bad", BAD)
 @pytest.mark.parametrize("part", ["position", "velocity", "attitude", "speed"])
-def test_guidance_that_is_not_finite_is_none(part, bad):
+def test_guidance_that_is_not_finite_counts_as_missing(part, bad):
     value = np.full(4 if part == "attitude" else 3, bad)
     guidance = to((1, 0, 0))._replace(**{part: bad if part == "speed" else value})
     seen = calm(velocity=vec(0.01, 0.0, 0.0), rates=vec(0.0, 0.01, 0.0))

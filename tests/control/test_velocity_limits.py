@@ -61,7 +61,7 @@ def test_approach_never_exceeds_its_deceleration():
     assert 0.0 <= flown.y[0, -1] < 0.1
 
 
-def test_finite_lets_only_numbers_through():
+def test_finite_passes_only_numbers():
     good = Setpoint(vec(1, 2, 3), 0.1)
     assert finite(good) is good
     assert finite(Setpoint(vec(1, math.nan, 3), 0.1)) is None

@@ -40,7 +40,7 @@ ANSWERS: dict[str, object] = {
 
 
 class Odd(Behavior):
-    """Answers as told."""
+    """Returns what the test gives it."""
 
     kind: ClassVar[str] = "odd"
     says: str

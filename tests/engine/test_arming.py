@@ -1,4 +1,4 @@
-"""Nothing is armed while a failsafe holds already, and the reason is told."""
+"""Nothing is armed while a failsafe holds already, and the reason is reported."""
 
 from dataclasses import replace
 

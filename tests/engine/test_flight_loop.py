@@ -254,8 +254,8 @@ def test_an_observer_that_raises_ends_no_flight_and_is_raised_when_it_is_over():
     with pytest.raises(ValueError, match=r"no idea at 0\.05 s"):
         asyncio.run(fly(ready.plan, ready.vehicle, (fails, watches)))
     assert states[-1][0] == "land"
-    told = [problem for _, problems in states for problem in problems]
-    assert told == ["observer 1 raised ValueError: no idea at 0.05 s; the flight continues"]
+    reported = [problem for _, problems in states for problem in problems]
+    assert reported == ["observer 1 raised ValueError: no idea at 0.05 s; the flight continues"]
 
 
 def test_an_observer_that_raises_what_ends_a_program_ends_no_flight():

@@ -192,7 +192,7 @@ def test_a_gap_does_not_count_as_lack_of_progress():
 
 @pytest.mark.parametrize("mode", ["position", "manual", "stabilized", ""])
 @pytest.mark.parametrize("state", ["idle", "up", "land"])
-def test_a_pilot_is_left_alone(plan, climbing, mode, state):
+def test_a_pilot_in_control_is_not_disturbed(plan, climbing, mode, state):
     with pytest.raises(
         VehicleError, match=f"a pilot is in control, mode {mode}; nothing is commanded"
     ):

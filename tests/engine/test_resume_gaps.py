@@ -45,7 +45,7 @@ def killed(at: float) -> tuple[Kept, np.ndarray]:
 
 
 @pytest.mark.parametrize(("at", "gap"), [(7.2, 1.0), (8.2, 5.0), (9.2, 120.0)])
-def test_a_resumed_flight_knows_its_position_or_is_on_the_ground(at, gap):
+def test_a_resumed_flight_has_a_position_or_is_on_the_ground(at, gap):
     kept, before = killed(at)
     ready = short_stage(CRUISE)
     lost: list[np.ndarray] = []

@@ -41,7 +41,7 @@ AT = 6.0  # s, in the middle of up
 
 
 class Listening:
-    """The simulated vehicle, and when it was asked and told."""
+    """The simulated vehicle, and when it was observed and commanded."""
 
     def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.vehicle = vehicle
@@ -195,7 +195,7 @@ def test_an_abort_stays_an_abort():
     assert records[0].fired[0].reason == "operator: land"
 
 
-def test_the_keeper_hears_of_every_tick_but_the_last():
+def test_the_keeper_is_called_at_every_tick_but_the_last():
     ready = short_stage(STAY)
     courses: list[FlightState] = []
     done = asyncio.run(

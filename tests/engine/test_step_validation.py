@@ -1,4 +1,4 @@
-"""What a behaviour may answer."""
+"""Steps that a behaviour may return, and those that are refused."""
 
 from __future__ import annotations
 

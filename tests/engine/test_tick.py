@@ -88,12 +88,12 @@ def test_on_entry_the_behaviour_sees_the_new_state(flight: Flight):
 
 def test_a_lasting_failure_is_reported_once(flight: Flight):
     plan, memory = flight.ready.plan, begin(flight.ready.plan)
-    told = []
+    reported = []
     for observation in flight.observations[:3]:
         contain = Containment()
         contain.note("gust raised ValueError: no")
         done = tick(plan, memory, observation, contain)
         memory = done.memory
-        told.append(done.record.problems)
+        reported.append(done.record.problems)
         assert memory.acting.failing == ("gust raised ValueError: no",)
-    assert told == [("gust raised ValueError: no",), (), ()]
+    assert reported == [("gust raised ValueError: no",), (), ()]

@@ -50,7 +50,7 @@ def test_processor_time_excludes_other_processes():
     assert contain.take() == ()
 
 
-def test_processor_time_of_its_own_is():
+def test_its_own_processor_time_counts():
     contain = TimedContainment(processor_time, limit=0.02)
     with contain.interrupting():
         assert contain.call("spinning", spin) is None

@@ -1,4 +1,4 @@
-"""A simulated flight for navigators that look down: take off to 2 m, then fly as told."""
+"""A simulated flight for navigators that look down: take off to 2 m, then fly as commanded."""
 
 from __future__ import annotations
 

@@ -166,7 +166,7 @@ def test_the_choice_of_filterpy_is_the_kernels_to_the_last_digits(rng, part):
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e7])
-def test_filterpy_never_gets_what_is_not_finite(bad):
+def test_filterpy_never_gets_nan_or_infinity(bad):
     mu, S = np.array([1.0, -0.3]), np.eye(2)
     assert not filterpy_axis.predict(mu, S, bad, DT, VARIANCE)
     assert not filterpy_axis.predict(mu, S, 0.0, -DT, VARIANCE)

@@ -35,7 +35,7 @@ def test_it_closes_at_the_rate_of_its_gain():
     assert to_euler(q)[0] == pytest.approx(0.05 * math.exp(-1.0), rel=0.02)
 
 
-def test_what_is_not_gravity_does_not_tilt():
+def test_accelerations_other_than_gravity_do_not_tilt():
     q, bias = from_euler(0.0, 0.0, 0.0), np.zeros(3)
     lean(q, bias, vec(6.0, 0.0, -9.8), np.zeros(3), 1.0, GAINS)
     assert np.array_equal(q, [1.0, 0.0, 0.0, 0.0])

@@ -83,7 +83,7 @@ def test_a_good_flight(flown):
 
 
 def test_relative_certainty_exceeds_absolute_certainty():
-    """Without satellites nobody knows where the pair is, yet each knows where the other is."""
+    """Without satellites the place of the pair is unknown, yet each knows where the other is."""
     nav = navigator()
     memory = fly(nav, 14.0, change=without("gnss"), seen=look)
     state = nav.read(memory)
@@ -128,7 +128,7 @@ BAD = [np.nan, np.inf, -np.inf, 1e300]
 
 
 @pytest.mark.parametrize("bad", BAD)
-def test_no_bad_number_gets_in(flown, bad):
+def test_numbers_that_are_not_finite_are_refused(flown, bad):
     nav, memory = flown
     flight = Flight(np.random.default_rng(3), SETTINGS)
     o = flight.tick(204)

@@ -32,7 +32,7 @@ def recorded(seconds=30.0, seed=1, *, still=False, noisy=False):
     return list(observed(seconds, Sensors() if noisy else QUIET, seed, still=still))
 
 
-def test_with_perfect_sensors_it_knows_where_it_is():
+def test_with_perfect_sensors_the_position_is_exact():
     navigator = built()
     known, truth = through(navigator, recorded())
     state = navigator.read(known)
@@ -120,7 +120,7 @@ def drifted(seen: Observation) -> Observation:
     return replace(seen, range=None, baro=baro)
 
 
-def test_without_its_range_it_claims_no_more_than_it_knows_and_says_so_in_time():
+def test_without_ranges_it_reports_its_growing_uncertainty_in_time():
     navigator, known = built(), built().begin()
     for seen, truth in recorded():
         known = navigator.propagate(known, drifted(seen))

@@ -56,7 +56,7 @@ def test_it_is_not_known_before_the_first_measurement_and_long_after_the_last():
     assert distance_after(14.0, without_fixes, since=9.0) is None
 
 
-def test_the_flow_navigator_knows_it_too():
+def test_the_flow_navigator_reports_it_too():
     navigator = build(FlowKalman(), {}, HERE)
     known, _ = through(navigator, list(observed(20.0, QUIET, 1, still=False)))
     assert 0.0 < navigator.read(known).health.mahalanobis < 1.6

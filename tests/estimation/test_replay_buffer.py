@@ -101,7 +101,7 @@ def test_a_measurement_ahead_of_the_samples_waits_for_them(flight):
     assert replay_buffer.outcome(out.history, ahead) == state_layout.ACCEPTED
 
 
-def test_the_past_given_is_left_alone(flight):
+def test_the_past_passed_in_is_not_changed(flight):
     imu, rows = flight
     past = start()
     for n in range(3):

@@ -22,7 +22,7 @@ KILLED = 8.0  # s, in the middle of a turn
 
 
 def frozen(observation, now, moment):
-    """What stood at a moment, as if it were measured now."""
+    """Return an old observation, as if it were measured now."""
     shift = now - moment
     imu = tuple(s._replace(at=s.at + shift) for s in observation.imu)
     parts = {n: getattr(observation, n) for n in ("gnss", "baro", "mag")}
@@ -87,7 +87,7 @@ def test_a_short_gap_is_integrated_across(gap):
 
 
 @pytest.mark.parametrize(("gap", "diverged"), [(1.0, False), (39.0, True)])
-def test_dead_reckoning_by_flow_says_how_little_it_knows_after_a_gap(gap, diverged):
+def test_dead_reckoning_by_flow_reports_its_uncertainty_after_a_gap(gap, diverged):
     navigator = build(FlowKalman(), {}, HERE)
     known = navigator.begin()
     for seen, _ in observed(20.0, QUIET, 1):

@@ -12,7 +12,7 @@ from missionkit.estimation.tandem_ekf.process_model import predict
 
 
 @pytest.mark.parametrize("kind", [TandemEkf, CompoundEkf])
-def test_what_is_counted_is_what_flies(kind):
+def test_the_counted_filter_computes_the_same_as_the_flown_one(kind):
     count, counted = operations(kind)
     x, P, A, u, row, settings = a_step(kind)
     predict(x, P, A, u, DT, settings)

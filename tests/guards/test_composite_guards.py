@@ -56,7 +56,7 @@ def test_its_windows_go_on_from_a_checkpoint():
     assert stepped(again, chart, miss)[1].answers == stepped(memory, chart, miss)[1].answers
 
 
-def test_in_words_it_says_what_leads_where():
+def test_the_text_names_every_transition_and_its_target():
     guard = parse(MISSION, "m.yaml", builtin()).guards["likely"]
     assert ex.text(guard) == (
         "markov steady state (of near at least 0.5; far to far rest, near tries / 4; "

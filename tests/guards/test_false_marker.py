@@ -84,7 +84,7 @@ def test_it_is_rejected_where_the_target_cannot_be():
     assert (sure.value, sure.holds, hand_over.holds) == (0.0, False, False)
 
 
-def test_if_it_were_accepted_it_would_be_out_of_range():
+def test_a_false_marker_that_passed_would_be_out_of_range():
     sure, hand_over, found = watched(FALSE, None)
     assert found
     assert sure.holds

@@ -128,7 +128,7 @@ def test_the_confidence_is_the_share_of_the_last_frames():
         ("position sd", calm(health=Health(False, False, None, None, 9.0, 0)), "far: the pos"),
     ],
 )
-def test_what_is_not_known_is_unknown(entry, seen, why):
+def test_a_missing_quantity_gives_unknown(entry, seen, why):
     verdict = asked(two({"quantity": entry, "over": 10}, 0.5), seen)
     assert verdict.holds is None
     assert verdict.why.startswith(why)

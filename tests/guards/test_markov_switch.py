@@ -80,7 +80,7 @@ def test_the_closed_form_of_the_first_switch():
     assert (before, after) == (False, True)
 
 
-def test_an_aligned_vehicle_is_no_division_by_zero():
+def test_an_aligned_vehicle_causes_no_division_by_zero():
     guard = MarkovSwitch(**PAD, to="reorient")
     seen = situation(0.8, turned=0.0)
     memory, _ = flown(guard, [seen])

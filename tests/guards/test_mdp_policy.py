@@ -82,7 +82,7 @@ def test_it_holds_where_the_action_is_the_best_and_says_what_each_costs():
     assert verdict.margin > 0.0
     assert verdict.why.startswith("in weak: press-on ")
     verdict = asked(guard, YES, YES, YES)
-    assert verdict.why == "in sure, where search is no choice"
+    assert verdict.why == "in sure, where search cannot be chosen"
     assert verdict.holds is False
     assert asked(guard, NO, NO, NO).why == "in none of the states of the process"
 

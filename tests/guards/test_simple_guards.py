@@ -133,7 +133,7 @@ def test_margin_says_how_far_inside():
     assert (verdict.value, verdict.threshold, verdict.margin) == (1.0, 0.0, 1.0)
 
 
-def test_disturbed_says_what_is_worse():
+def test_disturbed_names_the_worse_of_two_causes():
     seen = calm(attitude=from_euler(0.0, math.radians(15.0), 0.0), goal=goal((0.1, 0.0, -5.0)))
     verdict = Disturbed(error=0.25, tilt_deg=20).check(seen)
     assert (verdict.why, verdict.threshold) == ("tilt, deg", 20.0)

@@ -77,18 +77,18 @@ def test_a_k3_that_the_views_show_is_kept():
 
 def test_views_of_the_middle_are_reported_to_miss_the_edges():
     lens = calibrate(projected(20, noise=0.2, reach=0.7), BOARD)
-    told = "\n".join(doubts(lens))
+    text = "\n".join(doubts(lens))
     assert lens.covered < 0.6
-    assert f"the board covers {lens.covered:.0%} of the image" in told
-    assert "k2 = " in told
-    assert "is not determined, worth ± " in told
+    assert f"the board covers {lens.covered:.0%} of the image" in text
+    assert "k2 = " in text
+    assert "is not determined, worth ± " in text
 
 
 def test_a_barely_tilted_board_is_reported():
     lens = calibrate(projected(20, noise=0.1, tilt=0.1), BOARD)
-    told = "\n".join(doubts(lens))
-    assert "the board is tilted by " in told
-    assert "the focal length is known to " in told
+    text = "\n".join(doubts(lens))
+    assert "the board is tilted by " in text
+    assert "the focal length is known to " in text
     assert lens.tilts[0] < lens.tilts[1] < math.radians(9.0)
 
 

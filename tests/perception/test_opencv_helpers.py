@@ -13,7 +13,7 @@ from missionkit.perception.opencv_helpers import (
 )
 
 
-def test_a_jpeg_comes_back_as_the_image_it_was():
+def test_a_jpeg_decodes_to_the_image_it_was():
     image = np.add.outer(np.arange(48), np.arange(64)).astype(np.uint8)
     data = encode_jpeg(image, 95)
     assert len(data) < image.size

@@ -33,14 +33,14 @@ def test_the_covariance_is_what_repeated_measurement_shows(distance, turn):
     found = np.cov(np.array(errors).T)
     ratios = np.sqrt(np.diag(found) / np.diag(claimed))
     assert ((ratios > 1 / 1.5) & (ratios < 1.5)).all()
-    for told, seen in zip(deviations(claimed, truth), deviations(found, truth), strict=True):
-        assert 1 / 1.5 < told / seen < 1.5
+    for stated, seen in zip(deviations(claimed, truth), deviations(found, truth), strict=True):
+        assert 1 / 1.5 < stated / seen < 1.5
 
 
 def test_a_marker_seen_from_farther_away_is_less_well_known():
-    told = [deviations(covariance(p, SIZE, CAMERA, 0.3), p) for p in (tilted(2.0), tilted(4.0))]
-    assert told[1][0] == pytest.approx(4 * told[0][0], rel=0.05)  # depth: Z² sigma / (f l)
-    assert told[1][1] > 3 * told[0][1]
+    stated = [deviations(covariance(p, SIZE, CAMERA, 0.3), p) for p in (tilted(2.0), tilted(4.0))]
+    assert stated[1][0] == pytest.approx(4 * stated[0][0], rel=0.05)  # depth: Z² sigma / (f l)
+    assert stated[1][1] > 3 * stated[0][1]
 
 
 def test_corners_that_do_not_determine_the_pose_have_no_covariance():

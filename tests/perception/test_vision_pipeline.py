@@ -73,7 +73,7 @@ def test_of_a_marker_with_known_orientation_the_pose_is_true_to_its_deviation():
     assert 0.6 < spread[1] < 2.0  # three axes against the worst one
 
 
-def test_what_is_not_looked_for_is_not_seen():
+def test_only_the_markers_looked_for_are_seen():
     eye = VisionPipeline(CAMERA, [TRUNK])
     _, looks, sightings = look(eye, with_corners(1.0, (24, corners(SPOT))))
     assert (looks, sightings) == ((Look(1.0, frozenset()),), ())
@@ -103,7 +103,7 @@ def test_a_far_decoy_with_the_same_id_is_refused():
     assert look(VisionPipeline(CAMERA, [TRUNK]), decoy, away, body=None)[1][0].seen == {"trunk"}
 
 
-def test_markers_of_one_target_agree_on_its_centre_and_the_largest_speaks():
+def test_markers_of_one_target_agree_on_its_centre_and_the_largest_is_used():
     big = TRUNK.model_copy(update={"id": 1, "offset": (0.0, 0.5, 0.0)})
     small = TRUNK.model_copy(update={"id": 2, "size": 0.2, "offset": (0.3, -0.2, 0.0)})
     eye, turned = VisionPipeline(CAMERA, [big, small]), math.radians(150)
@@ -157,31 +157,31 @@ def test_frozen_corners_are_silent_but_an_empty_scene_may_stay_empty():
 
 def run(eye, ticks):
     """Return the looks of each tick; `ticks` holds (now, whether a frame came)."""
-    memory, told = eye.begin(), []
+    memory, silences = eye.begin(), []
     for i, (now, came) in enumerate(ticks):
         found = with_corners(now - 0.06, (23, corners(SPOT, seed=i)), now=now)
         memory, looks, _ = look(eye, found if came else Observation(now), memory=memory)
-        told.append([look.silent for look in looks])
-    return told
+        silences.append([look.silent for look in looks])
+    return silences
 
 
 def test_a_camera_that_falls_silent_gives_one_silent_look_a_period():
     pattern = [True, True, False, False, False, False, True, True]
-    told = run(
+    silences = run(
         VisionPipeline(CAMERA, [TRUNK]), [(i * PERIOD, came) for i, came in enumerate(pattern)]
     )
-    assert told == [[False], [False], [], [True], [True], [True], [True, False], [False]]
-    assert sum(map(len, told)) == len(pattern)
+    assert silences == [[False], [False], [], [True], [True], [True], [True, False], [False]]
+    assert sum(map(len, silences)) == len(pattern)
 
 
-def test_a_camera_that_never_speaks_is_silent_from_the_start():
-    told = run(VisionPipeline(CAMERA, [TRUNK]), [(i * PERIOD, False) for i in range(6)])
-    assert told == [[], [], [True], [True], [True], [True]]
+def test_a_camera_that_never_sends_an_image_is_silent_from_the_start():
+    silences = run(VisionPipeline(CAMERA, [TRUNK]), [(i * PERIOD, False) for i in range(6)])
+    assert silences == [[], [], [True], [True], [True], [True]]
 
 
 def test_every_other_frame_lost_is_half_the_frames_seen():
-    told = run(VisionPipeline(CAMERA, [TRUNK]), [(i * PERIOD, i % 2 == 0) for i in range(40)])
-    silent = [s for looks in told for s in looks]
+    silences = run(VisionPipeline(CAMERA, [TRUNK]), [(i * PERIOD, i % 2 == 0) for i in range(40)])
+    silent = [s for looks in silences for s in looks]
     assert silent.count(True) / len(silent) == pytest.approx(0.5, abs=0.03)
 
 
@@ -210,7 +210,7 @@ def test_the_memory_can_be_saved_and_the_eye_is_pure():
     np.testing.assert_array_equal(first[2][0].pose.rotation, second[2][0].pose.rotation)
 
 
-def test_a_candidate_knows_its_place_in_the_world_only_if_the_vehicle_does():
+def test_a_candidate_has_a_world_position_only_if_the_vehicle_has_one():
     found = Detection(DICTIONARY, 23, corners_of(seen_from(LEVEL, SPOT), 0.4), 1400.0)
     placed = sight(found, TRUNK, CAMERA, at=1.0, body=LEVEL, prior=None)
     np.testing.assert_allclose(placed.position, SPOT.translation, atol=1e-3)

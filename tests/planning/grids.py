@@ -18,7 +18,7 @@ def random_costs(rng, *, weighted=False, most=24):
 
 
 def shortest(costs, start, goal, neighbours):
-    """What the cheapest way costs, by scipy."""
+    """Return the cost of the cheapest path, by scipy."""
     numbers = np.arange(costs.size).reshape(costs.shape)
     links = []
     moves = [(0, 1), (1, 0)] + ([(1, 1), (1, -1)] if neighbours == 8 else [])

@@ -47,7 +47,7 @@ def test_no_path_is_cheaper_than_that_of_a_star(neighbours, heuristic, weighted)
 
 
 def price(costs, cells, neighbours):
-    """What the path costs; fails if a move is none, or cuts a corner."""
+    """Return the cost of a path; fails at an impossible move or a cut corner."""
     total = 0.0
     for (r, c), (row, column) in pairwise(cells.tolist()):
         step = abs(row - r) + abs(column - c)

@@ -150,7 +150,7 @@ near = st.floats(-4.0, 4.0)
 
 @settings(max_examples=60)
 @given(triples, triples, triples, triples, st.lists(triples, max_size=5))
-def test_whatever_comes_in_the_push_is_finite(position, velocity, goal, wanted, points):
+def test_the_repulsion_is_finite_for_any_input(position, velocity, goal, wanted, points):
     seen = estimate(0.0, position, velocity, np.array(points).reshape(-1, 3))
     with np.errstate(all="ignore"):
         push, _ = FIELD.step(FIELD.begin(), seen, goal, wanted)

@@ -35,11 +35,11 @@ def test_the_last_row_of_an_image_is_the_south_of_the_map():
 def test_grey_is_free_blocked_or_not_known():
     greys = np.array([[254, 206, 205, 128, 90, 89, 0]], np.uint8)
     p = (255.0 - greys) / 255.0
-    told = FILE.read(greys / 255.0).costs
-    np.testing.assert_array_equal(told == 1.0, p < 0.196)
-    assert np.isinf(told[p >= 0.196]).all()
+    read_costs = FILE.read(greys / 255.0).costs
+    np.testing.assert_array_equal(read_costs == 1.0, p < 0.196)
+    assert np.isinf(read_costs[p >= 0.196]).all()
     inverted = FILE.model_copy(update={"negate": 1}).read((255 - greys) / 255.0).costs
-    np.testing.assert_array_equal(inverted, told)
+    np.testing.assert_array_equal(inverted, read_costs)
 
 
 def test_mode_scale_makes_grey_dearer():
@@ -93,7 +93,7 @@ def test_a_png_of_16_bits_is_read_in_full():
 @pytest.mark.parametrize("mode", ["trinary", "scale"])
 @pytest.mark.parametrize("shade", [0, 200, 255])
 @pytest.mark.parametrize("alpha", [0, 254, 255])
-def test_what_is_transparent_is_not_known_and_blocked(mode, shade, alpha):
+def test_transparent_cells_are_unknown_and_blocked(mode, shade, alpha):
     image = np.full((2, 2, 4), 255, np.uint8)
     image[0, 0] = (shade, shade, shade, alpha)
     meta = FILE.model_copy(update={"mode": mode})

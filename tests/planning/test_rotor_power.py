@@ -91,7 +91,7 @@ def test_power_has_no_steps():
         assert np.abs(np.diff(watts)).max() < 0.1
 
 
-def test_many_at_once_are_the_same_as_one_by_one():
+def test_a_batch_equals_one_at_a_time():
     rng = np.random.default_rng(4)
     thrust, along, through = rng.uniform((0, 0, -12), (9, 15, 9), (300, 3)).T
     one_by_one = [

@@ -123,7 +123,7 @@ def test_the_way_out_of_the_margin_does_not_lead_through_a_gap_that_is_narrower(
         plan(shed, (0.0, 0.0), (2.0, 0.0), Way(0.6))
 
 
-def test_smoothing_does_not_cross_dear_ground():
+def test_smoothing_does_not_cross_expensive_cells():
     ((south, west), _), costs = AREA, ROOM.costs.copy()
     costs[60:90, :] = np.where(np.isinf(costs[60:90, :]), np.inf, 4.0)
     swamp = Occupancy(costs, 0.1, (south, west))
@@ -143,11 +143,11 @@ def test_a_line_sees_every_cell_it_touches(seed):
         along = a + np.linspace(0.0, 1.0, 20_001)[:, None] * (b - a)
         cells = np.minimum(along.astype(int), 19)
         sampled = costs[cells[:, 0], cells[:, 1]]
-        told = line_cost(costs, *a, *b)
+        cost = line_cost(costs, *a, *b)
         if np.isinf(sampled).any():
-            assert told == math.inf
-        elif told < math.inf:  # a line may touch a corner between two samples
-            assert told == pytest.approx(sampled.mean() * np.hypot(*(b - a)), rel=2e-3)
+            assert cost == math.inf
+        elif cost < math.inf:  # a line may touch a corner between two samples
+            assert cost == pytest.approx(sampled.mean() * np.hypot(*(b - a)), rel=2e-3)
 
 
 def test_a_line_through_a_corner_needs_both_sides_free():

@@ -34,7 +34,7 @@ SPOT = marker_at(6.0, 0.5, 0.2)
 
 
 class Foreign(Detector):
-    """Finds a marker by its own means, and misbehaves if it is told to."""
+    """Finds a marker by its own means, and misbehaves on request."""
 
     kind = "foreign"
     how: str = "well"

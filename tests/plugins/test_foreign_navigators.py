@@ -132,7 +132,7 @@ def test_a_navigator_of_another_package_that_does_well_is_flown():
 
 
 @pytest.mark.parametrize(
-    ("how", "told"),
+    ("how", "problem"),
     [
         ("raise", "shaken raised ValueError: no idea"),
         ("nan", "shaken returned a NavState with position of a wrong type or not finite"),
@@ -140,10 +140,10 @@ def test_a_navigator_of_another_package_that_does_well_is_flown():
         ("sleep", "shaken raised TooSlowError"),
     ],
 )
-def test_a_misbehaving_navigator_is_reported_and_the_vehicle_lands(how, told):
+def test_a_misbehaving_navigator_is_reported_and_the_vehicle_lands(how, problem):
     flight = flown(ready(how))
     landed(flight)
-    assert [it for it in flight.problems() if it.startswith(told)]
+    assert [it for it in flight.problems() if it.startswith(problem)]
     assert flight.entered("land") < FAILS + 5.0
     after = [record for record in flight.records if record.now >= FAILS]
     assert all(record.estimate.health.diverged for record in after)
@@ -165,17 +165,17 @@ def test_a_navigator_that_does_not_begin_is_refused_before_flight(how, says):
 
 
 @pytest.mark.parametrize(
-    ("how", "told"),
+    ("how", "problem"),
     [
         ("raise", "veering raised ValueError: no idea"),
         ("nan", "veering returned a velocity of a wrong type or not finite"),
         ("nothing", "veering returned NoneType, expected a velocity and its memory"),
     ],
 )
-def test_a_misbehaving_planner_is_reported_and_the_vehicle_stops_and_lands(how, told):
+def test_a_misbehaving_planner_is_reported_and_the_vehicle_stops_and_lands(how, problem):
     flight = flown(ready(planner=how))
     landed(flight)
-    assert told in flight.problems()
+    assert problem in flight.problems()
     held = [it for it in flight.records if it.state == "out" and it.now >= FAILS + 1.5]
     assert max((norm(it.command.setpoint.velocity) for it in held), default=0.0) < 0.3
     assert flight.went()[-1] == ("land", "failsafe plug-in failed")

@@ -1,4 +1,4 @@
-"""Plug-ins that raise, answer nonsense or sleep: told, held, led home and down."""
+"""Plug-ins that raise, answer nonsense or sleep: reported, held, led home and down."""
 
 from __future__ import annotations
 
@@ -112,11 +112,11 @@ def flight_with(plugins: Path, behavior: str = "hold", guard: str = "done") -> F
     return flown(short_stage(text, catalogue=assemble([plugins])))
 
 
-def check(flight: Flight, told: str, states: list[str], ticks: int = 60) -> None:
-    """Told once, held for `ticks`, then home and down."""
+def check(flight: Flight, problem: str, states: list[str], ticks: int = 60) -> None:
+    """Reported once, held for `ticks`, then home and down."""
     assert [to for to, _ in flight.went()] == states
     assert flight.went()[1] == ("return", "failsafe plug-in failed")
-    assert told in flight.problems()
+    assert problem in flight.problems()
     held = [record for record in flight.records if record.state == "up"]
     assert len(held) == pytest.approx(ticks, abs=3)
     assert {record.step_note for record in held[2:]} == {"holding: a plug-in misbehaves"}
@@ -131,7 +131,7 @@ HOME = ["up", "return", "land"]
 
 
 @pytest.mark.parametrize(
-    ("how", "told"),
+    ("how", "problem"),
     [
         ("raise", "gust (how raise) raised ValueError: no idea"),
         ("stop", "gust (how stop) raised KeyboardInterrupt"),
@@ -140,14 +140,14 @@ HOME = ["up", "return", "land"]
         ("sleep", f"gust (how sleep) raised TooSlowError: {WAITING}"),
     ],
 )
-def test_a_misbehaving_guard_is_reported_and_survived(plugins, how, told):
+def test_a_misbehaving_guard_is_reported_and_survived(plugins, how, problem):
     flight = flight_with(plugins, guard=f"{{use: gust, how: {how}}}")
-    check(flight, told, HOME)
+    check(flight, problem, HOME)
     assert flight.went()[2] == ("land", "when done")
 
 
 @pytest.mark.parametrize(
-    ("how", "told"),
+    ("how", "problem"),
     [
         ("raise", "drift raised ValueError: no idea"),
         ("stop", "drift raised KeyboardInterrupt"),
@@ -155,16 +155,16 @@ def test_a_misbehaving_guard_is_reported_and_survived(plugins, how, told):
         ("nothing", "drift returned NoneType, expected a Step"),
     ],
 )
-def test_a_misbehaving_behaviour_is_reported_and_survived(plugins, how, told):
+def test_a_misbehaving_behaviour_is_reported_and_survived(plugins, how, problem):
     flight = flight_with(plugins, behavior=f"{{use: drift, how: {how}}}")
-    check(flight, told, HOME)
+    check(flight, problem, HOME)
     assert flight.went()[2] == ("land", "when done")
 
 
 def test_a_memory_that_fails_in_every_state_leads_down_after_six_seconds(plugins):
     flight = flight_with(plugins, guard="{use: memory, how: raise}")
-    told = "memory (how raise) raised ValueError: no idea"
-    check(flight, told, HOME, ticks=40)  # the three seconds began while taking off
+    problem = "memory (how raise) raised ValueError: no idea"
+    check(flight, problem, HOME, ticks=40)  # the three seconds began while taking off
     assert flight.went()[2] == ("land", "failsafe plug-in failed")
     assert flight.entered("land") - flight.entered("up") == pytest.approx(5.0, abs=0.1)
 

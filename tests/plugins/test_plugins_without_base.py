@@ -87,7 +87,7 @@ def test_a_mission_flies_with_all_of_them(flight):
         ),
     ],
 )
-def test_what_is_missing_is_named_with_its_place(line, says, tmp_path):
+def test_a_missing_member_is_named_with_its_place(line, says, tmp_path):
     text = FILE.read_text()
     assert line in text
     path = tmp_path / "mine.py"
@@ -119,6 +119,6 @@ def test_a_class_that_fits_two_groups_is_not_guessed():
 
 
 @pytest.mark.parametrize("it", [3, "text", int])
-def test_what_is_no_model_is_refused_in_a_sentence(it):
+def test_a_class_that_is_not_a_model_is_refused_in_a_sentence(it):
     with pytest.raises(UsageError, match="is not a"):
         builtin().with_class(it)

@@ -1,4 +1,4 @@
-"""Whenever the process dies, one of two checkpoints can be read; a damaged one is told apart."""
+"""Whenever the process dies, one of two checkpoints can be read; a damaged one is recognised."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_a_checkpoint_that_cannot_be_written_leaves_both_before_it(tmp_path, mon
     assert load(tmp_path).value == {"rows": 2}
 
 
-def test_without_any_there_is_nothing_to_resume(tmp_path):
+def test_without_a_checkpoint_there_is_nothing_to_resume(tmp_path):
     with pytest.raises(UsageError, match="nothing to resume: it holds no checkpoint"):
         load(tmp_path)
 
@@ -210,7 +210,7 @@ def test_resuming_drops_newer_rows_and_appends(tmp_path, broken):
     assert load(tmp_path).value == before.value
 
 
-def test_a_checkpoint_from_elsewhere_names_no_file_outside_the_folder(tmp_path):
+def test_a_foreign_checkpoint_cannot_name_a_file_outside_its_folder(tmp_path):
     secret = tmp_path / "checkpoint-x.rows"
     secret.write_bytes(b"12345678")
     run = tmp_path / "run"

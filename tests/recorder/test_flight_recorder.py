@@ -125,7 +125,7 @@ def test_the_state_says_since_when(tmp_path, flight):
     assert list(since) == [pytest.approx(4.05)]
 
 
-def test_what_changes_for_one_tick_is_recorded_whatever_the_rate(tmp_path, flight):
+def test_changes_of_one_tick_are_recorded_at_any_rate(tmp_path, flight):
     odd = 33  # a tick between two of the 10 Hz
     with FlightRecorder(tmp_path) as recorder:
         for k, (record, _) in enumerate(flight(4.0)):
@@ -224,6 +224,6 @@ def test_a_record_is_never_written_over(tmp_path, flight):
     ],
 )
 def test_every_kind_of_setpoint_is_recorded_by_name(setpoint, fields):
-    told = json.loads(message_encoding.command('{"sec":1,"nsec":0}', Command(setpoint)))
-    assert set(told) == {"timestamp", *fields}
-    conforms(told, COMMAND)
+    encoded = json.loads(message_encoding.command('{"sec":1,"nsec":0}', Command(setpoint)))
+    assert set(encoded) == {"timestamp", *fields}
+    conforms(encoded, COMMAND)

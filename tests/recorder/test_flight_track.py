@@ -39,7 +39,7 @@ def test_a_problem_that_lasts_is_kept_once(flight):
     assert (it.last, it.times) == (pytest.approx(27.95), 1)
 
 
-def test_a_problem_that_comes_again_with_other_figures_is_one_line_of_the_summary(flight):
+def test_a_problem_repeated_with_other_numbers_is_one_line_of_the_summary(flight):
     track = tracks.begin()
     for k, (record, _) in enumerate(flight(3.0)):
         said = (f"pad was last seen {0.01 * k:.2f} s ago", f"marker {k // 30}: odd") * (k % 10 > 4)

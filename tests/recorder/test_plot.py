@@ -123,9 +123,11 @@ def test_the_close_up_is_as_wide_as_the_error_asks_for(flown, error, half):
     assert said in [it.get_text() for it in axes.texts]
 
 
-@pytest.mark.parametrize(("length", "told"), [(0.34, 0.2), (0.5, 0.5), (7.0, 5.0), (0.019, 0.01)])
-def test_a_scale_bar_has_a_round_length(length, told):
-    assert rounded(length) == pytest.approx(told)
+@pytest.mark.parametrize(
+    ("length", "expected"), [(0.34, 0.2), (0.5, 0.5), (7.0, 5.0), (0.019, 0.01)]
+)
+def test_a_scale_bar_has_a_round_length(length, expected):
+    assert rounded(length) == pytest.approx(expected)
 
 
 def test_a_goal_that_was_never_reached_is_drawn_apart(flown):
@@ -150,10 +152,10 @@ def test_a_list_has_reasons_no_wider_than_the_page_and_cuts_with_an_ellipsis():
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 0.9))
     draw_list(axes, Ruler(figure), track, {}, 2)
-    told = [it for it in axes.texts if it.get_text().startswith("why")]
-    assert len(told) == 9
-    assert all(it.get_text().count("\n") == 1 and it.get_text().endswith(" …") for it in told)
-    assert max(it.get_window_extent().x1 for it in told) <= 800.0
+    expected = [it for it in axes.texts if it.get_text().startswith("why")]
+    assert len(expected) == 9
+    assert all(it.get_text().count("\n") == 1 and it.get_text().endswith(" …") for it in expected)
+    assert max(it.get_window_extent().x1 for it in expected) <= 800.0
 
 
 def test_a_text_is_cut_to_the_width_and_wrapped_by_it(ruler):
@@ -171,10 +173,10 @@ def test_a_text_is_cut_to_the_width_and_wrapped_by_it(ruler):
 def test_names_of_guards_fit_beside_their_timeline_and_differ(ruler):
     names = ["marker-sure", "target lost (target trunk of the third row, longer_than 2)"]
     names += ["target lost (target trunk of the third row, longer_than 5)"]
-    told = labels(ruler, names)
-    assert told[0] == "marker-sure"
-    assert told[1].endswith(" …")
-    assert told[2] == f"{told[1]} 2"
+    expected = labels(ruler, names)
+    assert expected[0] == "marker-sure"
+    assert expected[1].endswith(" …")
+    assert expected[2] == f"{expected[1]} 2"
 
 
 def test_home_gets_no_close_up(flown):

@@ -84,11 +84,11 @@ def test_every_target_is_named_and_the_fence_is_drawn(page):
     assert {it.name for it in scenery.targets} <= named
     outlines = [it.get_xy()[:4] for it in ground.patches if not it.get_fill()]
     np.testing.assert_allclose(outlines[0], scenery.fences[0].outline()[:, ::-1])
-    told = any("fence: north" in it for it in named)
+    labelled = any("fence: north" in it for it in named)
     (south, north), (west, east) = scenery.fences[0]
     seen = ground.get_ylim()[0] <= south and north <= ground.get_ylim()[1]
     seen = seen and ground.get_xlim()[0] <= west and east <= ground.get_xlim()[1]
-    assert seen is not told
+    assert seen is not labelled
 
 
 def test_every_transition_is_numbered_on_the_map(page):

@@ -44,7 +44,7 @@ def test_a_file_cut_in_its_beginning_gives_nothing(whole, tmp_path, size):
     assert list(raw_messages(part)) == []
 
 
-def test_something_else_is_refused(tmp_path):
+def test_a_file_that_is_not_a_record_is_refused(tmp_path):
     note = tmp_path / "note.mcap"
     note.write_text("not a record")
     with pytest.raises(UsageError, match="not a flight record"):

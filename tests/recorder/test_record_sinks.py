@@ -1,4 +1,4 @@
-"""What records a flight may fail or wait: the flight hears of it in a sentence and waits never."""
+"""Recorders may fail or stall: the flight reports it in a sentence and never waits."""
 
 import errno
 import threading

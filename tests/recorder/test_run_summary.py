@@ -33,12 +33,12 @@ def test_a_summary_survives_the_disk(tmp_path, flight):
     path = write_summary(tmp_path, summary)
     assert read_summary(tmp_path) == summary
     assert list(tmp_path.iterdir()) == [path]
-    told = json.loads(path.read_text())
-    assert told["duration"] == pytest.approx(59.95)
-    assert told["states"][1]["state"] == "gps"
-    assert told["states"][1]["duration"] == pytest.approx(18.0)
-    assert told["transitions"][2]["reason"] == "when target_lost for 2.0 s"
-    assert told["problems"] == ["27.05 s: search: height above 2 m is not kept"]
+    written = json.loads(path.read_text())
+    assert written["duration"] == pytest.approx(59.95)
+    assert written["states"][1]["state"] == "gps"
+    assert written["states"][1]["duration"] == pytest.approx(18.0)
+    assert written["transitions"][2]["reason"] == "when target_lost for 2.0 s"
+    assert written["problems"] == ["27.05 s: search: height above 2 m is not kept"]
 
 
 def test_timing_gives_percentiles_in_milliseconds():
@@ -51,7 +51,7 @@ def test_timing_gives_percentiles_in_milliseconds():
     assert (timing.ticks, timing.overruns) == (101, 2)
 
 
-def test_an_empty_timing_is_none():
+def test_an_empty_timing_counts_as_missing():
     assert timing_of([]) is None
     assert summarise(tracks.begin(), mission="m", outcome="crash", reason="x").timing is None
 

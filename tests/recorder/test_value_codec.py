@@ -1,4 +1,4 @@
-"""What is written comes back the same, to the bit; what was not written here runs nothing."""
+"""Values come back the same, to the bit; text from elsewhere runs no code."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("value", HOSTILE, ids=lambda value: str(value)[:50])
-def test_a_text_from_elsewhere_is_refused_and_imports_nothing(value):
+def test_a_foreign_text_is_refused_and_imports_nothing(value):
     before = set(sys.modules)
     with pytest.raises(NotReadableError):
         read(json.dumps(value))
@@ -177,7 +177,7 @@ class Ordinary:
 
 
 @pytest.mark.parametrize("kind", [Checked, Changing, Ordinary])
-def test_a_class_with_code_of_its_own_is_not_built(monkeypatch, kind):
+def test_a_class_with_its_own_code_is_not_built(monkeypatch, kind):
     monkeypatch.setattr(kind, "__module__", value_codec.__name__)
     monkeypatch.setattr(value_codec, kind.__name__, kind, raising=False)
     with pytest.raises(NotReadableError):

@@ -37,7 +37,7 @@ def _cases(config: pytest.Config) -> tuple[Case, ...]:
 
 @cache
 def _not_kept() -> tuple[Case, ...]:
-    """Return the cases when pytest is told to keep nothing from run to run."""
+    """Return the cases when pytest keeps nothing from run to run."""
     with TemporaryDirectory() as folder:
         return cases(Path(folder))
 

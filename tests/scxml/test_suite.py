@@ -35,7 +35,7 @@ def test_how_many_charts_there_are(suite):
 
 def test_why_the_others_are_left_out(suite, update_refs):
     reasons = [(case.name, convert(case.chart).beyond) for case in suite]
-    told = "".join(f"{name}: {'; '.join(why)}\n" for name, why in reasons if why)
+    listed = "".join(f"{name}: {'; '.join(why)}\n" for name, why in reasons if why)
     if update_refs:
-        OUTSIDE.write_text(told, encoding="utf-8")
-    assert told == OUTSIDE.read_text(encoding="utf-8")
+        OUTSIDE.write_text(listed, encoding="utf-8")
+    assert listed == OUTSIDE.read_text(encoding="utf-8")

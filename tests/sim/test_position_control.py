@@ -50,12 +50,12 @@ def test_a_return_is_refused_and_the_vehicle_holds(perfect: World, pilot: Make) 
 def test_far_away_is_flown_to_at_a_limited_speed() -> None:
     state = np.zeros(17)
     state[6:10] = from_euler(0.0, 0.0, -2.0)
-    told = velocity_for(PositionSetpoint(vec(300.0, 400.0, 50.0), 1.0), state)
-    assert told.velocity == pytest.approx([0.6 * SPEED, 0.8 * SPEED, CLIMB])
-    assert told.yaw_rate == YAW_RATE
+    command = velocity_for(PositionSetpoint(vec(300.0, 400.0, 50.0), 1.0), state)
+    assert command.velocity == pytest.approx([0.6 * SPEED, 0.8 * SPEED, CLIMB])
+    assert command.yaw_rate == YAW_RATE
 
 
-def test_a_velocity_is_left_as_it_is() -> None:
+def test_a_velocity_is_not_changed() -> None:
     setpoint = Setpoint(vec(1.0, 2.0, 3.0), 0.1)
     assert velocity_for(setpoint, np.zeros(17)) is setpoint
 

@@ -172,7 +172,7 @@ def test_texture_of_the_ground_stays_on_the_ground(north):
     ],
 )
 @pytest.mark.parametrize("east", [-0.4, 0.0, 0.4])
-def test_what_is_in_front_hides_what_is_behind(obstacle, seen, east):
+def test_near_surfaces_hide_far_ones(obstacle, seen, east):
     eye = renderer(obstacles=[obstacle])
     at = body(5.0, east, -3.0, yaw=math.atan2(-east, 5.0))
     assert found(eye.render(at, STILL, STILL, 0.0)) == seen

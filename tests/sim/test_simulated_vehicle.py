@@ -98,12 +98,12 @@ def test_frames_are_late_and_at_the_rate_of_the_camera(pilot: Make) -> None:
 def test_status_follows_the_flight(perfect: World, pilot: Make) -> None:
     flight = pilot(perfect)
     flight.rise()
-    told = [s for seen in flight.seen if (s := seen.status)]
-    assert np.diff([s.at for s in told]) == pytest.approx(0.2)
-    assert [told[0].armed, told[0].in_air, told[0].ready] == [False, False, False]
-    assert told[5].ready
-    assert [told[-1].armed, told[-1].in_air, told[-1].mode] == [True, True, "hold"]
-    assert "take_off" in {s.mode for s in told}
+    statuses = [s for seen in flight.seen if (s := seen.status)]
+    assert np.diff([s.at for s in statuses]) == pytest.approx(0.2)
+    assert [statuses[0].armed, statuses[0].in_air, statuses[0].ready] == [False, False, False]
+    assert statuses[5].ready
+    assert [statuses[-1].armed, statuses[-1].in_air, statuses[-1].mode] == [True, True, "hold"]
+    assert "take_off" in {s.mode for s in statuses}
 
 
 def test_setpoints_faster_than_the_link_still_arrive(perfect: World, pilot: Make) -> None:

@@ -30,9 +30,9 @@ def test_messages_are_those_of_the_page() -> None:
 
 
 def test_commands_are_those_of_the_page() -> None:
-    told = {int(row[1]): row[0].strip("`") for row in table(PAGE, "Commands")}
+    documented = {int(row[1]): row[0].strip("`") for row in table(PAGE, "Commands")}
     enum = mavlink.enums["MAV_CMD"]
-    assert told == {number: enum[number].name.removeprefix("MAV_CMD_") for number in HANDLERS}
+    assert documented == {number: enum[number].name.removeprefix("MAV_CMD_") for number in HANDLERS}
 
 
 def test_modes_are_those_of_the_page() -> None:
@@ -52,8 +52,8 @@ def test_parameters_are_those_of_the_page(name: str, heading: str) -> None:
 
 
 def test_faults_are_those_of_the_page() -> None:
-    told = {row[0].strip("`"): row[2] for row in table(PAGE, "Faults")}
-    assert told == {name: kind.effect for name, kind in WIRE.items()}
+    documented = {row[0].strip("`"): row[2] for row in table(PAGE, "Faults")}
+    assert documented == {name: kind.effect for name, kind in WIRE.items()}
 
 
 def test_requests_are_those_of_the_page() -> None:

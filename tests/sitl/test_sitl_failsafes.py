@@ -232,7 +232,7 @@ def test_arming_is_denied_with_a_reason(either: Any, fault: str) -> None:
     assert "Arm" in either.said[-1]
 
 
-def test_px4_wants_a_ground_station_if_it_is_to_act_on_its_loss(station: Make) -> None:
+def test_px4_with_a_data_link_action_arms_only_with_a_ground_station(station: Make) -> None:
     px4 = station("px4")
     px4.state.parameters.set("NAV_DLL_ACT", 2)
     px4.run(1.6)
@@ -260,7 +260,7 @@ def test_px4_without_a_remote_control_returns_instead_of_waiting_for_a_pilot(
     px4 = station("px4")
     px4.state.parameters.set("COM_OBL_RC_ACT", action)
     if without == "rc_lost":
-        px4.state.parameters.set("COM_RCL_EXCEPT", 4)  # offboard goes on
+        px4.state.parameters.set("COM_RCL_EXCEPT", 4)  # offboard continues
         px4.state.parameters.set("COM_OF_LOSS_T", 2.0)
     else:
         px4.state.parameters.set("COM_RC_IN_MODE", 4)

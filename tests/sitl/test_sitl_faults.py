@@ -44,7 +44,7 @@ def test_only_a_cut_link_keeps_commands_away(station: Make, fault: str, heard: b
     assert px4.state.armed is heard
 
 
-def test_a_flapping_link_comes_and_goes(station: Make) -> None:
+def test_a_flapping_link_cuts_and_returns_repeatedly(station: Make) -> None:
     px4 = talking(station, "link_flapping=1@1")
     px4.run(5.0)
     gaps = np.diff(stamps(px4))

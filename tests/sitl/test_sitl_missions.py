@@ -57,7 +57,7 @@ def download(vehicle: Any, kind: int) -> list[Any]:
 
 
 @pytest.mark.parametrize("kind", [MISSION, FENCE, RALLY])
-def test_what_was_uploaded_is_downloaded(either: Any, kind: int) -> None:
+def test_a_download_returns_the_upload(either: Any, kind: int) -> None:
     commands = {MISSION: 16, FENCE: 5001, RALLY: 5100}
     items = [item(either, n, commands[kind], 10.0 * n, 5.0, 7.0, kind, p1=3.0) for n in range(3)]
     assert upload(either, items, kind) == mavlink.MAV_MISSION_ACCEPTED
@@ -130,7 +130,7 @@ def fence(vehicle: Any, command: int) -> list[Any]:
 
 
 @pytest.mark.parametrize("command", [5001, 5002, 5003, 5004])
-def test_a_fence_is_not_left(either: Any, command: int) -> None:
+def test_flying_into_the_fence_starts_its_failsafe(either: Any, command: int) -> None:
     assert upload(either, fence(either, command), FENCE) == mavlink.MAV_MISSION_ACCEPTED
     if not either.px4:
         either.state.parameters.set("FENCE_ENABLE", 1)

@@ -73,7 +73,7 @@ def udp() -> Iterator[tuple[socket.socket, int]]:
         yield sock, sock.getsockname()[1]
 
 
-def test_it_speaks_first_on_an_outgoing_udp_link() -> None:
+def test_it_sends_first_on_an_outgoing_udp_link() -> None:
     with udp() as (sock, port):
         setup = Setup(links=(f"udpout:{LOCAL}:{port}",), speed=10.0)
         with serving(setup) as server, closing(Asked(server.control_port)) as ask:

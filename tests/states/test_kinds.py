@@ -78,7 +78,7 @@ def target(seen_at: float | None) -> dict[str, Target]:
     return {"t": Target("t", vec(5, 0, -5), 0.1, None, None, seen_at)}
 
 
-def test_gps_needs_to_know_where_it_goes():
+def test_gps_needs_a_goal():
     assert holds("gps", targets=target(None)) is True
     assert holds("gps") is False
     assert holds("gps", target=None) is True

@@ -24,7 +24,7 @@ from missionkit.vehicle.link.link_lock import LinkLock
 SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done
 PERIOD = 0.05
-UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine is no silence
+UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine does not count as silence
 STILL = Command()
 NORTH = Command(Setpoint(vec(2.0, 0.0, 0.0), 0.0))
 CLIMB = Command(action=Action.TAKE_OFF, height=2.5)
@@ -83,7 +83,7 @@ class Sitl:
         return rows[:, 0], np.hypot(rows[:, 4], rows[:, 5])
 
     def patient(self, seconds):
-        """Let PX4 wait that long for setpoints: a busy machine is no fault of the client."""
+        """Let PX4 wait that long for setpoints: a busy machine is not the fault of the client."""
         self.ask(parameter="COM_OF_LOSS_T", value=seconds)
 
     def close(self):

@@ -50,7 +50,7 @@ def stay(behavior="hold", after=NEVER, failsafe="", more=""):
 
 @dataclass
 class TimedSetpoint:
-    """What the ticks of a flight said."""
+    """Records of the ticks of a flight."""
 
     autopilot: object
     flown: FlownFlight | None = None
@@ -78,34 +78,34 @@ class TimedSetpoint:
 
 
 def fly_mission(autopilot, text, tmp_path, strikes=None, catalogue=None, **options):
-    """Fly a mission; `strikes[state](told)` is called when that state is first entered."""
+    """Fly a mission; `strikes[state](mission)` is called when that state is first entered."""
     catalogue = catalogue or builtin()
     address = address_of(autopilot.url)
     vehicle = MavsdkVehicle(
         address, pace=autopilot.speed, lock=LinkLock(address, tmp_path), guard=UNHURRIED, **options
     )
-    told = TimedSetpoint(autopilot, reports=vehicle.reports)
+    mission = TimedSetpoint(autopilot, reports=vehicle.reports)
 
     def watch(record, seen):
-        told.records.append(record)
+        mission.records.append(record)
         for event in seen.events:
-            told.events.setdefault(event, record.now)
-        if record.state not in told.began:
-            told.began[record.state] = record.now, autopilot.now
-            (strikes or {}).get(record.state, lambda _: None)(told)
+            mission.events.setdefault(event, record.now)
+        if record.state not in mission.began:
+            mission.began[record.state] = record.now, autopilot.now
+            (strikes or {}).get(record.state, lambda _: None)(mission)
 
     plan = prepare(parse(text, "stay", catalogue), catalogue)
-    told.flown = fly_vehicle(plan, vehicle, (watch,), speed=autopilot.speed, time_limit=LIMIT)
-    return told
+    mission.flown = fly_vehicle(plan, vehicle, (watch,), speed=autopilot.speed, time_limit=LIMIT)
+    return mission
 
 
 def strike(*faults, **parameters):
     """Return what lets faults begin, and sets parameters, when a state is entered."""
 
-    def begin(told):
+    def begin(mission):
         for name, value in parameters.items():
-            told.autopilot.ask(parameter=name, value=value)
+            mission.autopilot.ask(parameter=name, value=value)
         for fault in faults:
-            told.autopilot.ask(fault=fault)
+            mission.autopilot.ask(fault=fault)
 
     return begin

@@ -1,4 +1,4 @@
-"""What happens to a real camera reaches the mission, over the wire."""
+"""Events of a real camera reach the mission, over the wire."""
 
 import asyncio
 
@@ -29,7 +29,7 @@ class Reel:
         pass
 
 
-def test_a_mission_hears_that_its_camera_went_away_and_came_back(tmp_path, monkeypatch):
+def test_a_mission_gets_events_when_its_camera_is_lost_and_found(tmp_path, monkeypatch):
     monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.05)
     reels = iter([Reel(5), Reel(0), Reel(10**9)])
     camera = Device(lambda: next(reels), CaptureSettings(64, 48, 100.0), 0.0, period=0.01)

@@ -32,11 +32,11 @@ def test_the_nearest_is_named_among_films(tmp_path):
 
 
 def test_a_folder_is_not_a_film(tmp_path):
-    with pytest.raises(ValueError, match="this is no file"):
+    with pytest.raises(ValueError, match="this is not a file"):
         found(".", tmp_path)
 
 
-def test_nothing_lies_in_a_folder_that_is_not_there(tmp_path):
+def test_a_missing_folder_is_reported_as_empty(tmp_path):
     with pytest.raises(ValueError, match=r"no such file in .*; none are known here"):
         found("away/film.mp4", tmp_path)
 

@@ -50,12 +50,12 @@ class Desk:
     """An authority with everything it tells, and the truth it asks for."""
 
     def __init__(self, dialect=PX4):
-        self.told, self.notes, self.where, self.unheard = [], [], NOWHERE, False
+        self.sent_events, self.notes, self.where, self.unheard = [], [], NOWHERE, False
         self.dialect = dialect
         self.authority = ControlAuthority(
             dialect,
-            lambda: self.told.append("let go"),
-            self.told.append,
+            lambda: self.sent_events.append("let go"),
+            self.sent_events.append,
             lambda: self.unheard,
             lambda: self.where,
             self.notes.append,
@@ -110,14 +110,14 @@ def test_a_whole_flight_takes_nothing_over():
     desk.where = GROUND
     desk.hear("hold").hear("hold", armed=False)
     assert desk.authority.state == "ground"
-    assert desk.told == []
+    assert desk.sent_events == []
 
 
 @pytest.mark.parametrize("mode", ["position", "manual", "hold", "return", "altitude", "land"])
 def test_leaving_offboard_unrequested_is_a_takeover(mode):
     desk = Desk().fly().hear(mode)
     assert desk.authority.state == "pilot"
-    assert desk.told == ["let go", "pilot_takeover"]
+    assert desk.sent_events == ["let go", "pilot_takeover"]
     (why,) = desk.notes
     assert f"mode {mode}, which missionkit did not choose (it had requested offboard)" in why
 
@@ -139,7 +139,7 @@ def test_leaving_offboard_unrequested_is_a_takeover(mode):
         ("land", "position", GROUND, False),
     ],
 )
-def test_an_order_ends_by_itself_only_where_it_can(order, mode, where, ours):
+def test_a_command_completes_only_where_the_autopilot_could_complete_it(order, mode, where, ours):
     assert ends(order, 5.0, mode, where) is ours
     desk = Desk().fly()
     desk.authority.order(order, 5.0 if order == "take_off" else None)
@@ -188,7 +188,7 @@ def test_an_order_that_was_accepted_and_shows_in_no_heartbeat_was_overridden(ord
     assert desk.hear("hold").authority.ours
     assert desk.authority.unsettled
     assert desk.hear("hold").authority.state == "pilot"
-    assert desk.told == ["let go", "pilot_takeover"]
+    assert desk.sent_events == ["let go", "pilot_takeover"]
 
 
 def test_an_accepted_order_is_not_overridden_on_the_ground_where_it_ended_or_once_it_shows():
@@ -240,7 +240,7 @@ def test_a_reboot_in_flight_resumes_nothing(flying):
     desk = Desk().fly()
     desk.authority.rebooted(flying=flying)
     assert desk.authority.state == ("rebooted" if flying else "ground")
-    assert desk.told[-1] == "autopilot_rebooted"
+    assert desk.sent_events[-1] == "autopilot_rebooted"
     assert desk.hear("hold").authority.ours is not flying
 
 
@@ -249,14 +249,14 @@ def test_a_pilot_beats_the_autopilots_failsafe_and_its_own_next_mode_does_not():
     assert desk.authority.state == "failsafe"
     assert desk.hear("return", "land").authority.state == "failsafe"
     assert desk.hear("position").authority.state == "pilot"
-    assert desk.told == ["let go", "failsafe_takeover", "let go", "pilot_takeover"]
+    assert desk.sent_events == ["let go", "failsafe_takeover", "let go", "pilot_takeover"]
 
 
 def test_another_kind_of_vehicle_is_not_commanded():
     desk = Desk().fly()
     desk.authority.replaced("fixed wing")
     assert desk.authority.state == "stranger"
-    assert desk.told == ["let go", "vehicle_changed"]
+    assert desk.sent_events == ["let go", "vehicle_changed"]
     assert "it is a fixed wing" in desk.notes[0]
 
 
@@ -308,6 +308,6 @@ def test_a_guardian_that_holds_ends_commanding_until_a_person_resumes():
     desk.authority.overruled()
     desk.authority.overruled()
     assert desk.authority.state == "failsafe"
-    assert desk.told == ["let go", "failsafe_takeover"]
+    assert desk.sent_events == ["let go", "failsafe_takeover"]
     assert "its guardian made the vehicle hold" in desk.notes[0]
     assert desk.authority.resume()

@@ -106,7 +106,7 @@ def test_without_an_origin_nothing_can_be_placed():
     assert Station(BOTH, start=None).tick(seen()) == []
 
 
-def test_nothing_that_is_not_finite_goes_out():
+def test_nan_and_infinity_are_never_sent():
     broken = seen()._replace(position=vec(math.nan, 0.0, 0.0))
     assert "VISION_POSITION_ESTIMATE" not in Station(BOTH).tick(broken)
 

@@ -21,8 +21,8 @@ def functions(path: str) -> set[str]:
 def test_the_table_is_long_and_complete() -> None:
     assert len(ROWS) >= 25
     assert [row for row in ROWS if len(row) != 4 or not all(row)] == []
-    told = " ".join(row[0] for row in ROWS)
-    assert [name for name in (*WIRE, *BODY) if f"`{name}" not in told] == []
+    documented = " ".join(row[0] for row in ROWS)
+    assert [name for name in (*WIRE, *BODY) if f"`{name}" not in documented] == []
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row[0])

@@ -15,7 +15,7 @@ LIMIT = 200  # looks of at most 0.05 s
 
 
 class End:
-    """What is taken from a link, and what waits for it."""
+    """Frames received from a link, and those waiting to be sent."""
 
     def __init__(self):
         self.taken, self.poller = [], Poller()
@@ -35,7 +35,7 @@ def server():
         yield listening
 
 
-def test_a_connection_that_ends_is_made_again_and_frames_come_whole():
+def test_a_closed_connection_is_reopened_and_frames_arrive_whole():
     end = End()
     with server() as listening:
         link = open_link("tcpout", *listening.getsockname(), end.poller, end.taken.extend)
@@ -44,7 +44,7 @@ def test_a_connection_that_ends_is_made_again_and_frames_come_whole():
         end.until(lambda: end.taken == [FRAME])
         first.close()
         end.until(lambda: link._file is None)
-        link.write(FRAME)  # lost: nobody is there
+        link.write(FRAME)  # lost: there is no peer
         link.tend()
         with listening.accept()[0] as second:
             second.sendall(FRAME)
@@ -133,7 +133,7 @@ def test_a_device_that_is_not_serial_is_reported(device, baud):
 
 def test_an_unknown_baud_rate_is_reported():
     ours, theirs = os.openpty()
-    with pytest.raises(OSError, match="12345 is no baud rate"):
+    with pytest.raises(OSError, match="12345 is not a baud rate"):
         open_link("serial", os.ttyname(theirs), 12345, Poller(), list)
     os.close(ours)
     os.close(theirs)

@@ -75,7 +75,7 @@ def test_what_matters_is_read():
     assert isinstance(said(HEARTBEAT, 1), Frame)
 
 
-def test_what_is_written_pymavlink_reads():
+def test_pymavlink_reads_the_frames_written():
     to = Route(245, 191, 7, 1)
     mav = mavlink.MAVLink(None)
     still, mode = mav.parse_buffer(

@@ -85,7 +85,7 @@ def test_it_ends_with_its_process_when_nothing_is_left_to_stop(event):
 
 
 @pytest.mark.parametrize("state", ["watching", "steered", "braking"])
-def test_a_mission_that_ends_after_an_order_of_its_own_leaves_nothing_to_guard(state):
+def test_after_a_mission_that_ended_by_its_own_command_the_guardian_is_idle(state):
     assert policy.gone(policy.silent(STATES[state]), 10.2).over
 
 

@@ -1,4 +1,4 @@
-"""What the guardian lets pass, and what it sends itself, without an autopilot."""
+"""The guardian as a relay, without an autopilot: frames it passes, drops and sends itself."""
 
 import socket
 from contextlib import contextmanager
@@ -122,7 +122,7 @@ def test_a_dead_mission_is_stopped_and_its_commands_are_blocked():
 
 
 @pytest.mark.parametrize("last", [ordered(21), ordered(20), ordered(22)])
-def test_a_mission_that_ends_while_the_autopilot_carries_out_its_order_is_left_to_it(last):
+def test_a_mission_that_ends_during_a_command_leaves_the_autopilot_to_finish_it(last):
     with bench() as it:
         steered(it)
         it.send(last)

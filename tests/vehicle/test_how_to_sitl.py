@@ -13,7 +13,7 @@ from vehicle.flying import SPEED, affordable, free_port
 
 PAGES = ("docs/how-to/fly-on-px4-sitl.md", "docs/how-to/fly-on-ardupilot-sitl.md")
 PATIENCE = 200.0  # s, with one command
-LIFE = 500  # s; then the autopilot ends, even if nobody is left to end it
+LIFE = 500  # s; then the autopilot ends, even if its parent has died
 MERCY = 5  # s between asking a process to end and killing it
 PORTS = ("14540", "5760")
 

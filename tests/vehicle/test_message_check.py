@@ -34,8 +34,8 @@ class Autopilot:
     def __init__(self, expected=lambda _: False, pace=1.0):
         self.now, self.expected = 1000.0, expected
         self.cache = Cache(lambda: self.now)
-        self.told, self.notes, self.judged, self.believed = [], [], [], []
-        self.check = MessageCheck(self.cache, self.told.append, self.notes.append, pace)
+        self.sent_events, self.notes, self.judged, self.believed = [], [], [], []
+        self.check = MessageCheck(self.cache, self.sent_events.append, self.notes.append, pace)
         self.report_to(self)
 
     def report_to(self, judge):
@@ -122,7 +122,7 @@ def test_old_heartbeats_that_were_overtaken_on_the_way_confirm_nothing():
 
 
 @pytest.mark.parametrize(("cut", "event"), [(5.0, "failsafe"), (1.0, "pilot")])
-def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(cut, event):
+def test_a_burst_of_heartbeats_does_not_change_who_took_over(cut, event):
     autopilot, heard, events = Autopilot(), [0.0, 0.0], []
     authority = ControlAuthority(
         PX4_DIALECT, lambda: None, events.append, lambda: heard[-1] - heard[-2] > 2.0
@@ -141,7 +141,7 @@ def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(
 
 
 @pytest.mark.parametrize(
-    ("status", "unheard", "landed", "told"),
+    ("status", "unheard", "landed", "sent_events"),
     [
         (CRITICAL, False, LAND, ["failsafe_takeover"]),
         (ACTIVE, False, LAND, ["pilot_takeover"]),
@@ -150,7 +150,7 @@ def test_whose_takeover_it_was_is_not_forgotten_when_heartbeats_come_in_a_burst(
     ],
 )
 def test_a_landing_by_another_that_is_over_before_it_is_confirmed_is_a_takeover(
-    status, unheard, landed, told
+    status, unheard, landed, sent_events
 ):
     """A stalled process hears all of it at once: no heartbeat confirms another in time."""
     autopilot, authority, events = watched(unheard=unheard)
@@ -159,13 +159,13 @@ def test_a_landing_by_another_that_is_over_before_it_is_confirmed_is_a_takeover(
         autopilot.check("HEARTBEAT", beat(LAND, status=status))
     assert events == []
     autopilot.send(beat(landed, armed=False), beat(landed, armed=False))
-    assert events == told
+    assert events == sent_events
     assert not authority.ours
     assert not any("was ignored" in it for it in autopilot.notes)
 
 
 @pytest.mark.parametrize(
-    ("order", "mode", "told"),
+    ("order", "mode", "sent_events"),
     [
         ("offboard", LAND, ["pilot_takeover"]),
         ("offboard", OFFBOARD, []),
@@ -175,11 +175,11 @@ def test_a_landing_by_another_that_is_over_before_it_is_confirmed_is_a_takeover(
         ("return", LAND, []),
     ],
 )
-def test_a_landing_of_which_only_the_end_is_heard_is_whose_order_it_was(order, mode, told):
+def test_a_landing_seen_only_at_its_end_belongs_to_whoever_ordered_it(order, mode, sent_events):
     autopilot, authority, events = watched(order)
     autopilot.send(beat(mode, armed=False))
-    assert events == told
-    assert authority.ours is (told == [])
+    assert events == sent_events
+    assert authority.ours is (sent_events == [])
 
 
 def test_a_stray_mode_before_our_own_landing_ended_takes_nothing_over():
@@ -227,7 +227,7 @@ def test_another_kind_of_vehicle_is_ignored_unless_it_is_the_only_one(stranger):
 
 def test_two_kinds_in_turn_are_two_vehicles_with_one_id():
     autopilot = Autopilot().send(*[beat(), beat(kind=FIXED_WING)] * 4)
-    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.sent_events == ["two_vehicles"]
     assert any("give each its own" in it for it in autopilot.notes)
     assert autopilot.check.contested
     assert not autopilot.send(*[beat()] * 11).check.contested
@@ -271,7 +271,7 @@ def test_two_clocks_at_once_are_two_vehicles_with_one_id(apart):
     for n in range(100):
         autopilot.stamp(50.0 + 0.02 * n, 0.01)
         autopilot.stamp(50.0 + apart + 0.02 * n, 0.01)
-    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.sent_events == ["two_vehicles"]
     assert autopilot.judged == []
     autopilot.fly(6.0, 52.0)
     assert not autopilot.check.contested
@@ -284,7 +284,7 @@ def test_two_vehicles_started_together_are_reported_within_a_second(apart):
         autopilot.stamp(50.0 + 0.033 * n, 0.02)
         autopilot.stamp(50.02 + apart + 0.033 * n, 0.013)
     assert autopilot.check.contested
-    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.sent_events == ["two_vehicles"]
     assert autopilot.judged == []
     autopilot.fly(6.0, 52.0)
     assert not autopilot.check.contested
@@ -296,7 +296,7 @@ def test_two_vehicles_that_answer_in_bursts_are_reported():
     for n in range(20):
         for each in range(6):
             autopilot.stamp(50.0 + 40.0 * (n % 2) + 0.12 * n + 0.02 * each)
-    assert "two_vehicles" in autopilot.told
+    assert "two_vehicles" in autopilot.sent_events
 
 
 def test_a_link_that_reorders_one_in_five_is_not_two_vehicles():
@@ -304,7 +304,7 @@ def test_a_link_that_reorders_one_in_five_is_not_two_vehicles():
     order = np.argsort(np.arange(400) + 1.5 * (rng.random(400) < 0.2))
     for n in order:
         autopilot.stamp(50.0 + 0.033 * n, 0.033)
-    assert autopilot.told == []
+    assert autopilot.sent_events == []
 
 
 @pytest.mark.parametrize("rate", [0.985, 1.0, 1.01])
@@ -346,7 +346,7 @@ def test_two_answers_to_one_request_are_two_vehicles_even_with_close_clocks():
     assert not autopilot.check.contested  # a stray packet or two
     answers(autopilot, 43, 1, 5_000, 5_001)
     assert autopilot.check.contested
-    assert autopilot.told == ["two_vehicles"]
+    assert autopilot.sent_events == ["two_vehicles"]
     answers(autopilot, 44, 10, 5_000)
     assert not autopilot.check.contested
 

@@ -71,7 +71,7 @@ def test_the_climb_rate_is_the_autopilots_while_it_reports_one(listening):
     assert listening.see(GPS_RAW_INT=FIX).gnss.velocity_sd[2] == math.inf
 
 
-def test_a_second_receiver_speaks_while_the_first_has_no_fix(listening):
+def test_a_second_receiver_is_used_while_the_first_has_no_fix(listening):
     lost = {**FIX, "fix_type": 1, "vel": 65535, "cog": 65535}
     other = {**FIX, "alt": 508000}
     first = listening.see(HOME_POSITION=HOME, GPS_RAW_INT=FIX, GPS2_RAW=other)

@@ -80,7 +80,7 @@ def test_a_ring_of_the_body_needs_no_attitude_and_one_of_the_world_does():
         ({"distances": [65535] * 72}, "no distance in any direction"),
     ],
 )
-def test_what_is_not_understood_is_refused_with_its_reason(change, why):
+def test_a_ring_that_cannot_be_understood_is_refused_with_its_reason(change, why):
     assert why in refusal({**ring({}), **change}, LEVEL)
 
 

@@ -74,15 +74,15 @@ def test_it_asks_and_writes_over_the_wire(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command.sys, "stdin", Terminal("y\n\n\n"))
     with sitl("ardupilot") as autopilot:
         preflight(PreflightOptions(autopilot.url, write=True))
-        told = capsys.readouterr().out
+        printed = capsys.readouterr().out
         values = {
             name: autopilot.ask(parameter=name)["value"]
             for name in ("GUID_TIMEOUT", "BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT")
         }
     assert values == {"GUID_TIMEOUT": 1.0, "BATT_FS_LOW_ACT": 0, "BATT_FS_CRT_ACT": 0}
-    assert "GUID_TIMEOUT is 3: it flies on" in told
-    assert "GUID_TIMEOUT was 3, is 1" in told
-    assert "BATT_FS_LOW_ACT stays 0" in told
+    assert "GUID_TIMEOUT is 3: it flies on" in printed
+    assert "GUID_TIMEOUT was 3, is 1" in printed
+    assert "BATT_FS_LOW_ACT stays 0" in printed
 
 
 def test_integers_of_px4_are_written_too(tmp_path, monkeypatch, capsys):
@@ -93,8 +93,8 @@ def test_integers_of_px4_are_written_too(tmp_path, monkeypatch, capsys):
         assert autopilot.ask(parameter="COM_OBL_RC_ACT")["value"] == 5
         assert autopilot.ask(parameter="COM_OF_LOSS_T")["value"] == 1.0
         code = preflight(PreflightOptions(autopilot.url))
-    told = capsys.readouterr().out
-    assert "COM_OBL_RC_ACT was 7, is 5" in told
+    printed = capsys.readouterr().out
+    assert "COM_OBL_RC_ACT was 7, is 5" in printed
     assert code is ExitCode.SUCCESS
 
 

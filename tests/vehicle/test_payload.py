@@ -9,16 +9,16 @@ AGAIN = 0.6  # s, until it is sent again
 
 
 class Actuator:
-    """Remembers what it was told; acknowledges as long as it is heard."""
+    """Remembers its commands; acknowledges them as long as it is heard."""
 
     def __init__(self):
-        self.wall, self.told, self.heard = Wall(), [], True
+        self.wall, self.received, self.heard = Wall(), [], True
         self.cache = Cache(self.wall)
         self.payload = Payload(self, self.cache)
 
     def send(self, name, **fields):
         assert (name, fields["command"]) == ("COMMAND_LONG", SET_ACTUATOR)
-        self.told.append(fields["param1"])
+        self.received.append(fields["param1"])
         if self.heard:
             self.wall.now += 0.01
             self.cache.put("COMMAND_ACK", {"command": SET_ACTUATOR, "result": 0})
@@ -32,7 +32,7 @@ def test_it_is_reported_once_per_change():
     made = Actuator()
     for name in (None, "sprayer", "sprayer", None, None):
         made.tick(name)
-    assert made.told == [1.0, -1.0]
+    assert made.received == [1.0, -1.0]
 
 
 def test_an_unacknowledged_command_is_sent_again():
@@ -43,7 +43,7 @@ def test_an_unacknowledged_command_is_sent_again():
     made.heard = True
     for _ in range(3):
         made.tick("sprayer")
-    assert made.told == [1.0] * 4
+    assert made.received == [1.0] * 4
 
 
 def test_at_the_end_it_is_switched_off():
@@ -51,7 +51,7 @@ def test_at_the_end_it_is_switched_off():
     made.tick("sprayer")
     made.wall.now += 0.1
     made.payload.release()
-    assert made.told == [1.0, -1.0]
+    assert made.received == [1.0, -1.0]
 
 
 def test_at_the_end_only_active_actuators_are_switched_off():
@@ -60,4 +60,4 @@ def test_at_the_end_only_active_actuators_are_switched_off():
     made.tick("sprayer")
     made.tick(None)
     made.payload.release()
-    assert made.told == [1.0, -1.0]
+    assert made.received == [1.0, -1.0]

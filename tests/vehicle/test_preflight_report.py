@@ -175,7 +175,7 @@ def test_a_fence_is_uploaded_and_read_back():
 
 
 @pytest.mark.parametrize("loses", [1, 4])
-def test_a_fence_that_comes_back_different_is_not_relied_on(loses):
+def test_a_fence_that_reads_back_differently_is_not_relied_on(loses):
     with pytest.raises(VehicleError, match="do not rely on it"):
         set_fence(Keeper(loses), box(HOME, (-20.0, 120.0), (-40.0, 60.0)))
 

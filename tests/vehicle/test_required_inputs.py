@@ -1,4 +1,4 @@
-"""What a mission relies on and does not get is a problem, once each time."""
+"""A missing input that the mission relies on is reported, once each time."""
 
 import numpy as np
 import pytest

@@ -76,7 +76,7 @@ def test_every_field_is_one_of_the_message_and_finite(setpoint):
         Setpoint(vec(0.0, 0.0, 0.0), NAN),
     ],
 )
-def test_what_cannot_be_flown_goes_out_as_zero_velocity(bad):
+def test_setpoints_that_cannot_be_flown_are_sent_as_zero_velocity(bad):
     sent = []
     streamer = Streamer(sent.append, lambda: True, lambda: 10.0)
     streamer.tell(bad, 10.0)

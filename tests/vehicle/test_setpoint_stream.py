@@ -109,7 +109,7 @@ def test_nothing_is_sent_while_a_pilot_flies():
     assert bench.sent == []
 
 
-def test_after_being_quiet_nothing_comes_back_by_itself():
+def test_after_silence_control_is_not_taken_back_automatically():
     bench = Bench()
     bench.streamer.tell(NORTH, bench.now)
     bench.run(0.1)
@@ -142,7 +142,7 @@ def test_a_link_that_refuses_does_not_end_the_thread():
     assert streamer.failed == 1
 
 
-def test_a_new_command_goes_out_at_once_from_a_thread_of_its_own():
+def test_a_new_command_is_sent_at_once_from_its_own_thread():
     went, threads = threading.Event(), []
 
     def emit(_):

@@ -18,7 +18,7 @@ def beat(mode, status=ACTIVE, armed=True):
 
 
 @pytest.mark.parametrize(
-    ("mode", "status", "unheard", "told"),
+    ("mode", "status", "unheard", "event"),
     [
         (POSITION, ACTIVE, False, "pilot_takeover"),
         (POSITION, CRITICAL, False, "pilot_takeover"),
@@ -30,7 +30,7 @@ def beat(mode, status=ACTIVE, armed=True):
     ],
 )
 def test_a_mode_of_a_critical_autopilot_is_its_own_unless_only_a_pilot_flies_it(
-    mode, status, unheard, told
+    mode, status, unheard, event
 ):
     events, cache = [], Cache(lambda: 0.0)
     authority = ControlAuthority(
@@ -40,7 +40,7 @@ def test_a_mode_of_a_critical_autopilot_is_its_own_unless_only_a_pilot_flies_it(
     authority.order("offboard")
     cache.put("HEARTBEAT", beat(OFFBOARD))
     cache.put("HEARTBEAT", beat(mode, status))
-    assert events == ["let go", told]
+    assert events == ["let go", event]
 
 
 @pytest.mark.parametrize(("armed", "flies"), [(True, True), (False, False)])

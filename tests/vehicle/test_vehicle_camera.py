@@ -121,7 +121,7 @@ def wait(holds):
     raise AssertionError("in vain")
 
 
-def test_a_camera_that_goes_away_is_opened_again_and_the_mission_hears_both(monkeypatch):
+def test_a_lost_camera_is_reopened_and_the_mission_gets_both_events(monkeypatch):
     monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.01)
     films = [Film(2), Film(0, opens=False), Film(10**9)]
     camera = watched(films)

@@ -1,4 +1,4 @@
-"""Commands against an autopilot of a few lines that answers, refuses, or loses what it is told."""
+"""Commands against an autopilot of a few lines that answers, refuses, or loses its commands."""
 
 import threading
 import time
@@ -19,12 +19,12 @@ RETURN = 4 << 16 | 5 << 24
 
 
 class Autopilot:
-    """Carries out what it is told, and sends heartbeats, unless `loses` or `denies` says else."""
+    """Carries out its commands, and sends heartbeats, unless `loses` or `denies` says else."""
 
     def __init__(self, cache, dialect=PX4, loses=(), denies=(), ignores=()):
         self.cache, self.dialect = cache, dialect
         self.loses, self.denies, self.ignores = loses, denies, ignores
-        self.told, self.parameters = [], {}
+        self.received, self.parameters = [], {}
         self.mode, self.armed = 0, False
         self.beat()
 
@@ -37,7 +37,7 @@ class Autopilot:
     def send(self, name, **fields):
         command = int(fields["command"])
         params = [fields[f"param{n}"] for n in range(1, 8)]
-        self.told.append((command, *params))
+        self.received.append((command, *params))
         if command in self.denies:
             self.answer(command, 2)
             return
@@ -86,21 +86,21 @@ def desk(dialect=PX4, ours=True, **faults):
 
 
 def ids(autopilot):
-    return [told[0] for told in autopilot.told]
+    return [received[0] for received in autopilot.received]
 
 
 def test_px4_holds_before_it_arms():
     commander, autopilot, orders = desk()
     assert commander.carry_out((Action.ARM, None)).outcome is CommandOutcome.DONE
-    assert autopilot.told[0][:4] == (176, 1.0, 4.0, 3.0)
-    assert autopilot.told[1][:3] == (400, 1.0, 0.0)
+    assert autopilot.received[0][:4] == (176, 1.0, 4.0, 3.0)
+    assert autopilot.received[1][:3] == (400, 1.0, 0.0)
     assert orders == ["hold"]
 
 
 def test_ardupilot_arms_in_guided_never_in_brake():
     commander, autopilot, _ = desk(ARDUPILOT)
     assert commander.carry_out((Action.ARM, None)).outcome is CommandOutcome.DONE
-    assert autopilot.told[0][:3] == (176, 1.0, 4.0)
+    assert autopilot.received[0][:3] == (176, 1.0, 4.0)
 
 
 def test_arming_is_not_even_tried_when_holding_is_refused():
@@ -115,18 +115,18 @@ def test_arming_is_not_even_tried_when_holding_is_refused():
 def test_nothing_ever_forces_arming_or_disarming(action, dialect):
     commander, autopilot, _ = desk(dialect)
     commander.carry_out((action, 5.0))
-    assert autopilot.told
-    assert all(told[2] == 0.0 for told in autopilot.told if told[0] == 400)
+    assert autopilot.received
+    assert all(received[2] == 0.0 for received in autopilot.received if received[0] == 400)
 
 
 def test_the_height_goes_to_px4_as_a_parameter_and_to_ardupilot_with_the_command():
     commander, autopilot, _ = desk()
     assert commander.carry_out((Action.TAKE_OFF, 6.0)).good
     assert autopilot.parameters == {"MIS_TAKEOFF_ALT": 6.0}
-    assert autopilot.told[-1] == (22, *(None,) * 7)
+    assert autopilot.received[-1] == (22, *(None,) * 7)
     commander, autopilot, _ = desk(ARDUPILOT)
     assert commander.carry_out((Action.TAKE_OFF, 6.0)).good
-    assert autopilot.told[-1] == (22, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 6.0)
+    assert autopilot.received[-1] == (22, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 6.0)
 
 
 @pytest.mark.parametrize("dialect", [PX4, ARDUPILOT])
@@ -138,7 +138,7 @@ def test_a_return_counts_when_the_mode_shows_it(dialect):
     assert commander.carry_out((Action.RETURN, None)).outcome is CommandOutcome.UNCONFIRMED
     commander, autopilot, _ = desk(dialect, ours=False)
     assert commander.carry_out((Action.RETURN, None)).outcome is CommandOutcome.ABANDONED
-    assert autopilot.told == []
+    assert autopilot.received == []
 
 
 def test_lost_acks_do_not_matter_when_telemetry_shows_it():
@@ -163,7 +163,7 @@ def test_the_pilot_is_not_overruled():
     commander, autopilot, _ = desk(ours=False)
     for wish in ((Action.LAND, None), (Action.ARM, None), (OFFBOARD, None)):
         assert commander.carry_out(wish).outcome is CommandOutcome.ABANDONED
-    assert autopilot.told == []
+    assert autopilot.received == []
 
 
 def test_a_more_urgent_wish_overtakes_one_that_waits_in_vain():

@@ -1,4 +1,4 @@
-"""Whose order it is: a pilot's HOLD is no end of ours, and one odd packet takes nothing over."""
+"""Control authority: a pilot's HOLD does not end a flight, and one odd packet is not a takeover."""
 
 import pytest
 from vehicle.flying import LAND, NORTH, over_the_wire

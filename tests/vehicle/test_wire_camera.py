@@ -84,21 +84,21 @@ def test_a_lost_camera_is_noticed_reopened_and_trusted_again(tmp_path, monkeypat
     monkeypatch.setattr(camera_device, "REOPEN_AFTER", 0.05)
     plug = Plug()
 
-    def pull(told):
+    def pull(mission):
         plug.here = False
 
-    def push(told):
+    def push(mission):
         plug.here = True
 
     with sitl(speed=BRISK) as autopilot:
         period = 0.1 / autopilot.speed
         camera = Device(plug, CaptureSettings(320, 240, 10.0), 0.0, period=period)
         strikes = {"seeing": pull, "blind": push}
-        told = fly_mission(autopilot, LOOK, tmp_path, strikes, camera=camera)
+        mission = fly_mission(autopilot, LOOK, tmp_path, strikes, camera=camera)
         truth = autopilot.truth
-    assert told.states == ["idle", "up", "seeing", "blind", "again", "land"]
-    assert told.events["camera_gone"] < told.events["camera_back"]
+    assert mission.states == ["idle", "up", "seeing", "blind", "again", "land"]
+    assert mission.events["camera_gone"] < mission.events["camera_back"]
     assert plug.opened > 1
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.flown.end is FlightEnd.LANDED
     assert np.hypot(*truth["position"][:2]) < 1.5
     assert not truth["crashed"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from vehicle.flying import CLIMB, LAND, NORTH, over_the_wire
 
-STREAMS = "511 "  # MAV_CMD_SET_MESSAGE_INTERVAL commands nobody
+STREAMS = "511 "  # MAV_CMD_SET_MESSAGE_INTERVAL commands nothing
 
 
 @pytest.mark.parametrize(("dialect", "mode"), [("px4", "POSCTL"), ("ardupilot", "LOITER")])

@@ -43,11 +43,11 @@ def test_a_silent_vehicle_is_still_ordered_to_land(tmp_path):
     deaf = strike("link_lost+7")
     with sitl() as autopilot:
         text = stay(AHEAD, failsafe="{use: link_lost, longer_than: 2}")
-        told = fly_mission(autopilot, text, tmp_path, {"up": deaf})
-        since = told.began["up"][1]
+        mission = fly_mission(autopilot, text, tmp_path, {"up": deaf})
+        since = mission.began["up"][1]
         modes = [note for note in autopilot.notes("mode", since) if note["which"] == "LAND"]
         truth = autopilot.truth
-    assert told.reasons[-1] == "failsafe mishap"
+    assert mission.reasons[-1] == "failsafe mishap"
     assert modes[0]["at"] - since < 5.0
     assert not truth["armed"]
     assert not truth["crashed"]

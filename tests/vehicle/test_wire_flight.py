@@ -45,7 +45,7 @@ def test_ground_truth_follows_the_commands(dialect, tmp_path):
     assert "pilot_takeover" not in flight.events
 
 
-def test_what_is_observed_is_complete_timely_and_near_the_truth(tmp_path):
+def test_observations_are_complete_timely_and_near_the_truth(tmp_path):
     async def look(autopilot):
         async with flying(autopilot, tmp_path) as flight:
             await flight.ready()

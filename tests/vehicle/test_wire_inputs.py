@@ -28,16 +28,16 @@ def near(truth, north, east):
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_receiver_without_course_leads_to_the_target_all_the_same(dialect, tmp_path):
+def test_a_receiver_without_course_still_leads_to_the_target(dialect, tmp_path):
     there = "{use: go_to, target: tree, speed: 3.0}"
     text = stay(there, more="{to: land, when: done}, ").replace("[60.0, 0.0", "[12.0, 5.0")
     with sitl(dialect, BRISK) as autopilot:
         MessageFilter(autopilot).change("GPS_RAW_INT", cog=65535)
-        told = fly_mission(autopilot, text, tmp_path)
+        mission = fly_mission(autopilot, text, tmp_path)
         truth = autopilot.truth
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.flown.end is FlightEnd.LANDED
     assert near(truth, 12.0, 5.0) < 3.0
-    assert max(record.now for record in told.records if record.state == "up") < 30.0
+    assert max(record.now for record in mission.records if record.state == "up") < 30.0
 
 
 def test_without_any_fix_it_stays_on_the_ground_though_the_autopilot_is_ready(
@@ -47,14 +47,14 @@ def test_without_any_fix_it_stays_on_the_ground_though_the_autopilot_is_ready(
     nothing = {"fix_type": 1, "lat": 0, "lon": 0, "alt": 0, "vel": 65535, "cog": 65535}
     with sitl(speed=BRISK) as autopilot:
         MessageFilter(autopilot).change("GPS_RAW_INT", satellites_visible=0, **nothing)
-        told = fly_mission(autopilot, stay(), tmp_path)
+        mission = fly_mission(autopilot, stay(), tmp_path)
         truth, armed = (
             autopilot.truth,
             [n for n in autopilot.notes("command") if "400" in n["which"]],
         )
-    assert told.flown.end is FlightEnd.NEVER_LEFT
-    assert any(record.estimate.status.ready for record in told.records if record.estimate.status)
-    assert any("waiting for a position fix" in record.step_note for record in told.records)
+    assert mission.flown.end is FlightEnd.NEVER_LEFT
+    assert any(record.estimate.status.ready for record in mission.records if record.estimate.status)
+    assert any("waiting for a position fix" in record.step_note for record in mission.records)
     assert truth["on_ground"]
     assert not armed
 
@@ -72,10 +72,10 @@ def test_an_empty_pack_is_not_hidden_by_a_full_one_for_the_payload(tmp_path):
         link = MessageFilter(autopilot)
         link.on("BATTERY_STATUS", lambda message: [message, full])
         drained = {"up": lambda _: link.on("BATTERY_STATUS", empty)}
-        told = fly_mission(autopilot, stay(failsafe=EMPTY), tmp_path, drained)
+        mission = fly_mission(autopilot, stay(failsafe=EMPTY), tmp_path, drained)
         truth = autopilot.truth
-    assert told.flown.end is FlightEnd.LANDED
-    assert told.reasons[-1] == "failsafe mishap"
+    assert mission.flown.end is FlightEnd.LANDED
+    assert mission.reasons[-1] == "failsafe mishap"
     assert truth["on_ground"]
 
 
@@ -104,8 +104,8 @@ def test_a_ring_in_a_frame_that_is_not_known_is_a_problem_in_the_record(tmp_path
     monkeypatch.setattr(on_a_mission, "LIMIT", 4.0)
     with sitl(speed=BRISK) as autopilot:
         MessageFilter(autopilot).change("OBSTACLE_DISTANCE", frame=21)
-        told = fly_mission(autopilot, stay(), tmp_path)
-    assert [problem for problem in told.problems if "MAV_FRAME 21" in problem]
+        mission = fly_mission(autopilot, stay(), tmp_path)
+    assert [problem for problem in mission.problems if "MAV_FRAME 21" in problem]
 
 
 SPRAYER = NORTH._replace(payload="sprayer")

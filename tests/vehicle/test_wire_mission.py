@@ -71,7 +71,7 @@ def test_the_preflight_command_prints_and_says_by_its_exit_code(capsys, monkeypa
     assert '"level": "bad"' in capsys.readouterr().out
 
 
-def test_a_guardian_bears_the_same_time_of_the_wall_at_any_speed():
+def test_the_guardians_timeouts_are_real_time_at_any_speed():
     mission = parse(TRIP, "trip", builtin())
     vehicle = vehicle_of("udpin://127.0.0.1:14540", mission, speed=6.0)
     assert vehicle._guard == Patience(brake=3.0, hold=6.0)

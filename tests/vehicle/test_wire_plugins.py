@@ -39,32 +39,32 @@ class Tripping(Behavior):
 
 
 def tripped(autopilot, tmp_path, how, **options):
-    """Fly it; return what was told, and the truth (time, speed) from its last good second on."""
+    """Fly it; return the flight, and the truth (time, speed) from its last good second on."""
     catalogue = builtin().extended("behaviors", (Tripping,))
     text = stay(f"{{use: tripping, how: {how}}}", **options)
-    told = fly_mission(autopilot, text, tmp_path, {"up": strike()}, catalogue)
-    begun = told.began["up"][1] + WELL
+    mission = fly_mission(autopilot, text, tmp_path, {"up": strike()}, catalogue)
+    begun = mission.began["up"][1] + WELL
     times, speeds = autopilot.speeds(begun - 1.0)
-    return told, times - begun, speeds
+    return mission, times - begun, speeds
 
 
 def test_one_that_raises_leaves_the_vehicle_hovering(tmp_path):
     with sitl() as autopilot:
-        told, times, speeds = tripped(autopilot, tmp_path, "raises", after=7)
+        mission, times, speeds = tripped(autopilot, tmp_path, "raises", after=7)
     assert max(speeds[times < 0.0]) > 1.5
     stopped = (times > 1.5) & (times < 3.5)
     assert max(speeds[stopped]) < 0.5
-    assert "tripping raised RuntimeError: lost the thread" in told.problems
-    assert told.flown.end is FlightEnd.LANDED
+    assert "tripping raised RuntimeError: lost the thread" in mission.problems
+    assert mission.flown.end is FlightEnd.LANDED
 
 
 def test_one_that_hangs_is_interrupted_and_the_failsafe_lands(tmp_path):
     with sitl() as autopilot:
-        told, times, speeds = tripped(autopilot, tmp_path, "hangs", failsafe="plugin_failed")
+        mission, times, speeds = tripped(autopilot, tmp_path, "hangs", failsafe="plugin_failed")
         truth = autopilot.truth
     assert max(speeds[times < 0.0]) > 1.5
     assert max(speeds[times > 2.5]) < 0.7
-    assert any("did not return" in problem for problem in told.problems)
-    assert "failsafe mishap" in told.reasons
-    assert told.flown.end is FlightEnd.LANDED
+    assert any("did not return" in problem for problem in mission.problems)
+    assert "failsafe mishap" in mission.reasons
+    assert mission.flown.end is FlightEnd.LANDED
     assert not truth["crashed"]

@@ -96,7 +96,7 @@ def test_a_slow_disk_is_waited_for_by_no_tick(tmp_path, monkeypatch):
     assert len(set(threads)) == 2
     folder = tmp_path / "runs/stay-vehicle"
     assert not list(folder.glob("checkpoint*"))
-    told = json.loads((folder / "summary.json").read_text())
+    written = json.loads((folder / "summary.json").read_text())
     poses = [entry.at for entry in read(folder / "flight.mcap", "/pose")]
-    assert told["problems"] == []
-    assert len(poses) == told["timing"]["ticks"]
+    assert written["problems"] == []
+    assert len(poses) == written["timing"]["ticks"]

@@ -1,4 +1,4 @@
-"""A flight with a vehicle whose process is killed is gone on with by another one."""
+"""A flight with a vehicle whose process is killed is resumed by another."""
 
 import json
 import os
@@ -48,8 +48,8 @@ def test_a_killed_flight_is_resumed_and_ends_on_the_ground(dialect, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     assert truth["on_ground"]
     assert not truth["armed"]
-    told = json.loads((folder / "summary.json").read_text())
-    assert [it["to"] for it in told["transitions"]] == ["up", "land"]
+    written = json.loads((folder / "summary.json").read_text())
+    assert [it["to"] for it in written["transitions"]] == ["up", "land"]
     assert not (folder / "checkpoint.json").exists()
 
 

@@ -17,12 +17,12 @@ def away(truth):
 
 def test_without_satellites_the_mission_lands_before_the_autopilot_has_to(tmp_path):
     with sitl(speed=BRISK) as autopilot:
-        told = fly_mission(autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_lost")})
+        mission = fly_mission(autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_lost")})
         truth = autopilot.truth
-    assert told.flown.end is FlightEnd.LANDED
-    assert told.reasons[-1] == "failsafe mishap"
-    assert 1.0 < told.began["land"][0] - told.began["up"][0] < 3.0
-    assert "failsafe_takeover" not in told.events
+    assert mission.flown.end is FlightEnd.LANDED
+    assert mission.reasons[-1] == "failsafe mishap"
+    assert 1.0 < mission.began["land"][0] - mission.began["up"][0] < 3.0
+    assert "failsafe_takeover" not in mission.events
     assert truth["on_ground"]
     assert not truth["crashed"]
     assert away(truth) < 1.5
@@ -35,36 +35,38 @@ def test_the_autopilot_lands_without_satellites_and_is_not_taken_for_a_pilot(
     patience = {"EKF2_NOAID_TOUT": 3e6} if dialect == "px4" else {}
     with sitl(dialect, BRISK) as autopilot:
         lost = strike("gnss_lost", **patience)
-        told = fly_mission(autopilot, stay(), tmp_path, {"up": lost})
-        since = told.began["up"][1]
+        mission = fly_mission(autopilot, stay(), tmp_path, {"up": lost})
+        since = mission.began["up"][1]
         (mode,) = autopilot.notes("mode", since + 1.0)
         late = autopilot.notes("setpoint", mode["at"] + 2.0)
         truth = autopilot.truth
     assert mode["which"] == "LAND"
     assert mode["at"] - since == pytest.approx(after, abs=0.5)
-    assert "failsafe_takeover" in told.events
-    assert "pilot_takeover" not in told.events
+    assert "failsafe_takeover" in mission.events
+    assert "pilot_takeover" not in mission.events
     assert late == []
-    assert told.flown.end is FlightEnd.GROUNDED
+    assert mission.flown.end is FlightEnd.GROUNDED
     assert not truth["crashed"]
 
 
 def test_a_fix_that_jumps_is_not_flown_after(tmp_path):
     with sitl(speed=BRISK) as autopilot:
-        told = fly_mission(autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_jump=20")})
+        mission = fly_mission(
+            autopilot, stay(failsafe=LOST), tmp_path, {"up": strike("gnss_jump=20")}
+        )
         truth = autopilot.truth
-    assert told.reasons[-1] == "failsafe mishap"
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.reasons[-1] == "failsafe mishap"
+    assert mission.flown.end is FlightEnd.LANDED
     assert away(truth) < 3.0
     assert not truth["crashed"]
 
 
 def test_fixes_that_wander_off_do_not_take_it_along_faster_than_they_do(tmp_path):
     with sitl("ardupilot") as autopilot:
-        told = fly_mission(autopilot, stay(after=5), tmp_path, {"up": strike("gnss_drift=0.5")})
+        mission = fly_mission(autopilot, stay(after=5), tmp_path, {"up": strike("gnss_drift=0.5")})
         truth = autopilot.truth
-        speeds = autopilot.speeds(told.began["up"][1])[1]
-    assert told.flown.end is FlightEnd.LANDED
+        speeds = autopilot.speeds(mission.began["up"][1])[1]
+    assert mission.flown.end is FlightEnd.LANDED
     assert away(truth) < 1.5  # five seconds of it amount to 2.5
     assert max(speeds) < 1.0
     assert not truth["crashed"]
@@ -77,12 +79,12 @@ def test_fixes_that_wander_off_do_not_take_it_along_faster_than_they_do(tmp_path
 def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
     with sitl(speed=BRISK) as autopilot:
         text = stay(after=6, failsafe="estimate_bad")
-        told = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
-        assert "up" in told.began, (told.reasons, told.problems)
-        since = told.began["up"][1]
+        mission = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
+        assert "up" in mission.began, (mission.reasons, mission.problems)
+        since = mission.began["up"][1]
         rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
         truth = autopilot.truth
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.flown.end is FlightEnd.LANDED
     assert away(truth) < most
     assert -rows[:, 3].min() < 3.0
     assert not truth["crashed"]
@@ -90,11 +92,11 @@ def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
 
 def test_a_gust_is_held_against(tmp_path):
     with sitl(speed=BRISK) as autopilot:
-        told = fly_mission(autopilot, stay(after=4), tmp_path, {"up": strike("wind_gust=6+2")})
-        since = told.began["up"][1]
+        mission = fly_mission(autopilot, stay(after=4), tmp_path, {"up": strike("wind_gust=6+2")})
+        since = mission.began["up"][1]
         rows = np.array(autopilot.ask(track=True, since=since)["rows"], dtype=float)
         truth = autopilot.truth
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.flown.end is FlightEnd.LANDED
     pushed = np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]).max()
     assert 0.2 < pushed < 2.0
     assert not truth["crashed"]

@@ -21,7 +21,7 @@ from vehicle.flying import NORTH, flying, over_the_wire, sitl, until
 
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 
-SLOW = 3.0  # times real time: a busy machine is no silence
+SLOW = 3.0  # times real time: a busy machine does not count as silence
 WITHIN = 3.2  # s; 2.4 s as a rule, on a busy machine a little more; without a guardian 3.65 s
 TESTS = str(Path(__file__).parents[1])
 
@@ -51,7 +51,7 @@ def client(autopilot, tmp_path):
 
 
 def assert_held(autopilot, since):
-    """Assert that the vehicle was told to hold, and that nothing was resumed."""
+    """Assert that the vehicle was commanded to hold, and that nothing was resumed."""
     modes = [note["which"] for note in autopilot.notes("mode", since)]
     assert (
         modes == {"px4": ["LOITER"], "ardupilot": []}[autopilot.server.autopilot.state.dialect.name]

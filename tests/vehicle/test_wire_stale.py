@@ -14,13 +14,13 @@ from missionkit.engine.flight_loop import FlightEnd
 def test_a_vehicle_without_inertial_data_is_landed(dialect, fault, tmp_path):
     with sitl(dialect, BRISK) as autopilot:
         text = stay(AHEAD, failsafe="estimate_bad")
-        told = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
-        since = told.began["up"][1]
+        mission = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
+        since = mission.began["up"][1]
         modes = [note for note in autopilot.notes("mode", since) if note["which"] == "LAND"]
         truth = autopilot.truth
-    assert told.reasons[-1] == "failsafe mishap"
+    assert mission.reasons[-1] == "failsafe mishap"
     assert modes[0]["at"] - since < 5.0
-    assert told.flown.end is FlightEnd.LANDED
+    assert mission.flown.end is FlightEnd.LANDED
     assert truth["on_ground"]
     assert not truth["crashed"]
     assert np.hypot(*truth["position"][:2]) < 3.0

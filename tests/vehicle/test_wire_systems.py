@@ -1,4 +1,4 @@
-"""Who answers: vehicles of other kinds are refused, several on one link are told apart."""
+"""Vehicles of other kinds are refused, and several on one link are distinguished."""
 
 import asyncio
 import copy

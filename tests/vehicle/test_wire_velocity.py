@@ -12,7 +12,7 @@ WRONG = 0.25  # m/s
 
 
 async def off_the_ground(flight, autopilot):
-    """Take off; a machine that stalls is no fault of the client."""
+    """Take off; a machine that stalls is not the fault of the client."""
     for name in ("COM_OF_LOSS_T", "GUID_TIMEOUT"):
         autopilot.ask(parameter=name, value=60.0)
     await flight.take_off()

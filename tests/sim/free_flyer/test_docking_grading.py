@@ -57,6 +57,6 @@ def test_docked_is_held_within_the_tolerances_unhurt(track, docked, safe):
 
 
 def test_what_is_not_finite_is_none_in_a_report():
-    told = grade_docking(rows(PLACE(0.1), PLACE(0.0)), WORLD, 0.0).as_dict()
-    assert told["centre_distance"] is told["separation"] is None
-    assert told["docked"] is True
+    written = grade_docking(rows(PLACE(0.1), PLACE(0.0)), WORLD, 0.0).as_dict()
+    assert written["centre_distance"] is written["separation"] is None
+    assert written["docked"] is True
