@@ -181,6 +181,10 @@ def test_passing_too_close_is_not_a_success():
     for wanted, met in ((0.5, True), (0.81, False)):
         (found,) = conditions((Success(clearance=wanted),), FlightHistory(), GOOD)
         assert (found.met, found.figure) == (met, "0.80 m")
+    (just,) = conditions(
+        (Success(clearance=0.5),), FlightHistory(), GOOD._replace(clearance=0.4996)
+    )
+    assert (just.met, just.figure) == (False, "0.4996 m")
     assert conditions((Success(clearance=0.5),), FlightHistory(), None)[0].met is None
 
 

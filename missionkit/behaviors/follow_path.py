@@ -14,6 +14,7 @@ from typing_extensions import override
 from missionkit.behaviors.go_to import HOME
 from missionkit.geometry import norm, vec
 from missionkit.messages import Estimate, Goal, Guidance, Occupancy, Spot, Step
+from missionkit.number_text import beside
 from missionkit.planning import path_following
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
@@ -138,10 +139,12 @@ class FollowPath(Behavior):
     def _unfit_goal(self, known: Occupancy, goal: Spot) -> str:
         if not known.covers(goal):
             return f"its target {self.target!r} is outside the map"
-        if known.gap(goal) < self._radius(0.0):
+        gap, radius = known.gap(goal), self._radius(0.0)
+        if gap < radius:
+            shown, limit = beside(gap, radius, 2)
             return (
-                f"its target {self.target!r} is {known.gap(goal):.2f} m from a wall, less than the "
-                f"{self._radius(0.0):.2f} m to keep"
+                f"its target {self.target!r} is {shown} m from a wall, less than the {limit} m to "
+                "keep"
             )
         return ""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self, TextIO
 from missionkit.errors import printable
 from missionkit.geometry import norm
 from missionkit.messages import Fired, Record
+from missionkit.number_text import beside_short
 from missionkit.recorder import problem_log
 from missionkit.recorder.problem_log import Noted
 
@@ -28,7 +29,7 @@ def transition_line(at: float, fired: Fired) -> str:
     '   22.1 s  gps -> visual: when marker-sure'
     """
     values = [
-        f"{name} {verdict.value:.3g}, limit {verdict.threshold:.3g}"
+        "{} {}, limit {}".format(name, *beside_short(verdict.value, verdict.threshold, 3))
         for name, verdict in fired.verdicts
         if verdict.value is not None and verdict.threshold is not None
     ]

@@ -13,6 +13,7 @@ from missionkit.control import lqr_gains, quaternion_feedback, reference_motion
 from missionkit.control.controller import LONGEST_STEP
 from missionkit.geometry import Quat, Vec3, conjugate, exp, log, multiply, normalised, rotate
 from missionkit.messages import Estimate, Guidance, Mode, Wrench
+from missionkit.number_text import beside
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, DegreesPerSecond, MetresPerSecond, Number, Seconds
 
@@ -90,8 +91,9 @@ class Lqr(Plugin):
                 raise ValueError(wrong)
         radius = self.spectral_radius
         if not radius < 1.0:
+            pole, _ = beside(radius, 1.0, 3)
             raise ValueError(
-                f"the weights give a force that does not come to rest (largest pole {radius:.6f}): "
+                f"the weights give a force that does not come to rest (largest pole {pole}): "
                 "make effort_weight smaller or the other weights larger"
             )
         return self

@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from missionkit.geometry import Mat, Quat, Vec3, conjugate, cross, multiply
+from missionkit.number_text import beside
 
 
 def sampled(inertia: float, k: float, d: float, period: float) -> Mat:
@@ -49,9 +50,10 @@ def instability(inertia: float, k: float, d: float, period: float) -> str:
     radius = float(np.abs(np.linalg.eigvals(sampled(inertia, k, d, period))).max())
     if radius < 1.0:
         return ""
+    pole, _ = beside(radius, 1.0, 3)
     return (
         f"attitude_gain {k:g} N·m and rate_gain {d:g} N·m·s are unstable with an inertia of "
-        f"{inertia:g} kg m² and a period of {period:g} s (largest pole {radius:.3f}, has to be "
+        f"{inertia:g} kg m² and a period of {period:g} s (largest pole {pole}, has to be "
         f"below 1): lower both, rate_gain to less than {2.0 * inertia / period:g}"
     )
 

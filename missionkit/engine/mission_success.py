@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from missionkit.chart.model.mission_sections import Success
 from missionkit.engine.flight_history import FlightHistory
+from missionkit.number_text import beside
 from missionkit.states.multicopter import MULTICOPTER
 from missionkit.states.vehicle_kind import VehicleKind
 
@@ -79,17 +80,14 @@ def _by_truth(truth: TruthSummary, vehicle: VehicleKind) -> Iterator[str]:
     if truth.touched_at is not None:
         yield f"touched the ground at {truth.touched_at:.1f} s, outside landing and take-off"
     if truth.outside_fence > FENCE_LIMIT:
-        yield f"left its fence by {truth.outside_fence:.1f} m (ground truth)"
+        shown, _ = beside(truth.outside_fence, FENCE_LIMIT, 1)
+        yield f"left its fence by {shown} m (ground truth)"
     if truth.estimate_error > vehicle.estimate_limit:
-        yield (
-            f"the estimate was up to {truth.estimate_error:.1f} m off, more than "
-            f"{vehicle.estimate_limit:g} m"
-        )
+        shown, limit = beside(truth.estimate_error, vehicle.estimate_limit, 1)
+        yield f"the estimate was up to {shown} m off, more than {limit} m"
     if truth.landing_error is not None and truth.landing_error > vehicle.ending_limit:
-        yield (
-            f"landed {truth.landing_error:.1f} m from where it meant to, more than "
-            f"{vehicle.ending_limit:g} m"
-        )
+        shown, limit = beside(truth.landing_error, vehicle.ending_limit, 1)
+        yield f"landed {shown} m from where it meant to, more than {limit} m"
 
 
 def _conditions(
@@ -108,7 +106,8 @@ def _conditions(
         if truth is None:
             yield Condition(says, None, "known only in simulation")
         else:
-            yield Condition(says, truth.clearance >= one.clearance, f"{truth.clearance:.2f} m")
+            shown, _ = beside(truth.clearance, one.clearance, 2)
+            yield Condition(says, truth.clearance >= one.clearance, f"{shown} m")
     if one.failsafes is not None:
         count = len(passage.failsafes)
         says = f"at most {one.failsafes} failsafes taken"
@@ -123,7 +122,9 @@ def _docked(one: Success, truth: TruthSummary | None) -> Condition:
         return Condition(says, met=False, figure="not docked")
     error, turned = truth.docking_error
     near = error <= one.position and turned <= one.attitude_deg
-    return Condition(says, near, f"{100.0 * error:.2f} cm, {turned:.2f} deg")
+    away, _ = beside(100.0 * error, 100.0 * one.position, 2)
+    angle, _ = beside(turned, one.attitude_deg, 2)
+    return Condition(says, near, f"{away} cm, {angle} deg")
 
 
 def _visit(
@@ -143,5 +144,7 @@ def _visit(
         return Condition(says, met=False, figure=f"no marker of {one.target} in the world")
     error, turned = missed
     near = error <= one.position and (turned is None or turned <= one.yaw_deg)
-    measured = f"{at}, {error:.3f} m" + ("" if turned is None else f", {turned:.1f} deg")
+    measured = f"{at}, {beside(error, one.position, 3)[0]} m"
+    if turned is not None:
+        measured += f", {beside(turned, one.yaw_deg, 1)[0]} deg"
     return Condition(says, near, measured)

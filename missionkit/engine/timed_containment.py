@@ -13,6 +13,7 @@ from contextlib import contextmanager
 
 from typing_extensions import override
 
+from missionkit.number_text import beside
 from missionkit.plugin_containment import Containment, TooSlowError
 
 GRACE = 1.0  # s between two interruptions of a plug-in that swallows the first
@@ -67,7 +68,8 @@ class TimedContainment(Containment):
         started, self._started = self._started, None
         took = 0.0 if started is None else self.stopwatch() - started
         if took > self.limit:
-            self.note(f"{name} took {took:.2f} s, allowed {self.limit:g} s")
+            shown, limit = beside(took, self.limit, 2)
+            self.note(f"{name} took {shown} s, allowed {limit} s")
             return False
         return True
 

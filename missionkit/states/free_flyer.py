@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from missionkit.geometry import norm
 from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.number_text import beside
 from missionkit.states.contract import Failsafe, Invariant
 from missionkit.states.custom import CUSTOM
 from missionkit.states.gps import GPS
@@ -33,7 +34,8 @@ def _docked(seen: Estimate, _: str | None) -> Verdict:
     if seen.goal is None:
         return Verdict.unknown("the behaviour has no goal yet")
     error = norm(seen.position - seen.goal.position)
-    far = f"{100.0 * error:.1f} cm from the docked place, more than {100.0 * POSITION:g} cm"
+    shown, limit = beside(100.0 * error, 100.0 * POSITION, 1)
+    far = f"{shown} cm from the docked place, more than {limit} cm"
     return Verdict.at_most(error, POSITION, far if error > POSITION else "")
 
 

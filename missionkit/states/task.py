@@ -4,6 +4,7 @@ import math
 
 from missionkit.geometry import norm, wrap
 from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.number_text import beside
 from missionkit.states.contract import Failsafe, Invariant, StateKind
 from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST
 
@@ -16,10 +17,12 @@ def _on_goal(seen: Estimate, _: str | None) -> Verdict:
         return Verdict.unknown("the behaviour has no goal yet")
     error = norm(seen.position - seen.goal.position)
     if error > POSITION or seen.goal.yaw is None:
-        far = f"{error:.2f} m from its goal, more than {POSITION:g} m"
+        shown, limit = beside(error, POSITION, 2)
+        far = f"{shown} m from its goal, more than {limit} m"
         return Verdict.at_most(error, POSITION, far if error > POSITION else "")
     turned = math.degrees(abs(wrap(seen.goal.yaw - seen.yaw)))
-    aside = f"turned {turned:.1f} deg from its goal's heading, more than {YAW:g} deg"
+    shown, limit = beside(turned, YAW, 1)
+    aside = f"turned {shown} deg from its goal's heading, more than {limit} deg"
     return Verdict.at_most(turned, YAW, aside if turned > YAW else "")
 
 

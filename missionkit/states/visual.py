@@ -6,6 +6,7 @@ the last half second. C_aruco is the guard `aruco_confidence`.
 """
 
 from missionkit.messages import Estimate, Mode, Verdict
+from missionkit.number_text import beside
 from missionkit.states.contract import Invariant, StateKind
 from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST, UNREACHABLE
 
@@ -19,7 +20,8 @@ def _locked(seen: Estimate, target: str | None) -> Verdict:
     if found is None or found.seen_at is None:
         return Verdict(holds=False, why=f"{target} was never seen")
     ago = seen.now - found.seen_at
-    late = f"{target} was last seen {ago:.2f} s ago, more than {SURE_WITHIN:g} s"
+    shown, limit = beside(ago, SURE_WITHIN, 2)
+    late = f"{target} was last seen {shown} s ago, more than {limit} s"
     return Verdict.at_most(ago, SURE_WITHIN, late if ago > SURE_WITHIN else "")
 
 

@@ -116,3 +116,9 @@ def test_a_task_whose_goal_has_no_heading_is_judged_by_its_place():
     goal = Goal(vec(0, 0, -5), None, 10.0)
     assert holds("task", goal=goal, attitude=from_euler(0, 0, 2.0)) is True
     assert holds("task", goal=None) is None
+
+
+def test_a_distance_just_above_its_limit_is_not_written_as_the_limit():
+    seen = calm(position=vec(0, 0.1004, -5), goal=Goal(vec(0, 0, -5), None, 10.0))
+    verdict = KINDS["task"].invariant.check(seen, None)
+    assert verdict.why == "0.1004 m from its goal, more than 0.1 m"

@@ -10,6 +10,7 @@ from missionkit.chart.checks.planned_legs import PlannedLeg, legs
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.errors import Level, Problem
+from missionkit.number_text import beside, rounded_up
 
 MARGIN = 2.0  # head wind, detours and flying harder than hovering
 SLOWEST = 0.5  # m/s, for a return that says no speed
@@ -37,16 +38,16 @@ def problems_of(chart: AnalysedChart, endurance: float) -> Iterator[Problem]:
         seconds = _way_home(chart, failsafe, leg, control.limits.descent)
         needed = MARGIN * seconds / endurance
         if needed > floor:
+            shown, limit = beside(100.0 * needed, 100.0 * floor, 0)
             yield Problem(
                 failsafe.place("when"),
                 f"failsafe {failsafe.name!r}: from the goal of {leg.state!r}, "
                 f"{_distance(leg):.0f} m away, the way home takes {seconds:.0f} s; with a margin "
-                f"of {MARGIN:g} that needs {100.0 * needed:.0f} % of the battery, but it waits "
-                f"until {100.0 * floor:g} %",
+                f"of {MARGIN:g} that needs {shown} % of the battery, but it waits "
+                f"until {limit} %",
                 Level.WARNING,
                 "energy",
-                f"use a floor of at least {math.ceil(100.0 * needed) / 100.0:g}, or fly home "
-                "faster",
+                f"use a floor of at least {rounded_up(needed, 2)}, or fly home faster",
             )
 
 

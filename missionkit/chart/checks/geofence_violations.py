@@ -165,4 +165,4 @@ def _problem(leg: PlannedLeg, failsafe: Failsafe, at: Point3, acts: Broken) -> P
 
 
 def _said(point: Point3) -> str:
-    return f"[{', '.join(f'{value:.3g}' for value in point)}]"
+    return f"[{', '.join(f'{value:g}' for value in point)}]"

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import Point3, legs
 from missionkit.errors import Level, Place, Problem
+from missionkit.number_text import beside
 
 FARTHEST = 5_000.0  # m, level, from the take-off point
 HIGHEST = 500.0  # m above it
@@ -38,8 +39,8 @@ def _problems(what: str, point: Point3, place: Place) -> Iterator[Problem]:
     if math.hypot(north, east) > FARTHEST or -down > HIGHEST:
         yield Problem(
             place,
-            f"{what} is at {where}, {math.hypot(north, east):.0f} m away and {-down:.0f} m up: "
-            f"more than {FARTHEST:g} m or {HIGHEST:g} m",
+            f"{what} is at {where}, {beside(math.hypot(north, east), FARTHEST, 0)[0]} m away and "
+            f"{beside(-down, HIGHEST, 0)[0]} m up: more than {FARTHEST:g} m or {HIGHEST:g} m",
             Level.WARNING,
             "out-of-range",
             "positions are metres from the take-off point, not degrees or millimetres",

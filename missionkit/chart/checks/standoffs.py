@@ -11,6 +11,7 @@ from missionkit.chart.checks.planned_legs import Point3
 from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Level, Problem
 from missionkit.goal_pose import SLACK
+from missionkit.number_text import rounded_up
 from missionkit.planning.potential_field import PotentialField
 
 
@@ -80,5 +81,5 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             f"{where}{more}: {why}",
             Level.ERROR if touches else Level.WARNING,
             "touches-target" if touches else "close-to-target",
-            f"a standoff of at least {room + depth:.2g} m",
+            f"a standoff of at least {rounded_up(room + depth, 2)} m",
         )

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.errors import Level, Problem
+from missionkit.number_text import beside, rounded_down, rounded_up
 from missionkit.planning.obstacle_braking import stopping_distance
 from missionkit.planning.potential_field import PotentialField
 
@@ -30,12 +31,13 @@ def problems_of(chart: AnalysedChart, sight: float) -> Iterator[Problem]:
         speed = min(float(getattr(behavior.plugin, "speed", 0.0)), limits.speed)
         if speed > top:
             needed = stopping_distance(speed, field.stopping) + field.stopping.width
+            within, limit = beside(needed, seen, 1)
             yield Problem(
                 behavior.place,
-                f"state {name!r}: from {speed:g} m/s it stops within {needed:.1f} m, but obstacles "
-                f"are seen {seen:g} m away: it will fly at {top:.1f} m/s",
+                f"state {name!r}: from {speed:g} m/s it stops within {within} m, but obstacles "
+                f"are seen {limit} m away: it will fly at {beside(top, speed, 1)[0]} m/s",
                 Level.WARNING,
                 "too-fast-to-stop",
-                f"a speed of at most {int(10.0 * top) / 10.0:g}, or a scanner that sees "
-                f"{needed:.0f} m",
+                f"a speed of at most {rounded_down(top, 1)}, or a scanner that sees "
+                f"{rounded_up(needed, 1)} m",
             )

@@ -13,6 +13,7 @@ from missionkit.chart.checks.standoffs import body_radius, reach_of
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Level, Place, Problem
+from missionkit.number_text import beside_short, rounded_down
 from missionkit.planning.potential_field import PotentialField
 
 NEVER, EMPTY, UNKEPT = "success-never-met", "success-says-nothing", "clearance-not-kept"
@@ -104,9 +105,10 @@ def _not_aimed_at(chart: AnalysedChart, one: Success, place: Place) -> Iterator[
         return
     (least, within), kind = min(misses)
     if least > one.position + within:
+        shown, limit = beside_short(least, one.position, 2)
         says = (
-            f"it requires {_listed(one.standoff)} from {one.target!r}, within {one.position:g} m, "
-            f"but the nearest behaviour, {kind!r}, goes {least:.2g} m away from that"
+            f"it requires {_listed(one.standoff)} from {one.target!r}, within {limit} m, "
+            f"but the nearest behaviour, {kind!r}, goes {shown} m away from that"
         )
         remedy = "the 'standoff' of the behaviour that goes there"
         yield _problem(place, says, Level.WARNING, NEVER, remedy)
@@ -151,9 +153,10 @@ def _clearance(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
         return
     nearest = min(_kept(chart), default=None)
     if nearest is not None and required > nearest[0]:
-        kept, what = nearest
-        says = f"it requires {required:g} m from every obstacle, but {what} {max(0.0, kept):.2g} m"
-        remedy = f"a clearance of at most {max(0.0, kept):.2g}, or a behaviour that keeps more"
+        kept, what = max(0.0, nearest[0]), nearest[1]
+        shown, limit = beside_short(kept, required, 2)
+        says = f"it requires {limit} m from every obstacle, but {what} {shown} m"
+        remedy = f"a clearance of at most {rounded_down(kept, 2)}, or a behaviour that keeps more"
         yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, remedy)
 
 

@@ -24,6 +24,7 @@ from missionkit.chart.semantics.configuration import EPSILON, SAFETY, configurat
 from missionkit.chart.semantics.guard_evaluation import evaluated, ready
 from missionkit.chart.semantics.macrostep import Macrostep
 from missionkit.messages import ABORT, Estimate, Verdict
+from missionkit.number_text import beside
 from missionkit.plugin_containment import Containment
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
@@ -166,7 +167,8 @@ def _escape(state: State, to: str) -> Transition:
 def _reason(verdict: Verdict) -> str:
     if verdict.why or verdict.value is None or verdict.threshold is None:
         return verdict.why or "its invariant does not hold"
-    return f"its invariant does not hold: {verdict.value:.2f}, the limit is {verdict.threshold:g}"
+    shown, limit = beside(verdict.value, verdict.threshold, 2)
+    return f"its invariant does not hold: {shown}, the limit is {limit}"
 
 
 def _broken(state: State, question: GuardContext) -> Verdict | None:
