@@ -129,7 +129,13 @@ def _is_expected(candidate: Candidate, prior: Target) -> bool:
 def continued(
     episodes: Iterable[DuplicateMarkers], seen: Iterable[DuplicateMarkers], at: float
 ) -> tuple[DuplicateMarkers, ...]:
-    """Return the episodes after a frame at time `at` (s); those that have ended are dropped."""
+    """Return the episodes after a frame at time `at` (s); those that have ended are dropped.
+
+    Args:
+        episodes: of the frames before.
+        seen: duplicates in this frame.
+        at: s, exposure of the frame, not before the last.
+    """
     known = {_kind(it): it for it in episodes if at - it.last <= EPISODE_ENDS}
     for it in seen:
         before = known.get(_kind(it), it)

@@ -75,7 +75,13 @@ def kernels(library: Library) -> ModuleType:
 
 
 def begun(models: Bank, x: Vec3, P: Mat) -> BankState:
-    """Return all filters at one state (3,) with its covariance (3, 3); the first is likeliest."""
+    """Return all filters at one state (3,) with its covariance (3, 3); the first is likeliest.
+
+    Args:
+        models: of the target.
+        x: (3,) state, by `motion_models`.
+        P: (3, 3) covariance of `x`.
+    """
     n = len(models.names)
     mu = np.full(n, 0.1 / max(n - 1, 1))
     mu[0] = 1.0 - mu[1:].sum()
