@@ -10,6 +10,7 @@ from benchmarks import (
     campaign,
     command_line,
     cycle,
+    ddp,
     engine,
     estimation,
     perception,
@@ -33,6 +34,7 @@ TOPICS: dict[str, Callable[[], list[Table]]] = {
     "tandem": tandem.tables,
     "recording": recording.tables,
     "planning": planning.tables,
+    "ddp": ddp.tables,
     "wire": wire.tables,
 }
 PAGE = Path("docs/benchmarks.md")

@@ -1,0 +1,1 @@
+"""Differential dynamic programming over a receding horizon (P4, section IV)."""
