@@ -29,6 +29,7 @@ GCS_LOSS = {  # FS_GCS_ENABLE
     5: Flight.LAND,
     7: Flight.HOLD,
 }
+UNMONITORED, VOLTAGE_ONLY = 0, 3  # BATT_MONITOR
 BATTERY_LOW = {1: Flight.LAND, 2: Flight.RETURN, 3: Flight.RETURN, 4: Flight.RETURN}
 RC_LOSS = {1: Flight.HOLD, 2: Flight.RETURN, 3: Flight.LAND}  # NAV_RCL_ACT
 RC_EXCEPT = {Flight.MISSION: 1, Flight.HOLD: 2, Flight.COMMANDED: 4}  # bits of COM_RCL_EXCEPT
@@ -174,9 +175,10 @@ def _battery_low(state: SitlState) -> None:
 
 def _volts_low(state: SitlState) -> None:
     value, reading = state.parameters, state.sensed.battery
-    if reading is None:
+    monitor = int(value["BATT_MONITOR"])
+    if reading is None or monitor == UNMONITORED:
         return
-    left = reading.charge * value["BATT_CAPACITY"]
+    left = math.inf if monitor == VOLTAGE_ONLY else reading.charge * value["BATT_CAPACITY"]
     for level, name in (("LOW", "battery low"), ("CRT", "battery critical")):
         action = BATTERY_LOW.get(int(value[f"BATT_FS_{level}_ACT"]))
         low = left < value[f"BATT_{level}_MAH"] or reading.voltage < value[f"BATT_{level}_VOLT"]

@@ -45,20 +45,41 @@ class FailsafeParameter(NamedTuple):
         return self.level, f"{self.otherwise}; {self.remedy}"
 
 
+class VoltageMonitor(NamedTuple):
+    """A battery monitor that does not measure the current."""
+
+    parameter: str
+    value: float  # of it
+    charge: str  # threshold that has no effect then
+    remedy: str
+
+
 class FailsafeThresholds(NamedTuple):
     """Thresholds of one failsafe, of which one at least must be above zero for it to act."""
 
     parameters: tuple[str, ...]
     otherwise: str  # what happens if all are zero
     remedy: str
+    voltage_only: VoltageMonitor | None = None
 
     def judge(self, values: Mapping[str, float | None]) -> tuple[FailsafeLevel, str]:
         """Return how good the values are, and what to say about them."""
         known = {name: value for name in self.parameters if (value := values.get(name)) is not None}
-        if any(value > 0.0 for value in known.values()):
+        able = {name: it for name, it in known.items() if it > 0.0}
+        monitor = self.voltage_only
+        if monitor is not None and values.get(monitor.parameter) == monitor.value:
+            blind = able.pop(monitor.charge, None)
+        else:
+            blind = None
+        if able:
             return FailsafeLevel.GOOD, ", ".join(f"{name} {it:g}" for name, it in known.items())
         if len(known) < len(self.parameters):
             return FailsafeLevel.WARNING, "could not be read: look at it by hand"
+        if monitor is not None and blind is not None:
+            return FailsafeLevel.WARNING, (
+                f"{monitor.charge} {blind:g} cannot act, because {monitor.parameter} "
+                f"{monitor.value:g} measures no current: {self.otherwise}; {monitor.remedy}"
+            )
         every = "is 0" if len(known) == 1 else "are both 0"
         says = f"{' and '.join(known)} {every}: {self.otherwise}; {self.remedy}"
         return FailsafeLevel.WARNING, says
@@ -204,15 +225,25 @@ ARDUPILOT_FAILSAFES = (
         "set 1, with FENCE_RADIUS and FENCE_ALT_MAX",
     ),
 )
+_ANALOG_VOLTAGE_ONLY = 3  # BATT_MONITOR
+
+
+def _without_current(level: str) -> VoltageMonitor:
+    remedy = f"set BATT_{level}_VOLT (V), or BATT_MONITOR 4 if the current is measured"
+    return VoltageMonitor("BATT_MONITOR", _ANALOG_VOLTAGE_ONLY, f"BATT_{level}_MAH", remedy)
+
+
 ARDUPILOT_THRESHOLDS = (
     FailsafeThresholds(
         ("BATT_LOW_VOLT", "BATT_LOW_MAH"),
         "no battery counts as low, BATT_FS_LOW_ACT has no effect",
         "set BATT_LOW_VOLT (V) to suit the cells, or BATT_LOW_MAH",
+        _without_current("LOW"),
     ),
     FailsafeThresholds(
         ("BATT_CRT_VOLT", "BATT_CRT_MAH"),
         "no battery counts as critical, BATT_FS_CRT_ACT has no effect",
         "set BATT_CRT_VOLT (V) below BATT_LOW_VOLT, or BATT_CRT_MAH",
+        _without_current("CRT"),
     ),
 )

@@ -210,6 +210,19 @@ def test_ardupilot_acts_at_its_configured_charge(station: Make) -> None:
     assert copter.state.mode.name == "RTL"
 
 
+@pytest.mark.parametrize("monitor", [0, 3])
+def test_ardupilot_does_not_act_at_a_charge_that_is_not_measured(
+    station: Make, monitor: int
+) -> None:
+    copter = station("ardupilot")
+    for name, value in (("MONITOR", monitor), ("LOW_MAH", 600), ("FS_LOW_ACT", 2)):
+        copter.state.parameters.set(f"BATT_{name}", value)
+    flying(copter)
+    trouble(copter, "battery_sag=0.7")
+    copter.run(1.5, copter.velocity(0, 0, 0))
+    assert copter.state.mode.name == "GUIDED"
+
+
 def test_without_fixes_it_lands_where_it_is(either: Any) -> None:
     flying(either, 1.0)
     trouble(either, "gnss_lost")

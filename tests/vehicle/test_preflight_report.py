@@ -130,6 +130,18 @@ ACTING = {
         (ARDUPILOT, {"BATT_MONITOR": 0.0}, "BATT_MONITOR", "BATT_FS_LOW_ACT and BATT_FS_CRT_ACT"),
         (ARDUPILOT, dict.fromkeys(LOW, 0.0), LOW[0], "BATT_LOW_VOLT and BATT_LOW_MAH are both 0"),
         (ARDUPILOT, dict.fromkeys(CRITICAL, 0.0), CRITICAL[0], "BATT_FS_CRT_ACT has no effect"),
+        (
+            ARDUPILOT,
+            {"BATT_MONITOR": 3.0},
+            CRITICAL[0],
+            "BATT_CRT_MAH 200 cannot act, because BATT_MONITOR 3 measures no current",
+        ),
+        (
+            ARDUPILOT,
+            {"BATT_MONITOR": 3.0, "BATT_LOW_VOLT": 0.0, "BATT_LOW_MAH": 300.0},
+            LOW[0],
+            "set BATT_LOW_VOLT (V), or BATT_MONITOR 4 if the current is measured",
+        ),
         (ARDUPILOT, dict.fromkeys(LOW), LOW[0], "could not be read"),
         (PX4, {"BAT1_SOURCE": -1.0}, "BAT1_SOURCE", "COM_LOW_BAT_ACT has no effect"),
         (PX4, {"BAT_CRIT_THR": 0.0}, "BAT_CRIT_THR", "never counts as critical"),
