@@ -15,6 +15,7 @@ from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.record_sinks import Sink
 from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.command.control_authority import GIVEN_UP
 from missionkit.vehicle.telemetry.observer import Datum
 
 
@@ -27,6 +28,8 @@ class Afield(NamedTuple):
     lost: tuple[str, ...]  # what could not be saved, a sentence each
     track: FlightTrack  # what does not grow at every tick
     stamp: str  # of the mission that was flown
+    link: str  # state of the link
+    control: str  # state of control authority
 
 
 class Before(NamedTuple):
@@ -69,7 +72,21 @@ def woken(past: Before, vehicle: MavsdkVehicle, speed: float) -> Resumption:
     saved = past.saved
     vehicle.observer.settle(saved.datum)
     gap = max(0.0, date() - saved.date) * speed
-    return Resumption(saved.course, saved.course.memory.now + gap, past.changed, saved.lost)
+    notes = (*saved.lost, *_unusual(saved))
+    return Resumption(saved.course, saved.course.memory.now + gap, past.changed, notes)
+
+
+def _unusual(saved: Afield) -> tuple[str, ...]:
+    """Return what was wrong with link and control when the checkpoint was written."""
+    said = []
+    if saved.link == "silent":
+        said.append("the link was silent at the last checkpoint")
+    if saved.control in GIVEN_UP:
+        said.append(
+            f"control had been given up at the last checkpoint ({saved.control}); resuming gives "
+            "it back to the mission"
+        )
+    return tuple(said)
 
 
 class Saving:
@@ -92,9 +109,10 @@ class Saving:
 
     def __call__(self, course: FlightState, lost: tuple[str, ...]) -> None:
         """Write one."""
-        seen, datum = self._recorder.track, self._vehicle.observer.datum
-        ticks = len(seen.times)
-        held = Afield(course, date(), datum, lost, flight_track.without_rows(seen), self._stamp)
+        seen, vehicle = self._recorder.track, self._vehicle
+        ticks, track = len(seen.times), flight_track.without_rows(seen)
+        states = vehicle.link_state, vehicle.control_state
+        held = Afield(course, date(), vehicle.observer.datum, lost, track, self._stamp, *states)
         journals = {"ticks": lambda first: flight_track.rows(seen, first, ticks)}
         self._sink.put(lambda: self._files.save(held, journals))
 

@@ -24,7 +24,7 @@ from missionkit.recorder import value_codec
 from missionkit.recorder.value_codec import NotReadableError
 
 KIND = "missionkit checkpoint "
-HEADER = f"{KIND}4"  # the version grows when a saved type is renamed, moved or changed
+HEADER = f"{KIND}5"  # the version grows when a saved type is renamed, moved or changed
 NAME = re.compile("[a-z]+")  # of a journal
 NEWEST, BEFORE = "checkpoint.json", "checkpoint-before.json"
 

@@ -32,6 +32,7 @@ from missionkit.vehicle.link.clocks import MissionClock, wall
 from missionkit.vehicle.link.connection import Link
 from missionkit.vehicle.link.guardian_client import Guardian
 from missionkit.vehicle.link.link_address import Address
+from missionkit.vehicle.link.link_lifecycle import REACHED, LinkLifecycle
 from missionkit.vehicle.link.link_lock import LinkLock
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
@@ -84,6 +85,8 @@ class MavsdkVehicle:
         self._patience = patience
         self._lock = lock or LinkLock(address)
         self._clock = MissionClock(pace)
+        self._lifecycle = LinkLifecycle(pace)
+        self.cache.listen(self._lifecycle.hear)
         self._share = share
         self._system = system
         self._guard = guard
@@ -138,6 +141,16 @@ class MavsdkVehicle:
         return self._joined.authority.ours
 
     @property
+    def link_state(self) -> str:
+        """State of the link (`link_lifecycle.STATES`)."""
+        return self._lifecycle.at(wall())
+
+    @property
+    def control_state(self) -> str:
+        """State of control authority (`control_authority`); "" while not connected."""
+        return "" if self._parts is None else self._parts.authority.state
+
+    @property
     def contested(self) -> bool:
         """Whether two vehicles answer with one system id."""
         return self._check.contested
@@ -153,10 +166,12 @@ class MavsdkVehicle:
         Raises:
             VehicleError: the link is in use or no vehicle answered, with what to check.
         """
-        if self._parts is not None:
+        if self._lifecycle.state in REACHED:
             return
-        await asyncio.to_thread(self._lock.take)
+        if not self._lifecycle.fire("connect"):
+            raise VehicleError(f"{self.address.url}: the link is {self._lifecycle.state}")
         try:
+            await asyncio.to_thread(self._lock.take)
             await asyncio.to_thread(self._be_guarded)
             local = None if self._guardian is None else self._guardian.local
             link = await Link.open(self.address, self._patience, self._system, local)
@@ -166,6 +181,7 @@ class MavsdkVehicle:
                 link.close()
                 raise
         except BaseException:
+            self._lifecycle.fire("refuse")
             self._let_go()
             raise
 
@@ -216,7 +232,7 @@ class MavsdkVehicle:
             self._sharing(record, seen)
 
     async def close(self) -> None:
-        """Release the vehicle; one that follows our setpoints is ordered to hold."""
+        """Release the vehicle, for good; one that follows our setpoints is ordered to hold."""
         parts, self._parts = self._parts, None
         if self._camera.running:
             self._camera.stop()
@@ -224,6 +240,7 @@ class MavsdkVehicle:
             await asyncio.to_thread(parts.leave)  # not behind unanswered calls
             await asyncio.to_thread(self._workers.shutdown, cancel_futures=True)
             parts.link.close()
+        self._lifecycle.fire("close")
         self._workers.shutdown(wait=False)
         await asyncio.to_thread(self._let_go)
 
@@ -259,6 +276,7 @@ class MavsdkVehicle:
         return max(WORDS_WITHIN, self._patience) / min(1.0, self._pace)
 
     async def _join(self, link: Link) -> None:
+        self._lifecycle.fire("answer")
         link.listen(NAMES.values(), Scaled(self._check))
         begun = wall()
         await self.hear("HEARTBEAT", self._words_within)
@@ -272,7 +290,8 @@ class MavsdkVehicle:
         idle = (lambda: None) if self._guardian is None else self._guardian.idle
         callbacks = self._notes.note, self._notes.remark, self._check
         self._parts = ConnectedVehicle(
-            link, dialect, self.cache, self._clock, *callbacks, self._pace, idle
+            *(link, self._lifecycle, dialect, self.cache, self._clock),
+            *(*callbacks, self._pace, idle),
         )
         if self._share != NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall

@@ -16,9 +16,10 @@ from missionkit.vehicle.command.setpoint_encoding import leashed, message
 from missionkit.vehicle.command.setpoint_stream import STALE, STILL, Streamer
 from missionkit.vehicle.link.clocks import MissionClock, wall
 from missionkit.vehicle.link.connection import Link
+from missionkit.vehicle.link.link_lifecycle import LinkLifecycle
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
-from missionkit.vehicle.link.message_rates import HEARTBEAT, LINK_LOST_AFTER, Streams
+from missionkit.vehicle.link.message_rates import HEARTBEAT, Streams
 from missionkit.vehicle.link.time_sync import TimeSync
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.flight_phase import FlightPhase
@@ -36,6 +37,7 @@ class ConnectedVehicle:
 
     Args:
         link: to the autopilot.
+        lifecycle: of the link.
         dialect: of the autopilot.
         cache: where its messages are.
         clock: mission time.
@@ -49,6 +51,7 @@ class ConnectedVehicle:
     def __init__(
         self,
         link: Link,
+        lifecycle: LinkLifecycle,
         dialect: Dialect,
         cache: Cache,
         clock: MissionClock,
@@ -72,12 +75,14 @@ class ConnectedVehicle:
         self.commander = Commander(link, cache, dialect, self.state, self.authority.order, pace)
         self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, pace)
         self.payload = Payload(link, cache, pace)
+        self._lifecycle = lifecycle
         self._check = check
         self._cache = cache
         self._pace = pace
 
     def start(self) -> None:
         """Begin."""
+        self._lifecycle.identified(self.streams.forgotten)
         self._cache.listen(self.streams.hear)
         self._cache.listen(self.time_sync.hear)
         beat = self._cache.latest("HEARTBEAT")
@@ -168,14 +173,14 @@ class ConnectedVehicle:
         """Whether setpoints had stopped, or the link was gone, before the present heartbeat."""
         silent = (wall() - self.streamer.last) * self._pace > STALE
         steering = self.authority.aim == "offboard"
-        return (silent and steering) or self.streams.gap > GAP
+        return (silent and steering) or self._lifecycle.gap > GAP
 
     def _listens(self) -> bool:
         """Whether a setpoint may be sent: in control, heard from recently, in a suitable mode."""
         state, dialect = self.state, self.dialect
         if not self.authority.ours or not state.armed:
             return False
-        if (wall() - state.heard) * self._pace > LINK_LOST_AFTER:
+        if self._lifecycle.at(wall()) != "live":
             return False
         if state.heard < self.streamer.woken + BACKLOG:
             return False  # received messages may have waited while the process was stopped

@@ -1,6 +1,7 @@
 """Every state of control authority with every trigger, and whole flights heartbeat by heartbeat."""
 
 import pytest
+from vehicle.state_tables import state_table
 
 from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
 from missionkit.vehicle.command.control_authority import (
@@ -30,14 +31,8 @@ hear_stranger     stranger    stranger    stranger    .           stranger    st
 reboot_in_flight  rebooted    rebooted    rebooted    .           rebooted    .           .
 reboot_on_ground  .           ground      ground      .           .           .           .
 give_back         .           .           .           commanding  commanding  commanding  commanding
-"""  # a trigger, and where it leads to from each state; .: it stays there
-(_, *STATES), *REST = (line.split() for line in ROWS.strip().splitlines())
-TABLE = {
-    trigger: {
-        here: here if there == "." else there for here, there in zip(STATES, row, strict=True)
-    }
-    for trigger, *row in REST
-}
+"""
+STATES, TABLE = state_table(ROWS)
 
 
 def heartbeat(mode, *, armed=True, status=ACTIVE):

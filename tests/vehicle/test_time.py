@@ -6,6 +6,7 @@ from vehicle.test_message_readings import HIGHRES
 
 from missionkit.vehicle.autopilot_dialect import PX4
 from missionkit.vehicle.link.clocks import BootClock, MissionClock
+from missionkit.vehicle.link.link_lifecycle import LinkLifecycle
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_rates import QUEUED, Streams, boot_time
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
@@ -97,7 +98,11 @@ class Asked:
 def streams(rates=None, optional=frozenset()):
     wall, wire = Wall(), Asked()
     cache = Cache(wall)
-    made = Streams(wire, cache, rates or {32: 20.0}, optional)
+    made, link = Streams(wire, cache, rates or {32: 20.0}, optional), LinkLifecycle()
+    link.fire("connect")
+    link.fire("answer")
+    link.identified(made.forgotten)
+    cache.listen(link.hear)
     cache.listen(made.hear)
     return made, cache, wall, wire
 

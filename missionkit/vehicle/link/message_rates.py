@@ -16,7 +16,6 @@ SET_INTERVAL = 511  # MAV_CMD_SET_MESSAGE_INTERVAL
 REQUEST = 512  # MAV_CMD_REQUEST_MESSAGE
 HEARTBEAT, HOME = 0, 242  # message ids
 REBOOTED = "autopilot_rebooted"
-LINK_LOST_AFTER = 3.0  # s without a heartbeat: the link is lost
 RETRY = 1.0  # s until a missing stream is requested again
 SPAN = 2.0  # s over which rates are measured
 
@@ -114,8 +113,6 @@ class Streams:
         self._intervals = intervals
         self._optional = optional
         self._pace = pace
-        self._heard: float | None = None
-        self.gap = 0.0  # s (of the vehicle) between the last two heartbeats
         self._all_due = threading.Event()
         self._all_due.set()
         self._asked: dict[int, float] = {}
@@ -126,14 +123,9 @@ class Streams:
     def hear(self, message: Message) -> None:
         """Watch one message, on the thread that brings it."""
         self._counts[message.name] = self._counts.get(message.name, 0) + 1
-        if message.name == "HEARTBEAT":
-            heard, self._heard = self._heard, message.arrived
-            self.gap = 0.0 if heard is None else (message.arrived - heard) * self._pace
-            if self.gap > LINK_LOST_AFTER:
-                self._all_due.set()
 
     def forgotten(self) -> None:
-        """Note that the autopilot has restarted: it knows of no rates."""
+        """Note that the autopilot has restarted, or may have: it knows of no rates."""
         self._all_due.set()
 
     def request(self, ident: int) -> None:
