@@ -11,7 +11,7 @@ import pytest
 
 from missionkit.errors import UsageError
 from missionkit.recorder import checkpoint
-from missionkit.recorder.checkpoint import BEFORE, NEWEST, Checkpoints, load
+from missionkit.recorder.checkpoint import BEFORE, HEADER, KIND, NEWEST, Checkpoints, load
 
 ROWS = np.arange(30.0).reshape(10, 3)
 
@@ -51,7 +51,7 @@ def changed(text):
 
 
 def renewed(text):
-    return text.replace("checkpoint 4", "checkpoint 5")
+    return text.replace(HEADER, f"{KIND}999")
 
 
 @pytest.mark.parametrize("damage", [cut, emptied, changed, renewed])
@@ -70,7 +70,7 @@ def test_a_damaged_one_is_named_and_the_one_before_is_used(tmp_path, damage):
 def test_a_checkpoint_of_another_version_is_refused_in_a_sentence(tmp_path):
     saved(tmp_path, 2)
     path = tmp_path / NEWEST
-    path.write_text(path.read_text().replace("checkpoint 4", "checkpoint 3"))
+    path.write_text(renewed(path.read_text()))
     with pytest.raises(UsageError, match="another version of missionkit wrote it"):
         load(tmp_path)
 
