@@ -44,6 +44,18 @@ def test_a_short_violation_is_tolerated_and_reported_again_next_time():
     assert [at for at, _ in walk.problems] == [0.05, 1.0]
 
 
+def test_a_violation_counts_again_from_the_next_entry():
+    again = "target: t}, transitions: [{to: out, event: again}]}"
+    walk = Walk(GPS.replace("target: t}}", again) + "dwell: 0\n", targets={})
+    walk.run(0.9)
+    walk.tick("again")
+    walk.run(1.95)
+    assert walk.went() == [(0.95, "out")]
+    walk.run(2.0)
+    assert walk.went() == [(0.95, "out"), (2.0, "hover")]
+    assert [at for at, _ in walk.problems] == [0.05, 1.0]
+
+
 def test_the_way_out_does_not_wait_for_the_dwell_and_goes_before_transitions():
     text = GPS.replace("target: t}}", "target: t}, transitions: [{to: land, when: a}]}")
     walk = Walk(text + "dwell: 0\n", targets={})

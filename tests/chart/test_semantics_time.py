@@ -113,3 +113,21 @@ def test_the_rounding_of_times_costs_no_tick():
     walk.tick("back")
     walk.run(2.0)
     assert walk.went() == [(0.3, "y"), (0.6, "x"), (0.9, "y")]
+
+
+def test_after_goes_on_in_a_state_around_while_the_states_inside_change():
+    walk = Walk("""\
+initial: outer
+dwell: 0
+states:
+  outer:
+    kind: custom
+    initial: x
+    transitions: [{to: land, after: 0.5}]
+    states:
+      x: {kind: custom, transitions: [{to: y, after: 0.2}]}
+      y: {kind: custom, transitions: [{to: x, after: 0.2}]}
+  land: {kind: land}
+""")
+    walk.run(1.0)
+    assert walk.went() == [(0.2, "y"), (0.4, "x"), (0.5, "land")]

@@ -110,7 +110,10 @@ def test_a_history_gives_the_memory_back():
     ]
     assert crew.acting.done
     assert crew.said("pause", "") == ["holding: no state commands"] * 2
-    assert crew.said("resume", "out") == ["inner 4", "outer 3"]
+    assert crew.acting.past.keys() == {"outer", "inner"}
+    assert crew.said("resume") == ["inner 4"]
+    assert crew.acting.past == {}
+    assert crew.said("out") == ["outer 3"]
 
 
 def test_without_the_history_everything_restarts():

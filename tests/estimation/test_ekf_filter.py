@@ -237,7 +237,14 @@ def test_on_the_ground_a_jump_is_waited_out_then_accepted():
     assert not held.health.diverged
     assert held.health.resets == 0
     np.testing.assert_array_equal(held.correction, 0)
-    memory = fly(nav, 16.0, since=12.6, memory=memory, change=change)
+    flight, n = Flight(np.random.default_rng(0), SETTINGS), round(12.6 / TICK)
+    while nav.read(memory).health.resets == 0:
+        n += 1
+        memory = nav.propagate(memory, change(flight.tick(n)))
+    reset = nav.read(memory).health
+    assert reset.rejected == 0  # the fix that was refused before counts as accepted at once
+    assert reset.gnss_at == pytest.approx(n * TICK, abs=2 * TICK)
+    memory = fly(nav, 16.0, since=n * TICK, memory=memory, change=change)
     state = nav.read(memory)
     assert np.linalg.norm(state.position - position(16.0) - jump) < 1.0
     np.testing.assert_allclose(state.correction, jump, atol=1.5)

@@ -13,7 +13,9 @@ from flights import MOUNT, TICK, Flight, attitude, position, velocity
 from hovering import HERE, QUIET, observed
 
 from missionkit.estimation.builder import build
+from missionkit.estimation.error_state_ekf import initialization, realignment
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS, GRAVITY, LANDMARKS
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import conjugate, log, multiply, norm
 
@@ -69,6 +71,19 @@ def test_after_a_long_gap_it_has_diverged_until_it_is_aligned_again_and_then_is_
 
 def test_without_fixes_it_stays_lost():
     assert all(state.health.diverged for state in across(39.0, 0, fixes=False))
+
+
+def test_without_fixes_the_place_is_as_uncertain_as_the_speed_before_the_gap_makes_it():
+    missing, speed = 4.0, np.array([3.0, -2.0, 0.5])
+    times = np.arange(101.0)[:, None] / 100.0
+    imu = np.hstack((times, np.tile([0.0, 0.0, -GRAVITY, 0.0, 0.0, 0.0], (101, 1))))
+    rest = initialization.begin()._replace(imu=imu, fields=np.array([[1.0, 1.0, 0.0, 0.0]]))
+    x, P = np.zeros(LANDMARKS), np.diag(np.full(D_LANDMARKS, 0.04))
+    x[3:6], x[6] = speed, 1.0
+    start = realignment.begun(rest, x, P, missing, SETTINGS)
+    expected = 0.04 + (SETTINGS.reset_velocity_sd * missing) ** 2 + (missing * speed) ** 2
+    np.testing.assert_allclose(start.P.diagonal()[:3], expected)
+    np.testing.assert_array_equal(start.x[:6], 0.0)
 
 
 @pytest.mark.parametrize("gap", [0.2, 0.4])
