@@ -1,5 +1,6 @@
 """Behaviours: what a state does, as guidance for the controller or a request to the autopilot."""
 
+from missionkit.behaviors.ddp_go_to import DdpGoTo
 from missionkit.behaviors.docking import DOCKING
 from missionkit.behaviors.follow_path import FollowPath
 from missionkit.behaviors.go_to import GoTo
@@ -11,4 +12,16 @@ from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
-ALL = (*DOCKING, FollowPath, GoTo, Hold, Inject, Land, PrecisionLand, Servo, Spiral, TakeOff)
+ALL = (
+    *DOCKING,
+    DdpGoTo,
+    FollowPath,
+    GoTo,
+    Hold,
+    Inject,
+    Land,
+    PrecisionLand,
+    Servo,
+    Spiral,
+    TakeOff,
+)

@@ -36,7 +36,7 @@ class GoTo(Behavior):
     within: Metres = Field(default=1.0, gt=0)
 
     @override
-    def begin(self, seen: Estimate) -> tuple[float, bool]:
+    def begin(self, seen: Estimate) -> Any:
         return float(seen.position[2]), True
 
     @override

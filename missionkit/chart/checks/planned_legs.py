@@ -66,12 +66,15 @@ def goal_of(chart: AnalysedChart, state: State, start: Point3) -> Point3 | None:
     match state.behavior.kind:
         case "take_off":
             return (start[0], start[1], -float(height or 0.0))
-        case "go_to" | "servo" | "inject":
+        case "go_to" | "ddp_go_to" | "servo" | "inject":
             target = str(getattr(plugin, "target", ""))
             if target == "home":
                 return (0.0, 0.0, start[2] if height is None else -float(height))
             goal = _off(chart, target, getattr(plugin, "standoff", (0.0, 0.0, 0.0)))
-            if goal is None and state.behavior.kind == "go_to":  # until its marker was seen
+            if goal is None and state.behavior.kind in {
+                "go_to",
+                "ddp_go_to",
+            }:  # until its marker was seen
                 goal = chart.mission.targets[target].position
             return goal if goal is None or height is None else (*goal[:2], -float(height))
         case _:

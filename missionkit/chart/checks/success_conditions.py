@@ -122,7 +122,7 @@ def _ends(chart: AnalysedChart, state: State, target: str) -> tuple[Point3, Poin
     reach = reach_of(state)
     if reach is not None:
         return None if kind == "spiral" else (reach.far, reach.near, 0.0)
-    if kind != "go_to":
+    if kind not in {"go_to", "ddp_go_to"}:
         return None
     out, right, up = getattr(plugin, "standoff", (0.0, 0.0, 0.0))
     height = getattr(plugin, "height", None)
@@ -171,7 +171,7 @@ def _kept(chart: AnalysedChart) -> Iterator[tuple[float, str]]:
         if reach is not None and reach.kind != "spiral":
             left = reach.least - radius
             yield left, f"state {name!r} works on {reach.target!r} from"
-        elif state.behavior.kind == "follow_path":
+        elif state.behavior.kind in {"follow_path", "ddp_go_to"}:
             kept = float(getattr(state.behavior.plugin, "clearance", math.inf))
             yield kept, f"the path of state {name!r} keeps only"
         elif state.behavior.kind == "go_to" and isinstance(field, PotentialField):

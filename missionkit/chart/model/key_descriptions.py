@@ -152,6 +152,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "guards.above": "value that it must be above",
     "guards.at_least": "least value",
     "guards.at_most": "greatest value",
+    "behaviors.ddp_go_to.height": "to fly at (m); the target's if absent",
     "behaviors.follow_path.height": "to fly at (m); that of entry if absent",
     "behaviors.follow_path.neighbours": "cells that a step may lead to",
     "behaviors.follow_path.heuristic": "how the remaining distance is estimated",
