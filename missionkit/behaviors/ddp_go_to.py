@@ -147,7 +147,8 @@ class DdpGoTo(GoTo):
         from missionkit.planning.ddp import keep_clear  # noqa: PLC0415
 
         here = float(start[0]), float(start[1])
-        keep, reach = self.body + self.clearance + STRAYS, flight.limits.speed * flight.horizon.duration
+        keep = self.body + self.clearance + STRAYS
+        reach = self.speed * flight.horizon.duration
         found: list[Obstacle] = []
         if points is not None:
             found += keep_clear.standing(points[:, :2], here, reach + keep, keep)
