@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -66,9 +66,15 @@ def precise_stage(
     cruise: float = 5.0,
     wind: Wind | None = None,
     limit: float = 1800.0,
+    upright: bool = True,
 ) -> Stage:
     catalogue = builtin()
     mission = load(MISSIONS / "precision_task.yaml", catalogue, {"cruise": str(cruise)})
+    if not upright:  # nothing is said about how the marker hangs
+        (use,) = mission.perception
+        loose = use.plugin.model_copy(update={"upright": False})
+        perception = (replace(use, plugin=loose),)
+        mission = mission.model_copy(update={"perception": perception})
     eye = mission.camera.model_copy(update={"use": "corners"})
     settings = mission.settings.model_copy(update={"time_limit": limit})
     mission = mission.model_copy(update={"camera": eye, "settings": settings})

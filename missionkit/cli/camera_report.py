@@ -71,6 +71,11 @@ def _told(found: list[Found], images: int) -> str:
         spread = f" ± {(max(away) - min(away)) / 2:.3f}" if len(away) > 1 else ""
         detail += f", {median(away):.3f} m away{spread}"
         detail += f", corners fit to {median(errors):.2f} px"
+    if any(it.upside_down for it in found):
+        detail += (
+            "; upside down in the image: is the camera mounted upside down? In flight it is not "
+            "used"
+        )
     if not all(it.counts for it in found):
         marker = found[0].marker
         detail += (

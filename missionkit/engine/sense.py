@@ -11,7 +11,6 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import (
-    MARKER_DUPLICATED,
     Estimate,
     Look,
     Observation,
@@ -19,9 +18,9 @@ from missionkit.messages import (
     Sighting,
     Target,
 )
-from missionkit.perception.duplicate_markers import begun
 from missionkit.perception.marker_search import Priors
 from missionkit.perception.vision_pipeline import VisionMemory
+from missionkit.perception.vision_warning import begun
 from missionkit.plugin_containment import Containment
 
 STALE_SCAN = 0.5  # s; an older scan says nothing about what is near
@@ -111,7 +110,7 @@ def _estimate(
         obstacles=_around(plan.navigator, senses, state, seen.now),
         scanned_at=None if senses.scan is None else senses.scan.at,
         scan_range=math.inf if senses.scan is None else senses.scan.range,
-        events=seen.events + acting.events + _duplicated(senses, memory.senses),
+        events=seen.events + acting.events + _warned(senses, memory.senses),
         cycle=seen.cycle,
         map=plan.map,
         range=senses.range,
@@ -123,8 +122,9 @@ def _estimate(
     )
 
 
-def _duplicated(now: SensorState, before: SensorState) -> tuple[str, ...]:
-    return (MARKER_DUPLICATED,) if begun(now.eye.duplicates, before.eye.duplicates) else ()
+def _warned(now: SensorState, before: SensorState) -> tuple[str, ...]:
+    """Return the events of what the camera shows although it should not."""
+    return tuple(dict.fromkeys(it.event for it in begun(now.eye.warnings, before.eye.warnings)))
 
 
 def _believed(look: Look, state: NavState) -> Look:

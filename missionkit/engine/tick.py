@@ -21,7 +21,7 @@ from missionkit.engine.ground_contact import with_ground_contact
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.sense import sense
 from missionkit.messages import Action, Command, Estimate, Observation, Record
-from missionkit.perception.duplicate_markers import begun
+from missionkit.perception.vision_warning import begun
 from missionkit.plugin_containment import Containment
 
 CAUSES = "check accel_noise, gyro_noise, the marker's size and the lens in the mission"
@@ -91,7 +91,7 @@ def tick(
         + decision.problems
         + _news(acting.failing, memory.acting.failing)
         + _misfit(senses, memory.senses)
-        + _duplicates(senses, memory.senses),
+        + _warnings(senses, memory.senses),
         estimate=seen,
         done=step.done,
     )
@@ -112,6 +112,6 @@ def _misfit(now: SensorState, before: SensorState) -> tuple[str, ...]:
     return (f"{now.misfit}: {CAUSES}",) if now.misfit and not before.misfit else ()
 
 
-def _duplicates(now: SensorState, before: SensorState) -> tuple[str, ...]:
-    """Return once in an episode that more markers of an id are in view than the mission has."""
-    return tuple(it.message() for it in begun(now.eye.duplicates, before.eye.duplicates))
+def _warnings(now: SensorState, before: SensorState) -> tuple[str, ...]:
+    """Return once in an episode what the camera shows although it should not."""
+    return tuple(it.message for it in begun(now.eye.warnings, before.eye.warnings))

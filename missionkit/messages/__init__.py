@@ -25,6 +25,7 @@ from missionkit.messages.events import (
     CONTROL_RESUMED,
     GROUND_TOUCHED,
     MARKER_DUPLICATED,
+    MARKER_UPSIDE_DOWN,
     is_event,
 )
 from missionkit.messages.observation import (
@@ -56,6 +57,7 @@ __all__ = [
     "CONTROL_RESUMED",
     "GROUND_TOUCHED",
     "MARKER_DUPLICATED",
+    "MARKER_UPSIDE_DOWN",
     "NO_CYCLE",
     "Action",
     "AnchorRange",

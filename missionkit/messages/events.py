@@ -16,6 +16,9 @@ GROUND_TOUCHED = "ground_touched"
 MARKER_DUPLICATED = "marker_duplicated"
 """Comes when more markers of one id are in view than the mission has."""
 
+MARKER_UPSIDE_DOWN = "marker_upside_down"
+"""Comes when an upright marker is upside down in the image."""
+
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_/-]*(\.[A-Za-z0-9_/-]+)*")
 
 

@@ -4,43 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from missionkit.geometry import norm
-from missionkit.messages import Detection, Sighting, Target
+from missionkit.messages import MARKER_DUPLICATED, Detection, Sighting, Target
 from missionkit.perception.marker_selection import GATE_SIGMAS, Candidate
+from missionkit.perception.vision_warning import VisionWarning
 
 APART: Final = 0.5  # of a marker's side: two readings of one marker have nearly the same centre
-EPISODE_ENDS: Final = 5.0  # s without duplicates
-
 MarkerId = tuple[str, int]  # dictionary and id
-
-
-class DuplicateMarkers(NamedTuple):
-    """An episode in which a target's marker had a duplicate in view."""
-
-    target: str
-    marker: MarkerId
-    in_view: int  # markers, when it began
-    declared: int  # markers of this id in the mission
-    used: bool  # one of them was taken for the target's
-    since: float  # s, first frame
-    last: float  # s, latest frame
-
-    def message(self) -> str:
-        """Say what is in view and what becomes of it, in a sentence."""
-        name, number = self.marker
-        fate = (
-            f"the one where {self.target} is expected is used"
-            if self.used
-            else f"none is used, because it is not clear which belongs to {self.target}"
-        )
-        return (
-            f"{self.in_view} markers with id {number} ({name}) are in view, but the mission has "
-            f"{self.declared}: {fate}; remove or cover the others"
-        )
 
 
 def distinct(detections: Iterable[Detection]) -> list[Detection]:
@@ -62,8 +36,8 @@ def told_apart(
     sightings: Sequence[Sighting],
     declared: Mapping[MarkerId, int],
     targets: Mapping[str, Target],
-) -> tuple[dict[str, list[Candidate]], list[DuplicateMarkers]]:
-    """Return the candidates without those that cannot be told apart, and what was in view twice.
+) -> tuple[dict[str, list[Candidate]], list[VisionWarning]]:
+    """Return the candidates without those that cannot be told apart, and a warning of duplicates.
 
     Args:
         found: plausible candidates by target.
@@ -72,7 +46,7 @@ def told_apart(
         targets: beliefs about them.
     """
     counts = _surplus(sightings, declared)
-    kept, episodes = {name: list(each) for name, each in found.items()}, []
+    kept, warnings = {name: list(each) for name, each in found.items()}, []
     for target, marker in sorted({(it.target, _marker(it)) for it in sightings}):
         if marker not in counts:
             continue
@@ -80,9 +54,27 @@ def told_apart(
         own = _identified(equal, targets.get(target))
         others = [it for it in kept.get(target, []) if _marker(it.sighting) != marker]
         kept[target] = [*others, *own]
-        at, many = sightings[0].at, (counts[marker], declared[marker])
-        episodes.append(DuplicateMarkers(target, marker, *many, bool(own), at, at))
-    return {name: each for name, each in kept.items() if each}, episodes
+        counted = counts[marker], declared[marker]
+        warnings.append(_warning(sightings[0].at, target, marker, counted, used=bool(own)))
+    return {name: each for name, each in kept.items() if each}, warnings
+
+
+def _warning(
+    at: float, target: str, marker: MarkerId, counted: tuple[int, int], *, used: bool
+) -> VisionWarning:
+    name, number = marker
+    in_view, wanted = counted
+    fate = (
+        f"the one where {target} is expected is used"
+        if used
+        else f"none is used, because it is not clear which belongs to {target}"
+    )
+    message = (
+        f"{in_view} markers with id {number} ({name}) are in view, but the mission has {wanted}: "
+        f"{fate}; remove or cover the others"
+    )
+    about = (target, name, str(number), "used" if used else "unused")
+    return VisionWarning(MARKER_DUPLICATED, about, message, at, at)
 
 
 def _surplus(
@@ -124,32 +116,3 @@ def _is_expected(candidate: Candidate, prior: Target) -> bool:
         return False
     sd = math.hypot(prior.position_sd, candidate.sighting.position_sd)
     return norm(candidate.position - prior.position) <= GATE_SIGMAS * sd
-
-
-def continued(
-    episodes: Iterable[DuplicateMarkers], seen: Iterable[DuplicateMarkers], at: float
-) -> tuple[DuplicateMarkers, ...]:
-    """Return the episodes after a frame at time `at` (s); those that have ended are dropped.
-
-    Args:
-        episodes: of the frames before.
-        seen: duplicates in this frame.
-        at: s, exposure of the frame, not before the last.
-    """
-    known = {_kind(it): it for it in episodes if at - it.last <= EPISODE_ENDS}
-    for it in seen:
-        before = known.get(_kind(it), it)
-        known[_kind(it)] = before._replace(last=at)
-    return tuple(known.values())
-
-
-def _kind(episode: DuplicateMarkers) -> tuple[str, MarkerId, bool]:
-    return episode.target, episode.marker, episode.used
-
-
-def begun(
-    now: Iterable[DuplicateMarkers], before: Iterable[DuplicateMarkers]
-) -> tuple[DuplicateMarkers, ...]:
-    """Return the episodes that were not there `before`."""
-    known = {(*_kind(it), it.since) for it in before}
-    return tuple(it for it in now if (*_kind(it), it.since) not in known)

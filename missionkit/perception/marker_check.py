@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from missionkit.geometry import norm
+from missionkit.geometry import multiply, norm
 from missionkit.messages import CameraModel, Detection, Image
 from missionkit.perception.aruco import Aruco
+from missionkit.perception.camera_section import looking
 from missionkit.perception.image_files import outlined, with_axes
 from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.square_pose import Solution, solve
+from missionkit.perception.upside_down import is_upside_down
+
+_LEVEL = looking(0.0)  # camera to world of a level camera
 
 
 class Found(NamedTuple):
@@ -24,6 +28,13 @@ class Found(NamedTuple):
     def distance(self) -> float | None:
         """From the camera (m)."""
         return None if self.solution is None else norm(self.solution.pose.translation)
+
+    @property
+    def upside_down(self) -> bool:
+        """Whether its upper edge is below in the image, although the mission says upright."""
+        if self.solution is None or not self.marker.upright:
+            return False
+        return is_upside_down(multiply(_LEVEL, self.solution.pose.rotation))
 
     @property
     def counts(self) -> bool:

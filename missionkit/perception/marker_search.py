@@ -31,6 +31,7 @@ class MarkerSearch:
 
     Attributes:
         declared: number of places in the mission with a marker of a dictionary and id.
+        upright: markers that hang upright: dictionary, id and target.
     """
 
     def __init__(self, camera: CameraModel, markers: Sequence[Aruco]) -> None:
@@ -38,6 +39,7 @@ class MarkerSearch:
         self._markers = {name: _of(markers, name) for name in {m.dictionary for m in markers}}
         places = {(m.dictionary, m.id, m.target, m.offset) for m in markers}
         self.declared = Counter((name, number) for name, number, *_ in places)
+        self.upright = frozenset((m.dictionary, m.id, m.target) for m in markers if m.upright)
         longest = max(camera.width, camera.height)
         self._detectors = [MarkerDetector(name, longest) for name in sorted(self._markers)]
 

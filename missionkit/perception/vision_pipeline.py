@@ -9,13 +9,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from missionkit.geometry import Vec3
+from missionkit.geometry import Transform, Vec3
 from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.duplicate_markers import DuplicateMarkers, continued, told_apart
+from missionkit.perception.duplicate_markers import told_apart
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
 from missionkit.perception.sighting_validation import fault_of
+from missionkit.perception.upside_down import right_way_up
+from missionkit.perception.vision_warning import VisionWarning, continued
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import Containment
 from missionkit.plugin_protocols import DetectorProtocol, Prior
@@ -30,7 +32,7 @@ class VisionMemory(NamedTuple):
     heard_at: float | None = None  # s, when the last frame arrived or was given up
     asked_at: float | None = None  # s, of the last tick
     digest: int | None = None  # of the last frame's content
-    duplicates: tuple[DuplicateMarkers, ...] = ()  # episodes of more markers than the mission has
+    warnings: tuple[VisionWarning, ...] = ()
 
 
 class VisionPipeline:
@@ -80,13 +82,17 @@ class VisionPipeline:
         following = memory._replace(heard_at=now, asked_at=now, digest=digest)
         if digest is not None and digest == memory.digest:
             return following, (*missed, Look(frame.at, frozenset(), silent=True)), ()
-        markers = tuple(self._search.find(frame, priors))
-        others = tuple(self._found_by_others(frame, priors, contain or Containment()))
-        found = self._plausible((*markers, *others), frame.at, priors)
-        found, duplicates = told_apart(found, markers, self._search.declared, priors.targets)
-        following = following._replace(
-            duplicates=continued(memory.duplicates, duplicates, frame.at)
+        eye = self._eye(frame.at, priors)
+        markers, turned = right_way_up(
+            self._search.find(frame, priors),
+            self._search.upright,
+            None if eye is None else eye.rotation,
         )
+        others = tuple(self._found_by_others(frame, priors, contain or Containment()))
+        found = _plausible((*markers, *others), eye, priors)
+        found, duplicates = told_apart(found, markers, self._search.declared, priors.targets)
+        warnings = continued(memory.warnings, (*turned, *duplicates), frame.at)
+        following = following._replace(warnings=warnings)
         sightings = tuple(
             select(candidates, _expected(target, priors)).sighting
             for target, candidates in sorted(found.items())
@@ -94,18 +100,10 @@ class VisionPipeline:
         seen = frozenset(s.target for s in sightings)
         return following, (*missed, Look(frame.at, seen)), sightings
 
-    def _plausible(
-        self, sightings: Sequence[Sighting], at: float, priors: Priors
-    ) -> dict[str, list[Candidate]]:
-        """Return by target the sightings that lie near enough to where it is believed to be."""
-        body = priors.body(at) if sightings else None
-        eye = None if body is None else body @ self._camera.mount
-        found: dict[str, list[Candidate]] = {}
-        for it in sightings:
-            candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
-            if plausible(candidate, priors.targets.get(it.target)):
-                found.setdefault(it.target, []).append(candidate)
-        return found
+    def _eye(self, at: float, priors: Priors) -> Transform | None:
+        """Return camera to world at a time (s); None while the vehicle's own pose is unknown."""
+        body = priors.body(at)
+        return None if body is None else body @ self._camera.mount
 
     def _found_by_others(
         self, frame: Frame, priors: Priors, contain: Containment
@@ -120,6 +118,18 @@ class VisionPipeline:
                 contain.note(f"{detector.kind} returned {wrong}")
                 continue
             yield from boxed[0]
+
+
+def _plausible(
+    sightings: Sequence[Sighting], eye: Transform | None, priors: Priors
+) -> dict[str, list[Candidate]]:
+    """Return by target the sightings that lie near enough to where it is believed to be."""
+    found: dict[str, list[Candidate]] = {}
+    for it in sightings:
+        candidate = Candidate(it, None if eye is None else eye.apply(it.pose.translation))
+        if plausible(candidate, priors.targets.get(it.target)):
+            found.setdefault(it.target, []).append(candidate)
+    return found
 
 
 def _missed(

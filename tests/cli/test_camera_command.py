@@ -85,6 +85,15 @@ def test_a_marker_too_small_to_count_is_reported(desk):
     assert "area outside 20000 to 250000 px²" in call("check", "--mission", path).output
 
 
+def test_a_marker_upside_down_is_reported(desk):
+    path = desk("film.avi")
+    film(path.parent / "film.avi", [wall_with(23)[::-1, ::-1].copy()])
+    done = call("check", "--mission", path)
+    assert "upside down in the image: is the camera mounted upside down?" in done.output
+    film(path.parent / "film.avi", [wall_with(23)])
+    assert "upside down" not in call("check", "--mission", path).output
+
+
 def test_images_of_another_size_are_refused(desk):
     path = desk("film.avi")
     film(path.parent / "film.avi", [wall_with(23, size=(320, 240))])

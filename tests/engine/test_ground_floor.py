@@ -66,10 +66,10 @@ def test_a_climb_is_left_alone_and_below_the_floor_it_climbs_slowly():
     assert sent == pytest.approx([0.0, -0.3, -0.5])
 
 
-@pytest.mark.parametrize("seed", [4, 5])
-def test_a_camera_upside_down_does_not_lead_into_the_ground(seed):
-    """Its sightings pull the target below it."""
-    ready, operator, heights = precise_stage("camera_flipped", seed=seed), Operator(), []
+def test_a_camera_upside_down_does_not_lead_into_the_ground():
+    """Its sightings of a marker that may hang in any way pull the target below it."""
+    ready = precise_stage("camera_flipped", seed=4, upright=False)
+    operator, heights = Operator(), []
 
     def watch(record, _):
         if record.state == "gps":

@@ -8,8 +8,8 @@ from scenes import CAMERA, LEVEL, corners_of, marker_at, seen_from, target, with
 from scenes import priors as believed
 
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.duplicate_markers import EPISODE_ENDS, begun
 from missionkit.perception.vision_pipeline import VisionPipeline
+from missionkit.perception.vision_warning import EPISODE_ENDS, begun
 
 TRUNK = Aruco(target="trunk", id=23, size=0.4)
 SMALL = TRUNK.model_copy(update={"id": 62, "size": 0.2})
@@ -35,7 +35,7 @@ def look(eye, frame, *targets, memory=None):
 
 
 def messages(memory):
-    return [it.message() for it in memory.duplicates]
+    return [it.message for it in memory.warnings]
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -81,23 +81,23 @@ def test_another_marker_of_the_target_still_speaks():
     eye = VisionPipeline(CAMERA, [TRUNK, SMALL])
     memory, taken = look(eye, with_corners(1.0, *BOTH, at(FAR, 62, 0.2)), tree(6, 0.5, 0, sd=1.0))
     assert taken == {"trunk": 6}
-    assert [it.used for it in memory.duplicates] == [False]
+    assert [it.about[-1] for it in memory.warnings] == ["unused"]
 
 
 def test_two_targets_may_carry_the_same_id_on_purpose():
     eye = VisionPipeline(CAMERA, [TRUNK, TRUNK.model_copy(update={"target": "post"})])
     beliefs = tree(4.2, -1, 0, sd=0.5), tree(6.2, 0.5, 0, sd=0.5, name="post")
     memory, taken = look(eye, with_corners(1.0, *BOTH), *beliefs)
-    assert (taken, memory.duplicates) == ({"trunk": 4, "post": 6}, ())
+    assert (taken, memory.warnings) == ({"trunk": 4, "post": 6}, ())
     memory, taken = look(eye, with_corners(1.0, *BOTH, at(marker_at(5, 3.0, 0))), *beliefs)
     assert taken == {}
-    assert [it.target for it in memory.duplicates] == ["post", "trunk"]
+    assert [it.about[0] for it in memory.warnings] == ["post", "trunk"]
 
 
 def test_one_marker_that_is_read_twice_is_one_marker():
     inner = at(FAR, size=0.36)
     memory, taken = look(VisionPipeline(CAMERA, [TRUNK]), with_corners(1.0, at(FAR), inner))
-    assert (taken, memory.duplicates) == ({"trunk": 6}, ())
+    assert (taken, memory.warnings) == ({"trunk": 6}, ())
 
 
 def test_an_episode_is_reported_once_and_another_one_again():
@@ -106,7 +106,7 @@ def test_an_episode_is_reported_once_and_another_one_again():
     pause = EPISODE_ENDS + 1.0
     for time, found in [(1.0, BOTH), (1.1, BOTH), (1.2, BOTH[:1]), (1.3, BOTH), (pause + 2, BOTH)]:
         noisy = [(number, corners + rng.normal(0, 0.05, (4, 2))) for number, corners in found]
-        before = () if memory is None else memory.duplicates
+        before = () if memory is None else memory.warnings
         memory, _ = look(eye, with_corners(time, *noisy), memory=memory)
-        reported.append(len(begun(memory.duplicates, before)))
+        reported.append(len(begun(memory.warnings, before)))
     assert reported == [1, 0, 0, 0, 1]
