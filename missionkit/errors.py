@@ -9,8 +9,8 @@ from enum import IntEnum, StrEnum
 
 from typing_extensions import override
 
-SHOWN = 40  # names listed in a message
-COMPARED = 400  # names compared: a millisecond each hundred
+NAMES_SHOWN = 40  # names listed in a message
+NAMES_COMPARED = 400  # names compared: a millisecond each hundred
 
 
 class ExitCode(IntEnum):
@@ -35,6 +35,10 @@ class Place:
     @override
     def __str__(self) -> str:
         return f"{printable(self.file)}:{self.line}:{self.column}"
+
+
+NO_PLACE = Place("", 0, 0)
+"""Of what missionkit adds to a mission itself."""
 
 
 class Level(StrEnum):
@@ -102,11 +106,11 @@ def nearest(word: str, known: Iterable[str]) -> str:
     names = sorted(known)
     if not names:
         return "none are known here"
-    alike = names if len(names) <= SHOWN else [name for name in names if name[:1] == word[:1]]
-    close = difflib.get_close_matches(word, alike[:COMPARED], n=1, cutoff=0.6)
+    alike = names if len(names) <= NAMES_SHOWN else [name for name in names if name[:1] == word[:1]]
+    close = difflib.get_close_matches(word, alike[:NAMES_COMPARED], n=1, cutoff=0.6)
     hint = f"did you mean '{close[0]}'? " if close else ""
-    more = f", ... ({len(names)} in all)" if len(names) > SHOWN else ""
-    return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names[:SHOWN])}{more}"
+    more = f", ... ({len(names)} in all)" if len(names) > NAMES_SHOWN else ""
+    return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names[:NAMES_SHOWN])}{more}"
 
 
 def printable(line: str) -> str:

@@ -22,8 +22,8 @@ from missionkit.geometry import (
     vec,
 )
 
-ALWAYS = float("-inf")
-STILL = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
+FROM_THE_START = float("-inf")
+NO_MOTION = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
 
 
 class FrameError(MissionkitError):
@@ -119,7 +119,7 @@ class FrameTree:
         Raises:
             FrameError: `parent` is not in the tree, or `frame` is already.
         """
-        return self._with(frame, Edge(parent, (Timed(ALWAYS, pose),), held=True))
+        return self._with(frame, Edge(parent, (Timed(FROM_THE_START, pose),), held=True))
 
     def lookup(self, target: str, source: str, at: float) -> Transform:
         """Return T_target_source, which maps coordinates in `source` to `target`, at time `at`.
@@ -155,7 +155,7 @@ class FrameTree:
 
     def _up(self, frame: str, ancestor: str, at: float) -> Transform:
         if frame == ancestor:
-            return STILL
+            return NO_MOTION
         edge = self.edges[frame]
         pose = held(edge.poses, at) if edge.held else interpolate(edge.poses, at)
         if pose is None:

@@ -19,6 +19,8 @@ Vec3 = npt.NDArray[np.float64]  # (3,)
 Quat = npt.NDArray[np.float64]  # (4,) w, x, y, z
 Mat = npt.NDArray[np.float64]
 
+GRAVITY = 9.80665  # m/s², standard, downwards
+
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 IDENTITY.flags.writeable = False
 

@@ -9,8 +9,9 @@ import numpy as np
 from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec
 from missionkit.messages import Goal, HalfSpace, Target
 
-SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than commanded
-LEVEL = 0.1  # below this horizontal part of its normal, a marker lies flat and no yaw faces it
+HOVER_SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than commanded
+FLAT_MARKER = 0.1
+"""Below this horizontal part of its normal, a marker lies flat and no yaw faces it."""
 
 
 def goal_rotation(marker: Mat) -> Mat:
@@ -43,20 +44,20 @@ def goal_of(target: Target, standoff: tuple[float, float, float], now: float) ->
     out, right, up = standoff
     position = target.position + rotate(target.attitude, vec(right, up, out))
     forward = goal_rotation(to_matrix(target.attitude))[:, 0]
-    yaw = math.atan2(forward[1], forward[0]) if math.hypot(*forward[:2]) > LEVEL else None
+    yaw = math.atan2(forward[1], forward[0]) if math.hypot(*forward[:2]) > FLAT_MARKER else None
     return Goal(position, yaw, now, target.name)
 
 
 def bound_of(target: Target, out: float) -> HalfSpace | None:
     """Return the side of a target's plane, `out` (m) off its marker, where a vehicle may be.
 
-    The plane lies `SLACK` nearer, so that hovering on it is free of it. None if how the marker is
-    turned is not known.
+    The plane lies `HOVER_SLACK` nearer, so that hovering on it is free of it. None if it is not
+    known how the marker is turned.
     """
     if target.attitude is None:
         return None
     normal = rotate(target.attitude, vec(0.0, 0.0, 1.0))
-    return HalfSpace(target.position + (out - SLACK) * normal, normal)
+    return HalfSpace(target.position + (out - HOVER_SLACK) * normal, normal)
 
 
 def facing(yaw: float) -> Quat:

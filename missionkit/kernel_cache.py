@@ -19,7 +19,8 @@ from pathlib import Path
 from missionkit.private_folder import private, runtime_folder
 
 PACKAGE = "missionkit"
-KEPT = 5  # folders of each module, the last used: switching between branches compiles nothing
+FOLDERS_KEPT = 5
+"""Folders of each module, the last used: switching between branches compiles nothing."""
 SPARED = 3600.0  # s since its last use for which a folder is left alone: a process may fill it
 IMPORT = re.compile(
     rf"^[ \t]*(?:from ({PACKAGE}[\w.]*) import (\([^)]*\)|[^\n]*)|import ({PACKAGE}[\w.]*))",
@@ -58,7 +59,7 @@ def _prune(base: Path, module: str, used: Path) -> None:
         if name.fullmatch(folder.name) and not folder.is_symlink():
             with suppress(OSError):
                 ages.append((used.stat().st_mtime - folder.stat().st_mtime, folder))
-    for age, folder in sorted(ages)[KEPT:]:
+    for age, folder in sorted(ages)[FOLDERS_KEPT:]:
         if age > SPARED:
             shutil.rmtree(folder, ignore_errors=True)
 

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from missionkit.recorder.palette import INK, MUTED
-from missionkit.recorder.plot import STYLE
+from missionkit.recorder.plot import PLOT_STYLE
 
 DPI = 100
 LIMIT = "#B3261E"
@@ -23,7 +23,7 @@ HALO: Any = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.
 @contextmanager
 def page(path: Path, width: int, height: int, title: str, subtitle: str) -> Iterator[Figure]:
     """Open a picture of `width` x `height` px with a heading; save it at the end."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
         FigureCanvasAgg(figure)
         left, line = 40.0 / width, 1.0 / height

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.sim.fault_injection import KINDS
+from missionkit.sim.fault_injection import FAULT_KINDS
 from studies.envelope_flight import Trouble
 
 WINDY, TURBULENT = 7.0, 2.0  # m/s, mean and standard deviation of the gusts
@@ -50,9 +50,9 @@ def chosen(seed: int) -> Trouble:
 
 
 def _fault(rng: np.random.Generator, gust: float) -> str:
-    kind = str(rng.choice(sorted(KINDS.keys() - UNUSED)))
+    kind = str(rng.choice(sorted(FAULT_KINDS.keys() - UNUSED)))
     state, within = MOMENTS[rng.integers(len(MOMENTS))]
-    value = KINDS[kind].value
+    value = FAULT_KINDS[kind].value
     said = "" if value is None else f"={_value(kind, value, rng, gust):.2f}"
     when = f"@{state}:{within * rng.random():.1f}"
     stays = rng.random() < 0.3
@@ -62,7 +62,7 @@ def _fault(rng: np.random.Generator, gust: float) -> str:
 def _value(kind: str, usual: float, rng: np.random.Generator, gust: float) -> float:
     if kind == "wind_gust":
         return gust * float(rng.random())
-    return min(KINDS[kind].most, usual * (0.5 + float(rng.random())))
+    return min(FAULT_KINDS[kind].most, usual * (0.5 + float(rng.random())))
 
 
 def _blowing(speed: float, direction: float) -> tuple[float, float]:

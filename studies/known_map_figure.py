@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from missionkit.messages import Occupancy
 from missionkit.planning.map_inflation import inflated
 from missionkit.planning.route_planning import Route
-from missionkit.recorder.palette import INK, MUTED, STATES
+from missionkit.recorder.palette import INK, MUTED, STATE_COLOURS
 from studies.canvas import limit, page
 from studies.known_map_flight import Run
 
@@ -40,9 +40,11 @@ def draw_paths(
             axes.set_title(f"{name}: {route.length:.2f} m, {len(route.spots)} points", pad=10)
             _ground(axes, known, margin)
             for run in [run for run in runs if run.variant == name][:SHOWN]:
-                axes.plot(run.places[:, 1], run.places[:, 0], color=STATES[5], lw=0.9, alpha=0.7)
+                axes.plot(
+                    run.places[:, 1], run.places[:, 0], color=STATE_COLOURS[5], lw=0.9, alpha=0.7
+                )
             north, east = np.array(route.spots).T
-            axes.plot(east, north, color=STATES[0], lw=2.4)
+            axes.plot(east, north, color=STATE_COLOURS[0], lw=2.4)
             axes.plot(east[[0, -1]], north[[0, -1]], "o", color=INK, ms=7)
             axes.set_xlabel("east, m")
             if not count:
@@ -65,7 +67,7 @@ def draw_clearance(path: Path, runs: Sequence[Run]) -> None:
                 list(bins),
                 histtype="step",
                 lw=2.2,
-                color=STATES[count],
+                color=STATE_COLOURS[count],
                 label=name,
             )
         limit(axes, CLEARANCE, "to be kept")

@@ -7,11 +7,15 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
-from missionkit.recorder.palette import INK, STATES
+from missionkit.recorder.palette import INK, STATE_COLOURS
 from studies.canvas import page
 from studies.precision_landing_flight import CASES, RULES, Landing
 
-COLOURS = dict(zip(RULES, (STATES[0], STATES[1], STATES[4], STATES[2]), strict=True))
+COLOURS = dict(
+    zip(
+        RULES, (STATE_COLOURS[0], STATE_COLOURS[1], STATE_COLOURS[4], STATE_COLOURS[2]), strict=True
+    )
+)
 SHOWN = (10.0, 5.0)  # the case whose paths are drawn
 WIDTH = 0.18  # of a box
 

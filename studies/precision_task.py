@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.progress import track
 
-from missionkit.sim.fault_injection import KINDS
+from missionkit.sim.fault_injection import FAULT_KINDS
 from studies.faults_figure import draw_faults
 from studies.flight import Camera, Order, Run, fly_all
 from studies.flights_figure import draw_flights
@@ -40,7 +40,9 @@ def hidden(seeds: Sequence[int], camera: Camera) -> list[Order]:
     ]
 
 
-def swept(seeds: Sequence[int], kinds: Iterable[str] = KINDS) -> dict[tuple[str, str], list[Order]]:
+def swept(
+    seeds: Sequence[int], kinds: Iterable[str] = FAULT_KINDS
+) -> dict[tuple[str, str], list[Order]]:
     """Return flights by fault and moment; every fault stays to the end."""
     return {
         (fault, words): [Order(seed, "corners", (f"{fault}@{when}",)) for seed in seeds]
@@ -51,7 +53,7 @@ def swept(seeds: Sequence[int], kinds: Iterable[str] = KINDS) -> dict[tuple[str,
 
 
 def _with_value(kind: str) -> str:
-    value = VALUES.get(kind, KINDS[kind].value)
+    value = VALUES.get(kind, FAULT_KINDS[kind].value)
     return kind if value is None else f"{kind}={value:g}"
 
 

@@ -20,7 +20,7 @@ from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.model.state_definitions import GROUP_KIND
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.cli.app import app
 from missionkit.control.controller import Control
 from missionkit.control.pid import Gains
@@ -34,8 +34,8 @@ from missionkit.planning.map_server import MapFile
 from missionkit.recorder.topic_schemas import TOPICS
 from missionkit.rehearsal import rehearse, stage
 from missionkit.sim import vehicle_parameters, world
+from missionkit.sim.fault_injection import FAULT_KINDS as FAULTS
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS
-from missionkit.sim.fault_injection import KINDS as FAULTS
 from missionkit.sim.free_flyer import body_model
 from missionkit.sim.free_flyer import world as flyer_world
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
@@ -172,7 +172,7 @@ def test_the_table_of_kinds_shows_their_contracts(kind):
     assert added == (", ".join(f"{it.use} → {it.to_kind}" for it in kind.failsafes) or "—")
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("group", PLUGIN_GROUPS)
 def test_every_plugin_has_its_row(group):
     wanted = []
     for kind, plugin in sorted(builtin().group(group).items()):
@@ -188,7 +188,7 @@ def test_every_plugin_has_its_row(group):
 
 def test_every_contract_has_its_row():
     wanted = []
-    for name, group in GROUPS.items():
+    for name, group in PLUGIN_GROUPS.items():
         for contract in group.contracts:
             members = {
                 key: ", ".join([*inspect.signature(it).parameters][1:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from missionkit.sim.fault_injection import KINDS
+from missionkit.sim.fault_injection import FAULT_KINDS
 from studies import fault_processes, faults
 from studies.fault_flights import FENCE, Outcome, Seen, outside
 from studies.fault_rows import FLIGHTS, ROWS, once
@@ -23,7 +23,7 @@ def test_every_fault_is_there_once_and_declared():
     assert all(row.declared and row.what for row in ROWS)
     said = " ".join(row.what for row in FLIGHTS)
     new = ("gnss_toggling", "baro_stuck", "range_lost", "camera_flipped", "imu_biased")
-    assert all(f"`{name}" in said and name in KINDS for name in new)
+    assert all(f"`{name}" in said and name in FAULT_KINDS for name in new)
 
 
 def test_a_seed_draws_the_same_fault_again():

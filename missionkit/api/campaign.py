@@ -14,7 +14,7 @@ from missionkit.campaigns import process_pool, run_journal
 from missionkit.campaigns.analysis import Analysis, analysed
 from missionkit.campaigns.campaign_loop import conduct, counted
 from missionkit.campaigns.campaign_plan import (
-    FILE,
+    PLAN_FILE,
     Campaign,
     Rule,
     digest_of,
@@ -84,7 +84,7 @@ def campaign(
         [('cruise = 4', 1.0, 0.21), ('cruise = 6', 1.0, 0.21)]
     """
     root = Path(folder)
-    if (root / FILE).exists():
+    if (root / PLAN_FILE).exists():
         raise UsageError(f"{root}: already holds a campaign: choose another folder")
     axes = tuple((name, tuple(as_yaml({name: it})[name] for it in vary[name])) for name in vary)
     plan = planned(

@@ -23,7 +23,7 @@ from missionkit.recorder.run_summary import Summary, outcome_text, write_summary
 from missionkit.recorder.scenery import Scenery
 from missionkit.sim.ground_truth import TrueState
 
-FILE = "flight.mcap"
+LOG_FILE = "flight.mcap"
 
 
 class Logbook:
@@ -56,7 +56,7 @@ class Logbook:
         self.recorder: FlightRecorder | None = None
         if self.folder is not None:
             self.folder.mkdir(parents=True, exist_ok=True)
-            if (self.folder / FILE).exists():
+            if (self.folder / LOG_FILE).exists():
                 raise UsageError(
                     f"{self.folder}: already holds a flight record: choose another name"
                 )

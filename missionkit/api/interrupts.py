@@ -13,14 +13,14 @@ from missionkit.engine.flight_loop import Operator
 from missionkit.plugin_containment import Interrupted
 
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a service's end, a lost shell
-TOGETHER = 0.5  # s
+SAME_KEYPRESS = 0.5  # s
 
 
 @contextmanager
 def landing_on_interrupt(operator: Operator) -> Iterator[None]:
     """Let the first of STOPPING land the vehicle, and a second one stop the program.
 
-    Service managers and shells send several at once: what comes within TOGETHER counts as one.
+    Service managers and shells send several at once: what comes within SAME_KEYPRESS counts as one.
     A signal that was ignored before, as `nohup` does, stays ignored. Outside the main thread, where
     Python handles no signals, nothing changes.
 
@@ -36,7 +36,7 @@ def landing_on_interrupt(operator: Operator) -> Iterator[None]:
         if not first:
             first.append(stopwatch())
             operator.land()
-        elif stopwatch() - first[0] > TOGETHER:
+        elif stopwatch() - first[0] > SAME_KEYPRESS:
             raise Interrupted
 
     heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]

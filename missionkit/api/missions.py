@@ -18,7 +18,7 @@ from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.errors import FileError, Level
 
-NOTHING: Mapping[str, object] = MappingProxyType({})
+NO_SETTINGS: Mapping[str, object] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class LoadedMission:
 def load(
     path: str | Path,
     *,
-    settings: Mapping[str, object] = NOTHING,
+    settings: Mapping[str, object] = NO_SETTINGS,
     plugins: Sequence[str | Path | type[BaseModel]] = (),
 ) -> LoadedMission:
     """Read a mission file and refuse it if it has errors.

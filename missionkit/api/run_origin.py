@@ -16,8 +16,8 @@ from missionkit.recorder.checkpoint import opened, sealed, write_surely
 from missionkit.recorder.value_codec import NotReadableError, written
 from missionkit.version import __version__
 
-FILE = "origin.json"
-SHOWN = 40  # lines of differences
+ORIGIN_FILE = "origin.json"
+LINES_SHOWN = 40  # lines of differences
 
 
 class Origin(NamedTuple):
@@ -84,12 +84,12 @@ def stamp(origin: Origin) -> str:
 
 def keep_origin(folder: Path, origin: Origin) -> None:
     """Write it into the folder of the run."""
-    write_surely(folder / FILE, sealed(origin))
+    write_surely(folder / ORIGIN_FILE, sealed(origin))
 
 
 def forget_origin(folder: Path) -> None:
     """Remove it: the flight has ended."""
-    (folder / FILE).unlink(missing_ok=True)
+    (folder / ORIGIN_FILE).unlink(missing_ok=True)
 
 
 def found_origin(folder: Path) -> Origin:
@@ -98,10 +98,10 @@ def found_origin(folder: Path) -> Origin:
     Raises:
         UsageError: there is nothing to resume.
     """
-    path = folder / FILE
+    path = folder / ORIGIN_FILE
     if not path.is_file():
         ended = (folder / "summary.json").is_file()
-        why = "the flight has ended" if ended else f"it holds no {FILE}"
+        why = "the flight has ended" if ended else f"it holds no {ORIGIN_FILE}"
         raise UsageError(f"{folder}: nothing to resume: {why}")
     try:
         origin = opened(path.read_text(encoding="utf-8"))
@@ -130,9 +130,9 @@ def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> Non
     if before.targets != now.targets:
         raise UsageError("the targets differ from those of the run, for which the filter was built")
     if lines and not force:
-        more = [f"... {len(lines) - SHOWN} more lines"] if len(lines) > SHOWN else []
+        more = [f"... {len(lines) - LINES_SHOWN} more lines"] if len(lines) > LINES_SHOWN else []
         head = f"{folder}: the mission has changed since; --force resumes with it as it is now"
-        raise UsageError("\n".join([head, *lines[:SHOWN], *more]))
+        raise UsageError("\n".join([head, *lines[:LINES_SHOWN], *more]))
 
 
 def differences(before: Origin, now: Origin) -> Iterator[str]:

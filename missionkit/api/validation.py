@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import BaseModel
 
-from missionkit.api.missions import NOTHING, LoadedMission, as_yaml, assemble
+from missionkit.api.missions import NO_SETTINGS, LoadedMission, as_yaml, assemble
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import unmet
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def validate(
     mission: str | Path | LoadedMission,
     *,
-    settings: Mapping[str, object] = NOTHING,
+    settings: Mapping[str, object] = NO_SETTINGS,
     plugins: Sequence[str | Path | type[BaseModel]] = (),
 ) -> tuple[Problem, ...]:
     """Check a mission file and return every problem, as `missionkit validate` does.

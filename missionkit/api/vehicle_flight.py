@@ -24,11 +24,11 @@ from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.recorder.record_sinks import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.command.estimate_sharing import NOTHING, Share
+from missionkit.vehicle.command.estimate_sharing import SHARE_NOTHING, Share
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import become_fit
-from missionkit.vehicle.telemetry.required_inputs import FIX, FLOW, SCAN
+from missionkit.vehicle.telemetry.required_inputs import FIX_INPUT, FLOW_INPUT, SCAN_INPUT
 
 NOTED = "an observer"
 
@@ -42,7 +42,7 @@ def vehicle_of(
     speed: float = 1.0,
     source: int | str | None = None,
     folder: Path = Path(),
-    share: Share = NOTHING,
+    share: Share = SHARE_NOTHING,
     system: int | None = None,
     guard: Patience | None = USUAL,
 ) -> MavsdkVehicle:
@@ -83,7 +83,10 @@ def relied_on(mission: Mission) -> frozenset[str]:
     """Return what a mission relies on: a fix or optical flow, and scans of obstacles."""
     navigation = mission.navigation.plugin
     by_flow = isinstance(navigation, FlowKalman) or getattr(navigation, "flow", False)
-    return frozenset({FLOW if by_flow else FIX} | ({SCAN} if mission.avoid is not None else set()))
+    return frozenset(
+        {FLOW_INPUT if by_flow else FIX_INPUT}
+        | ({SCAN_INPUT} if mission.avoid is not None else set())
+    )
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:
@@ -92,7 +95,7 @@ def share_of(texts: Sequence[str], mission: Mission) -> Share:
     Raises:
         UsageError: it is neither, or the mission has no such target.
     """
-    share = NOTHING
+    share = SHARE_NOTHING
     for text in texts:
         what, _, name = text.partition("=")
         if text == "pose":

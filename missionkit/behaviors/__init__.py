@@ -12,7 +12,7 @@ from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
-ALL = (
+BEHAVIORS = (
     *DOCKING,
     DdpGoTo,
     FollowPath,

@@ -19,10 +19,10 @@ from missionkit.planning import path_following
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
 
-LEAD = 0.3  # s; the vehicle answers so late
-LOOK = 1.0  # m ahead on the path, where the nose points
-REST = 0.5  # s between two plans
-STANDING = 0.1  # m/s, slow enough to plan
+RESPONSE_TIME = 0.3  # s; the vehicle answers so late
+LOOK_AHEAD = 1.0  # m ahead on the path, where the nose points
+REPLAN_INTERVAL = 0.5  # s between two plans
+PLANNING_SPEED = 0.1  # m/s, slow enough to plan
 AWAY = 0.3  # m along a path; nearer it has not left the place where it stood
 START: Spot = (0.0, 0.0)  # take-off point: the origin of the map
 NO_PATH = "path.none"
@@ -100,7 +100,7 @@ class FollowPath(Behavior):
         towards = Goal(vec(*goal, on.down), None, seen.now)
         events: tuple[str, ...] = ()
         if not on.spots:
-            standing = math.hypot(seen.velocity[0], seen.velocity[1]) < STANDING
+            standing = math.hypot(seen.velocity[0], seen.velocity[1]) < PLANNING_SPEED
             on = on._replace(held=self._kept_off(seen, on.held or _braked(seen)))
             if not standing or seen.now < on.again:
                 return self._waiting(on, towards)
@@ -179,7 +179,7 @@ class FollowPath(Behavior):
             except NoRouteError as error:
                 why = str(error)
             else:
-                after = seen.now + REST
+                after = seen.now + REPLAN_INTERVAL
                 return on._replace(spots=route.spots, along=0.0, sensed=sensed, again=after)
         return on._replace(again=seen.now + self.patience, why=why)
 
@@ -211,15 +211,15 @@ class FollowPath(Behavior):
     def _guidance(self, path: tuple[path_following.Leg, ...], on: OnPath, here: Spot) -> Guidance:
         spot = path_following.leg_at(path, on.along).at(on.along)
         speed = path_following.allowed_speed(path, on.along, self.speed, self.deceleration)
-        way = path_following.leg_at(path, on.along + LEAD * speed).way
+        way = path_following.leg_at(path, on.along + RESPONSE_TIME * speed).way
         left = path[-1].begins + path[-1].length - on.along
-        if left < LEAD * speed:
+        if left < RESPONSE_TIME * speed:
             spot, speed = path[-1].at(math.inf), 0.0
-        ahead = path_following.leg_at(path, on.along + LOOK).at(on.along + LOOK)
+        ahead = path_following.leg_at(path, on.along + LOOK_AHEAD).at(on.along + LOOK_AHEAD)
         yaw: float | None = on.yaw
         if self.heading == "path":
             turned = ahead[0] - here[0], ahead[1] - here[1]
-            yaw = math.atan2(turned[1], turned[0]) if math.hypot(*turned) > LOOK / 2 else None
+            yaw = math.atan2(turned[1], turned[0]) if math.hypot(*turned) > LOOK_AHEAD / 2 else None
         velocity = vec(speed * way[0], speed * way[1], 0.0)
         return Guidance(vec(*spot, on.down), self.speed, velocity, yaw)
 
@@ -231,8 +231,8 @@ def _spot(seen: Estimate) -> Spot:
 def _braked(seen: Estimate) -> Spot:
     """Return where the vehicle comes to rest if it stops now."""
     return (
-        float(seen.position[0] + LEAD * seen.velocity[0]),
-        float(seen.position[1] + LEAD * seen.velocity[1]),
+        float(seen.position[0] + RESPONSE_TIME * seen.velocity[0]),
+        float(seen.position[1] + RESPONSE_TIME * seen.velocity[1]),
     )
 
 

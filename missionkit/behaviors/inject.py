@@ -14,8 +14,8 @@ from missionkit.messages import Estimate, Guidance, Step, Target
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Point, Seconds
 
-CALM = 0.6  # share of `within`: with a larger error the goal waits for the vehicle
-LONGEST_STEP = 0.2  # s; after a longer gap the goal must not leap
+WAITING_ERROR_SHARE = 0.6  # share of `within`: with a larger error the goal waits for the vehicle
+LONGEST_SLIDE = 0.2  # s; after a longer gap the goal must not leap
 
 
 class Phase(StrEnum):
@@ -89,7 +89,10 @@ class Inject(Behavior):
 
     def _behind(self, seen: Estimate) -> bool:
         goal = seen.goal
-        return goal is not None and norm(seen.position - goal.position) > CALM * self.within
+        return (
+            goal is not None
+            and norm(seen.position - goal.position) > WAITING_ERROR_SHARE * self.within
+        )
 
     def _velocity(self, target: Target, progress: Progress) -> Vec3 | None:
         """Return the velocity of the goal (3,), m/s, NED, None while it stands still."""
@@ -99,7 +102,7 @@ class Inject(Behavior):
         return rotate(target.attitude, vec(0.0, 0.0, -self.speed if inwards else self.speed))
 
     def _slide(self, progress: Progress, now: float) -> Progress:
-        travelled = self.speed * min(LONGEST_STEP, now - progress.last)
+        travelled = self.speed * min(LONGEST_SLIDE, now - progress.last)
         depth = progress.depth
         if progress.phase is Phase.IN:
             depth = min(self.depth, depth + travelled)

@@ -14,10 +14,10 @@ from missionkit.plugin import Behavior
 from missionkit.units import Metres, Seconds
 
 SLOW = 0.7  # m/s, level: the autopilot may land
-NEAR = 1.2  # m, from what stands beside it, that wind may push it on its way down
+PUSHED_DISTANCE = 1.2  # m, from what stands beside it, that wind may push it on its way down
 VAGUE = 3.0  # m, sd of the position with which an autopilot may drift as it descends
 CLEARING = 8.0  # s, at most, to get away from what stands too near
-RETREAT, BEGUN, GAIN = 1.0, 0.2, 1.0  # m/s at most and at least, and 1/s
+RETREAT_SPEED, LEAST_RETREAT, RETREAT_RATE = 1.0, 0.2, 1.0  # m/s at most and at least, and 1/s
 FOLLOWING = "offboard"  # the autopilot's mode while it flies our setpoints
 
 
@@ -65,7 +65,7 @@ class Land(Behavior):
         A scan is seen from the vehicle: it holds though the position does not.
         """
         known = not seen.health.diverged and seen.health.position_sd <= VAGUE
-        room = min(self.room, NEAR) if known else self.room
+        room = min(self.room, PUSHED_DISTANCE) if known else self.room
         late = seen.now - since > self.brake + CLEARING
         if late or seen.obstacles is None or not _steered(seen.status):
             return None
@@ -75,7 +75,7 @@ class Land(Behavior):
         if not len(near):
             return None
         nearest = near[gaps[near].argmin()]
-        speed = min(RETREAT, GAIN * (room - gaps[nearest]) + BEGUN)
+        speed = min(RETREAT_SPEED, RETREAT_RATE * (room - gaps[nearest]) + LEAST_RETREAT)
         return np.append(speed / gaps[nearest] * away[nearest], 0.0)
 
 

@@ -12,10 +12,12 @@ from missionkit.messages import CONTROL_RESUMED, Action, Estimate, Guidance, Ste
 from missionkit.plugin import Behavior
 from missionkit.units import Metres
 
-CLIMBING, TOP, STEERED = "take_off", "hold", "offboard"  # the autopilot's modes
-SHORT, SHARE = 1.0, 0.4  # m, and part of the height, by which the autopilot may end a climb early
-STALLED, RISE = 8.0, 0.2  # s without a rise (m) after which a climb in the air has stalled
-SPEED = 1.0  # m/s, to finish a climb
+CLIMBING_MODE, TOP_MODE, STEERED_MODE = "take_off", "hold", "offboard"  # the autopilot's modes
+EARLY_END_HEIGHT, EARLY_END_SHARE = 1.0, 0.4
+"""m, and part of the height, by which the autopilot may end a climb early."""
+STALLED_AFTER, LEAST_RISE = 8.0, 0.2
+"""s without a rise (m) after which a climb in the air has stalled."""
+FINISHING_SPEED = 1.0  # m/s, to finish a climb
 
 
 class Climb(NamedTuple):
@@ -62,14 +64,14 @@ class TakeOff(Behavior):
         height = -float(seen.position[2])
         if not status.in_air:
             return self._climbing(height, Climb())._replace(action=Action.TAKE_OFF)
-        ended = climb.begun and climb.over is None and status.mode == TOP
-        short = min(SHORT, SHARE * self.height) if ended else 0.0
+        ended = climb.begun and climb.over is None and status.mode == TOP_MODE
+        short = min(EARLY_END_HEIGHT, EARLY_END_SHARE * self.height) if ended else 0.0
         if height >= self.height - max(short, self.within):
             return Step(done=True, memory=climb)
         climb = _followed(climb, height, seen.now)
         if climb.over is not None or _cut_short(climb, status.mode, seen):
             return self._finished_by_guidance(seen, climb, status.mode)
-        if status.mode == CLIMBING:
+        if status.mode == CLIMBING_MODE:
             return self._climbing(height, climb._replace(begun=True))
         return self._climbing(height, climb)._replace(action=Action.TAKE_OFF)
 
@@ -81,24 +83,24 @@ class TakeOff(Behavior):
         if lost := _lost(seen):
             return Step(note=lost, memory=climb)
         over = climb.over
-        if over is None or mode != STEERED:
+        if over is None or mode != STEERED_MODE:
             over = vec(float(seen.position[0]), float(seen.position[1]), -self.height)
         note = f"the climb was interrupted: continuing it, {-float(seen.position[2]):.1f} m"
-        guidance = Guidance(over, SPEED)
+        guidance = Guidance(over, FINISHING_SPEED)
         return Step(guidance, note=note, memory=climb._replace(over=over), takes_over=True)
 
 
 def _followed(climb: Climb, height: float, now: float) -> Climb:
     """Note how high it is, and since when."""
-    if climb.rose_at is not None and height < climb.highest + RISE:
+    if climb.rose_at is not None and height < climb.highest + LEAST_RISE:
         return climb
     return climb._replace(highest=height, rose_at=now)
 
 
 def _cut_short(climb: Climb, mode: str, seen: Estimate) -> bool:
     """Return whether the autopilot climbs no more."""
-    stalled = climb.rose_at is not None and seen.now - climb.rose_at > STALLED
-    stopped = climb.begun and mode != CLIMBING
+    stalled = climb.rose_at is not None and seen.now - climb.rose_at > STALLED_AFTER
+    stopped = climb.begun and mode != CLIMBING_MODE
     return stopped or stalled or CONTROL_RESUMED in seen.events
 
 

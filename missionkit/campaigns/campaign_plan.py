@@ -15,7 +15,7 @@ from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import write_surely
 from missionkit.version import __version__
 
-FILE = "campaign.json"
+PLAN_FILE = "campaign.json"
 
 
 class Rule(BaseModel):
@@ -101,7 +101,7 @@ def digest_of(mission: Mission, path: Path, plugins: tuple[Path, ...] = ()) -> s
 
 def keep(folder: Path, campaign: Campaign) -> None:
     """Write it into the folder, whole or not at all."""
-    write_surely(folder / FILE, campaign.model_dump_json(indent=2) + "\n")
+    write_surely(folder / PLAN_FILE, campaign.model_dump_json(indent=2) + "\n")
 
 
 def found(folder: Path) -> Campaign:
@@ -110,9 +110,9 @@ def found(folder: Path) -> Campaign:
     Raises:
         UsageError: it holds none.
     """
-    path = folder / FILE
+    path = folder / PLAN_FILE
     if not path.is_file():
-        raise UsageError(f"{folder}: holds no {FILE}: not a campaign folder")
+        raise UsageError(f"{folder}: holds no {PLAN_FILE}: not a campaign folder")
     try:
         return Campaign.model_validate_json(path.read_text(encoding="utf-8"))
     except (ValidationError, UnicodeDecodeError) as error:

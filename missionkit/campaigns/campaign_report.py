@@ -25,7 +25,7 @@ from missionkit.campaigns.statistics import Interval, wilson
 from missionkit.campaigns.variants import name_of
 from missionkit.recorder.run_folder import write_whole
 
-FILE = "report.html"
+REPORT_FILE = "report.html"
 NOTES = (
     "Every flight was simulated: wind, sensor noise and the faults named above, nothing else. "
     "What the simulator does not model, this page cannot show.",
@@ -41,8 +41,8 @@ NOTES = (
 def write_report(folder: Path, results: Analysis) -> Path:
     """Write `report.html`, whole or not at all, and return its path."""
     charts = [drawable(results.campaign, variant) for variant in results.variants]
-    write_whole(folder / FILE, page(results, charts))
-    return folder / FILE
+    write_whole(folder / REPORT_FILE, page(results, charts))
+    return folder / REPORT_FILE
 
 
 def page(results: Analysis, charts: Sequence[Drawable]) -> str:

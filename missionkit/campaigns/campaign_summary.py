@@ -20,7 +20,7 @@ from missionkit.campaigns.markov_chain import Chain, absorbed, time_left
 from missionkit.campaigns.statistics import Interval
 from missionkit.recorder.run_folder import write_whole
 
-FILE = "summary.json"
+SUMMARY_FILE = "summary.json"
 
 
 def summed_up(results: Analysis) -> dict[str, Any]:
@@ -50,8 +50,8 @@ def summed_up(results: Analysis) -> dict[str, Any]:
 
 def write_summary(folder: Path, results: Analysis) -> Path:
     """Write `summary.json`, whole or not at all, and return its path."""
-    write_whole(folder / FILE, json.dumps(summed_up(results), indent=2) + "\n")
-    return folder / FILE
+    write_whole(folder / SUMMARY_FILE, json.dumps(summed_up(results), indent=2) + "\n")
+    return folder / SUMMARY_FILE
 
 
 def _variant(variant: Variant) -> dict[str, Any]:

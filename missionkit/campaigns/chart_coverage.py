@@ -10,7 +10,7 @@ from missionkit.campaigns.flown_chart import Charted
 from missionkit.campaigns.run_row import Row
 from missionkit.campaigns.visit_log import parts
 
-FAILSAFE = "failsafe "  # begins the reason of its transitions
+FAILSAFE_PREFIX = "failsafe "  # begins the reason of its transitions
 
 
 class ChartCoverage(NamedTuple):
@@ -75,6 +75,6 @@ def failsafes(counts: ChartCoverage) -> Counter[str]:
     taken = Counter[str]()
     for called, count in counts.ways.items():
         _, _, reason = parts(called)
-        if reason.startswith(FAILSAFE):
-            taken[reason.removeprefix(FAILSAFE)] += count
+        if reason.startswith(FAILSAFE_PREFIX):
+            taken[reason.removeprefix(FAILSAFE_PREFIX)] += count
     return taken

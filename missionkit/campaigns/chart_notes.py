@@ -20,7 +20,7 @@ from missionkit.chart.drawing.chart_overlay import (
 )
 
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
-NEVER = "never taken"
+NEVER_TAKEN = "never taken"
 LEGEND = (
     "On an arrow: how often it was taken, and the share of visits to its state. Dashed: not a "
     "transition of the chart, such as failsafes. Round boxes: how flights end. Pale: never flown.",
@@ -43,7 +43,7 @@ def notes(charted: Charted, counts: ChartCoverage, chain: Chain, name: str) -> O
         states={it: _state(it, counts, known.get(it)) for it in charted.names},
         ways={way: _way(counts, called) for way, called in charted.ways.items()},
         failsafes={
-            it.name: Note((plural(taken[it.name], "time") if taken[it.name] else NEVER,))
+            it.name: Note((plural(taken[it.name], "time") if taken[it.name] else NEVER_TAKEN,))
             for it in charted.mission.failsafes
         },
         ends=tuple(_ends(counts)),
@@ -94,7 +94,7 @@ def _chances(success: float, crash: float) -> str:
 
 def _way(counts: ChartCoverage, called: str) -> Note:
     count = counts.ways[called]
-    return _taken(count, parts(called)[0], counts) if count else Note((NEVER,), pale=True)
+    return _taken(count, parts(called)[0], counts) if count else Note((NEVER_TAKEN,), pale=True)
 
 
 def _taken(count: int, source: str, counts: ChartCoverage) -> Note:

@@ -28,7 +28,7 @@ from missionkit.engine.clock import stopwatch
 
 LOSSES = 2  # workers that a run may cost
 STARTING = 120.0  # s that importing everything may take
-GRACE = 5.0  # s that a worker survives past its time limit unless it is killed
+TIME_LIMIT_GRACE = 5.0  # s that a worker survives past its time limit unless it is killed
 
 _processes = multiprocessing.get_context("forkserver")
 
@@ -106,7 +106,7 @@ class _Worker:
         self.pipe, theirs = _processes.Pipe()
         self._timeout = timeout
         self._process = _processes.Process(
-            target=_work, args=(theirs, order, timeout + GRACE), daemon=True
+            target=_work, args=(theirs, order, timeout + TIME_LIMIT_GRACE), daemon=True
         )
         self._process.start()
         theirs.close()

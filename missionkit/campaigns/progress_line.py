@@ -8,7 +8,7 @@ from typing import TextIO
 from missionkit.campaigns.run_row import Row
 from missionkit.campaigns.statistics import wilson
 
-BETWEEN = 0.2  # s between two lines on a terminal
+LINE_INTERVAL = 0.2  # s between two lines on a terminal
 QUIETLY = 10.0  # s between two lines elsewhere
 
 
@@ -36,7 +36,7 @@ class CampaignProgress:
         self._done += 1
         self._good += row.succeeded
         now = self._stopwatch()
-        if now - self._last >= (BETWEEN if self._live else QUIETLY):
+        if now - self._last >= (LINE_INTERVAL if self._live else QUIETLY):
             self._last = now
             self._write()
 

@@ -30,7 +30,7 @@ CAMERAS = {
     "corners": "corners: the detector was given the markers without an image; the effect of light, "
     "blur and background on detection was not simulated",
 }
-KINDS = ("state", "transition", "failsafe")
+LISTED_KINDS = ("state", "transition", "failsafe")
 
 
 def drawable(campaign: Campaign, variant: Variant) -> Drawable:
@@ -63,10 +63,10 @@ def never(variant: Variant, chart: Drawable) -> str:
     if not missed:
         return "Every state, transition and failsafe of the chart was flown."
     totals = len(chart.names), len(chart.ways), len(chart.mission.failsafes)
-    counts = [sum(it.what == kind for it in missed) for kind in KINDS]
+    counts = [sum(it.what == kind for it in missed) for kind in LISTED_KINDS]
     missing = [
         f"{count} of {plural(total, kind)}"
-        for kind, count, total in zip(KINDS, counts, totals, strict=True)
+        for kind, count, total in zip(LISTED_KINDS, counts, totals, strict=True)
         if count
     ]
     return f"Never flown: {', '.join(missing)}; these flights say nothing about them."

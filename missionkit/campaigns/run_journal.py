@@ -24,7 +24,7 @@ from missionkit.recorder.run_folder import write_whole
 
 FORMULA = frozenset("=+-@")  # a text that begins so is calculated
 MET = {True: "met", False: "not met", None: ""}
-JOURNAL, TABLE = "rows.jsonl", "runs.csv"
+JOURNAL_FILE, TABLE_FILE = "rows.jsonl", "runs.csv"
 
 
 class Journal:
@@ -35,7 +35,7 @@ class Journal:
     """
 
     def __init__(self, folder: Path) -> None:
-        path = folder / JOURNAL
+        path = folder / JOURNAL_FILE
         self._stream = path.open("ab")
         try:
             fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -75,7 +75,7 @@ def read(folder: Path) -> list[Row]:
     Raises:
         UsageError: a line of the journal is none of ours.
     """
-    path = folder / JOURNAL
+    path = folder / JOURNAL_FILE
     if not path.exists():
         return []
     lines = path.read_bytes()[: _whole(path)].splitlines()
@@ -95,8 +95,8 @@ def write(folder: Path, rows: Sequence[Row]) -> Path:
     table = csv.DictWriter(text, columns(rows), lineterminator="\n")
     table.writeheader()
     table.writerows({key: _harmless(it) for key, it in _cells(row).items()} for row in rows)
-    write_whole(folder / TABLE, text.getvalue())
-    return folder / TABLE
+    write_whole(folder / TABLE_FILE, text.getvalue())
+    return folder / TABLE_FILE
 
 
 def columns(rows: Iterable[Row]) -> list[str]:

@@ -14,7 +14,7 @@ from scipy.stats import norm
 Numbers = npt.NDArray[np.float64]
 
 RESAMPLES = 2000
-CHUNK = 1_000_000  # numbers drawn at a time
+DRAWN_AT_A_TIME = 1_000_000  # numbers drawn at a time
 
 
 class Interval(NamedTuple):
@@ -93,7 +93,7 @@ def bootstrap(
         return Interval(math.nan, math.nan, math.nan)
     found, left = [], resamples
     while left:
-        some = min(left, max(1, CHUNK // len(sample)))
+        some = min(left, max(1, DRAWN_AT_A_TIME // len(sample)))
         picks = rng.integers(0, len(sample), (some, len(sample)))
         found.append(np.atleast_1d(statistic(sample[picks])))
         left -= some

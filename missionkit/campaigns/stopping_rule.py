@@ -14,7 +14,7 @@ from missionkit.campaigns.campaign_plan import Rule
 from missionkit.campaigns.run_row import Row
 from missionkit.campaigns.statistics import wilson
 
-LEAST = 30  # runs before an interval's width counts
+LEAST_RUNS = 30  # runs before an interval's width counts
 
 Verdict = Literal["met", "not met", "open"]
 
@@ -53,7 +53,7 @@ def narrow_at(successes: Sequence[bool], width: float) -> int | None:
     good = 0
     for n, success in enumerate(successes, 1):
         good += success
-        if n >= LEAST and wilson(good, n).width <= width:
+        if n >= LEAST_RUNS and wilson(good, n).width <= width:
             return n
     return None
 

@@ -9,10 +9,11 @@ from html import escape
 import numpy as np
 
 from missionkit.campaigns.statistics import Interval, wilson
+from missionkit.recorder.palette import INK, MUTED, RULE
 
-GOOD, FAIR, BAD, INK, MUTED, RULE = "#009E73", "#E69F00", "#D55E00", "#1F2933", "#6B7785", "#E4E7EB"
-LEFT, RIGHT, BOTTOM, TOP = 46.0, 12.0, 26.0, 10.0
-FEWEST, MOST = 8, 24  # bars of a histogram
+GOOD, FAIR, BAD = "#009E73", "#E69F00", "#D55E00"
+PLOT_LEFT, PLOT_RIGHT, PLOT_BOTTOM, PLOT_TOP = 46.0, 12.0, 26.0, 10.0
+FEWEST_BARS, MOST_BARS = 8, 24  # bars of a histogram
 
 
 def svg(width: float, height: float, parts: Iterator[str], title: str) -> str:
@@ -47,16 +48,16 @@ def rates(
     def x(rate: float) -> float:
         return side + (width - side - 30.0) * (rate - floor) / (1.0 - floor)
 
-    height = 30.0 * len(named) + BOTTOM + TOP
+    height = 30.0 * len(named) + PLOT_BOTTOM + PLOT_TOP
 
     def parts() -> Iterator[str]:
         for rate in _ticks(floor, 1.0):
-            yield _line(x(rate), TOP, x(rate), height - BOTTOM, RULE)
+            yield _line(x(rate), PLOT_TOP, x(rate), height - PLOT_BOTTOM, RULE)
             yield _text(x(rate), height - 8, f"{100 * rate:g} %", "middle")
         if goal is not None:
-            yield _line(x(goal), TOP - 6, x(goal), height - BOTTOM, BAD, dash=True)
+            yield _line(x(goal), PLOT_TOP - 6, x(goal), height - PLOT_BOTTOM, BAD, dash=True)
         for n, (name, it) in enumerate(named):
-            y = TOP + 30.0 * n + 15.0
+            y = PLOT_TOP + 30.0 * n + 15.0
             yield _text(side - 10, y + 4, name, "end", INK)
             yield _line(x(it.low), y, x(it.high), y, GOOD, 5.0)
             if math.isfinite(it.value):
@@ -83,15 +84,17 @@ def running(
     floor = max(0.0, math.floor(10 * min([b.low for _, b in bands[len(bands) // 8 :]] or [0])) / 10)
 
     def x(k: float) -> float:
-        return LEFT + (width - LEFT - RIGHT) * k / max(n, 1)
+        return PLOT_LEFT + (width - PLOT_LEFT - PLOT_RIGHT) * k / max(n, 1)
 
     def y(rate: float) -> float:
-        return TOP + (height - TOP - BOTTOM) * (1.0 - max(rate, floor)) / (1.0 - floor)
+        return PLOT_TOP + (height - PLOT_TOP - PLOT_BOTTOM) * (1.0 - max(rate, floor)) / (
+            1.0 - floor
+        )
 
     def parts() -> Iterator[str]:
         for rate in _ticks(floor, 1.0):
-            yield _line(LEFT, y(rate), width - RIGHT, y(rate), RULE)
-            yield _text(LEFT - 6, y(rate) + 4, f"{100 * rate:g} %", "end")
+            yield _line(PLOT_LEFT, y(rate), width - PLOT_RIGHT, y(rate), RULE)
+            yield _text(PLOT_LEFT - 6, y(rate) + 4, f"{100 * rate:g} %", "end")
         for k in _ticks(0, n):
             yield _text(x(k), height - 8, f"{k:g}", "middle")
         upper = [f"{x(k):.1f},{y(b.high):.1f}" for k, b in bands]
@@ -100,7 +103,7 @@ def running(
         line = " ".join(f"{x(k):.1f},{y(b.value):.1f}" for k, b in bands)
         yield f'<polyline points="{line}" fill="none" stroke="{GOOD}" stroke-width="2"/>'
         if goal is not None:
-            yield _line(LEFT, y(goal), width - RIGHT, y(goal), BAD, dash=True)
+            yield _line(PLOT_LEFT, y(goal), width - PLOT_RIGHT, y(goal), BAD, dash=True)
 
     return svg(width, height, parts(), "success rate as runs came in")
 
@@ -121,21 +124,21 @@ def histogram(
     low, high = (float(both.min()), float(both.max())) if len(both) else (0.0, 1.0)
     if high - low < 1e-9:
         low, high = low - 0.5, high + 0.5
-    bars = min(MOST, max(FEWEST, round(2 * math.sqrt(len(both)))))
+    bars = min(MOST_BARS, max(FEWEST_BARS, round(2 * math.sqrt(len(both)))))
     edges = np.linspace(low, high, bars + 1)
     first, second = np.histogram(good, edges)[0], np.histogram(bad, edges)[0]
     tallest = max(1, int((first + second).max()))
 
     def x(value: float) -> float:
-        return LEFT - 14 + (width - LEFT - RIGHT + 4) * (value - low) / (high - low)
+        return PLOT_LEFT - 14 + (width - PLOT_LEFT - PLOT_RIGHT + 4) * (value - low) / (high - low)
 
     def tall(count: float) -> float:
-        return (height - TOP - BOTTOM) * count / tallest
+        return (height - PLOT_TOP - PLOT_BOTTOM) * count / tallest
 
     def parts() -> Iterator[str]:
-        base = height - BOTTOM
+        base = height - PLOT_BOTTOM
         yield _line(x(low), base, x(high), base, MUTED)
-        yield _text(x(low) - 5, TOP + 10, str(tallest), "end")
+        yield _text(x(low) - 5, PLOT_TOP + 10, str(tallest), "end")
         for tick in _ticks(low, high, 4):
             yield _text(x(tick), height - 9, f"{tick:g}", "middle")
         for n in range(bars):

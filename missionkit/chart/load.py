@@ -17,7 +17,7 @@ from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.validation_problems import plain, problems_in
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.document_kind import document_kind
-from missionkit.chart.text.file_references import MISSING, unfit
+from missionkit.chart.text.file_references import NO_SUCH_FILE, unfit
 from missionkit.chart.text.includes import inlined
 from missionkit.chart.text.located_data import shown
 from missionkit.chart.text.parameter_expansion import Expanded, expand
@@ -26,10 +26,10 @@ from missionkit.errors import FileError, Problem, nearest
 
 M = TypeVar("M", bound=BaseModel)
 MAX_PROBLEMS = 50
-NOTHING: Mapping[str, str] = MappingProxyType({})
+NO_OVERRIDES: Mapping[str, str] = MappingProxyType({})
 
 
-def load(path: Path, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHING) -> Mission:
+def load(path: Path, catalogue: Catalogue, overrides: Mapping[str, str] = NO_OVERRIDES) -> Mission:
     """Read a mission file.
 
     Args:
@@ -53,7 +53,7 @@ def _require_world(root: Path, mission: Mission, name: str) -> None:
         FileError: it is not in the mission's folder, or is something else.
     """
     wrong = unfit(root, root / name)
-    if wrong == MISSING:
+    if wrong == NO_SUCH_FILE:
         wrong = f"{wrong}; {nearest(name, _files_near(root, name))}"
     if not wrong and (root / name).suffix not in {".yaml", ".yml"}:
         wrong = "expected a name that ends in .yaml"
@@ -67,7 +67,7 @@ def _require_world(root: Path, mission: Mission, name: str) -> None:
 
 
 def parse(
-    text: str, file: str, catalogue: Catalogue, overrides: Mapping[str, str] = NOTHING
+    text: str, file: str, catalogue: Catalogue, overrides: Mapping[str, str] = NO_OVERRIDES
 ) -> Mission:
     """Return the mission that `text` describes; `file` is what messages call it.
 

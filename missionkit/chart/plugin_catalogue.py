@@ -15,7 +15,7 @@ from pydantic import BaseModel
 
 from missionkit.chart.plugin_check import checked, grouped
 from missionkit.chart.plugin_file import plugins_of
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import UsageError
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
@@ -46,7 +46,7 @@ class Catalogue:
         return self if known is self.vehicle else replace(self, vehicle=known)
 
     def group(self, name: str) -> Plugins:
-        """Return the plug-ins of one of `GROUPS`."""
+        """Return the plug-ins of one of `PLUGIN_GROUPS`."""
         return self.plugins[name]
 
     def extended(self, group: str, plugins: Iterable[type[Plugin]]) -> Catalogue:
@@ -71,7 +71,7 @@ class Catalogue:
         One that cannot be used does no harm to missions that do not use it: it is in `broken`.
         """
         catalogue = self
-        for group in GROUPS:
+        for group in PLUGIN_GROUPS:
             for entry in entry_points(group=f"missionkit.{group}"):
                 catalogue = catalogue._with_entry(group, entry)
         return catalogue
@@ -122,7 +122,7 @@ def builtin() -> Catalogue:
     return Catalogue(
         plugins={
             name: {plugin.kind: plugin for plugin in group.builtin}
-            for name, group in GROUPS.items()
+            for name, group in PLUGIN_GROUPS.items()
         },
     )
 

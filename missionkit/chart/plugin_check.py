@@ -8,7 +8,7 @@ from typing import cast
 from pydantic import BaseModel
 from typing_extensions import get_protocol_members
 
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import UsageError
 from missionkit.plugin import Plugin
 
@@ -34,17 +34,19 @@ def grouped(plugin: object) -> tuple[str, type[Plugin]]:
         UsageError: it satisfies none, or those of several groups.
     """
     model = _model(plugin)
-    wrong = {group: _wrong_with(model, group) for group in GROUPS}
+    wrong = {group: _wrong_with(model, group) for group in PLUGIN_GROUPS}
     fitting = [group for group, why in wrong.items() if not why]
     if len(fitting) == 1:
         return fitting[0], model
     if fitting:
-        words = " and of a ".join(GROUPS[group].word for group in fitting)
+        words = " and of a ".join(PLUGIN_GROUPS[group].word for group in fitting)
         raise UsageError(f"{model.__name__} has the methods of a {words}; make it two classes")
-    shared = {group: len(_members(_contract(model, group)) & _present(model)) for group in GROUPS}
+    shared = {
+        group: len(_members(_contract(model, group)) & _present(model)) for group in PLUGIN_GROUPS
+    }
     nearest = max(shared, key=shared.__getitem__)
     if not shared[nearest]:
-        words = ", ".join(group.word for group in GROUPS.values())
+        words = ", ".join(group.word for group in PLUGIN_GROUPS.values())
         raise UsageError(f"{model.__name__} has no method of a plug-in ({words})")
     raise UsageError(wrong[nearest])
 
@@ -68,13 +70,13 @@ def _model(plugin: object) -> type[Plugin]:
 
 def _wrong_with(model: type[Plugin], group: str) -> str:
     """Say why a model cannot be a plug-in of a group; "": nothing is wrong."""
-    if issubclass(model, GROUPS[group].bases):
+    if issubclass(model, PLUGIN_GROUPS[group].bases):
         return ""
     contract = _contract(model, group)
     missing = sorted(_members(contract) - _present(model))
     if missing := missing or sorted(model.__abstractmethods__):
         parts = " and ".join(f"the {_what(contract, name)} {name}" for name in missing)
-        return f"{model.__name__} lacks {parts} of a {GROUPS[group].word}"
+        return f"{model.__name__} lacks {parts} of a {PLUGIN_GROUPS[group].word}"
     wrong = (_misfit(model, contract, name) for name in sorted(_members(contract)))
     return next(filter(None, wrong), "")
 
@@ -87,7 +89,7 @@ def _contract(model: type[Plugin], group: str) -> type:
         members = _members(contract)
         return len(members - present), -len(members)
 
-    return min(GROUPS[group].contracts, key=distance)
+    return min(PLUGIN_GROUPS[group].contracts, key=distance)
 
 
 def _members(contract: type) -> frozenset[str]:

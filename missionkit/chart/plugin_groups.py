@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from missionkit.behaviors import ALL as BEHAVIORS
+from missionkit.behaviors import BEHAVIORS
 from missionkit.control.controller import Control
 from missionkit.control.controller_protocol import ControllerProtocol
 from missionkit.control.lqr import Lqr
@@ -13,7 +13,7 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import NavigatorParameters
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
-from missionkit.guards import ALL as GUARDS
+from missionkit.guards import GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import PotentialField
@@ -36,7 +36,7 @@ class PluginGroup(NamedTuple):
     bases: tuple[type[Plugin], ...] = ()  # parameters of what the package builds: no methods needed
 
 
-GROUPS: Mapping[str, PluginGroup] = {
+PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     # name of the section in `missionkit plugins`, and of the entry points `missionkit.NAME`
     "guards": PluginGroup(
         "guard", (GuardProtocol, WindowGuardProtocol, CompositeGuardProtocol), GUARDS

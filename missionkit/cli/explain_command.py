@@ -10,12 +10,12 @@ from missionkit.chart.prose.state_text import Sentences
 
 INDENT = 2
 BULLET = "- "
-NARROWEST, WIDEST = 40, 100
+NARROWEST_PAGE, WIDEST_PAGE = 40, 100
 
 
 def width() -> int:
     """Return how wide a page is set: as the terminal is, within reason."""
-    return max(NARROWEST, min(shutil.get_terminal_size((80, 24)).columns, WIDEST))
+    return max(NARROWEST_PAGE, min(shutil.get_terminal_size((80, 24)).columns, WIDEST_PAGE))
 
 
 def page(paragraphs: Iterable[Sentences], width: int) -> str:
@@ -29,7 +29,7 @@ def _wrapped(paragraph: Sentences, width: int) -> str:
     bullet = BULLET if paragraph.item else ""
     lines = textwrap.fill(
         paragraph.text,
-        max(width, len(margin) + NARROWEST // 2),
+        max(width, len(margin) + NARROWEST_PAGE // 2),
         initial_indent=margin + bullet,
         subsequent_indent=margin + " " * len(bullet),
         break_on_hyphens=False,

@@ -18,7 +18,7 @@ from missionkit.engine.flight_loop import Operator
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record, is_event
 
-OWN = ("done.state.", "error.")  # what the chart says to itself
+CHART_EVENTS = ("done.state.", "error.")  # what the chart says to itself
 
 
 def offered(mission: Mission) -> dict[str, str]:
@@ -29,7 +29,7 @@ def offered(mission: Mission) -> dict[str, str]:
         for transition in state.transitions:
             waited |= dict.fromkeys(map(str, transition.event or ()))
     events = [word for word in waited if is_event(word) and word not in raised]
-    own = [word for word in events if not word.startswith(OWN)]
+    own = [word for word in events if not word.startswith(CHART_EVENTS)]
     return {str(key): event for key, event in zip(range(1, 10), own, strict=False)}
 
 

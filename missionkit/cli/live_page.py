@@ -14,14 +14,14 @@ from missionkit.geometry import norm
 from missionkit.messages import Cycle, Estimate, Fired, Record, Verdict
 from missionkit.recorder.problem_log import Noted
 
-BUDGET = 0.050  # s, P1 section 9.1
+TICK_BUDGET = 0.050  # s, P1 section 9.1
 BAR = 12  # letters
-LAST = 5  # events shown
+EVENTS_SHOWN = 5  # events shown
 ROOMY = 100  # letters a line needs for the margins to be shown too
 FRAME = 10  # lines besides guards and events: border 2, state to cycle 4, gaps 2, heading, cursor
 ECHO = 2  # letters kept free: a terminal writes ^C there, and would begin a new line
 
-HOLDS = {True: ("●", "green"), False: ("○", "bright_black"), None: ("?", "yellow")}
+VERDICT_MARKS = {True: ("●", "green"), False: ("○", "bright_black"), None: ("?", "yellow")}
 
 Event = tuple[float, Fired | Noted]
 """When (s), and the transition that was taken or the problem that came up, the last time."""
@@ -46,7 +46,7 @@ def page(
     """
     room = max(height - FRAME, 4)
     guards = record.verdicts[: room - 1]
-    latest = _rows(events[-LAST:])[-min(room - len(guards), LAST) :]
+    latest = _rows(events[-EVENTS_SHOWN:])[-min(room - len(guards), EVENTS_SHOWN) :]
     parts: list[RenderableType] = [
         _state(record),
         _motion(record.estimate),
@@ -78,7 +78,7 @@ def bar(verdict: Verdict) -> Text:
     half = BAR // 2
     text = Text(
         f"{'━' * min(filled, half):─<{half}}┃{'━' * max(filled - half, 0):─<{half}}",
-        style=HOLDS[_three(verdict.holds)][1],
+        style=VERDICT_MARKS[_three(verdict.holds)][1],
     )
     text.stylize("bold default", half, half + 1)
     return text
@@ -134,12 +134,12 @@ def _targets(seen: Estimate) -> Text:
 
 
 def _cycle(cycle: Cycle) -> Text:
-    share = cycle.total / BUDGET
+    share = cycle.total / TICK_BUDGET
     style = "red" if share > 1.0 else "yellow" if share > 0.5 else "green"
     return _line(
         ("cycle ", "dim"),
         (f"{1e3 * cycle.total:.1f}", style),
-        f" of {1e3 * BUDGET:.0f} ms ",
+        f" of {1e3 * TICK_BUDGET:.0f} ms ",
         f"(sense {1e3 * cycle.sense:.1f}, process {1e3 * cycle.process:.1f}, "
         f"control {1e3 * cycle.control:.1f}), {cycle.overruns} overruns",
     )
@@ -155,7 +155,7 @@ def _guards(verdicts: Sequence[tuple[str, Verdict]], *, margins: bool) -> Table:
     table.add_column("", width=BAR + 1)
     table.add_column("why", no_wrap=True, overflow="ellipsis", ratio=3)
     for name, verdict in verdicts:
-        mark, style = HOLDS[_three(verdict.holds)]
+        mark, style = VERDICT_MARKS[_three(verdict.holds)]
         shown = [_number(getattr(verdict, heading)) for heading in numbers]
         why = Text(printable(verdict.why))
         table.add_row(Text(mark, style=style), Text(name), *shown, bar(verdict), why)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.live import Live
 
 REFRESH = 0.1  # s of wall time between two pages
-STATUS = 5.0  # s of mission time between two plain status lines
+STATUS_INTERVAL = 5.0  # s of mission time between two plain status lines
 
 
 def transition_line(at: float, fired: Fired) -> str:
@@ -105,7 +105,7 @@ class LineView:
         self._before = record.now
         if record.now >= self._next_status - 1e-6:
             late = record.now - self._next_status  # a resumed flight begins late
-            self._next_status += STATUS * (1 + (late + 1e-6) // STATUS)
+            self._next_status += STATUS_INTERVAL * (1 + (late + 1e-6) // STATUS_INTERVAL)
             self._say(status_line(record))
 
     def _say(self, line: str) -> None:

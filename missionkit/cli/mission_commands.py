@@ -160,7 +160,7 @@ def graph(
         plugins: files.
         campaign: folder of one, whose flights are drawn over the chart.
     """
-    from missionkit.chart.drawing.chart_overlay import NOTHING  # noqa: PLC0415
+    from missionkit.chart.drawing.chart_overlay import NO_OVERLAY  # noqa: PLC0415
     from missionkit.chart.drawing.mermaid_text import mermaid  # noqa: PLC0415
     from missionkit.chart.drawing.problem_marks import marks  # noqa: PLC0415
     from missionkit.chart.drawing.svg_chart import svg  # noqa: PLC0415
@@ -170,7 +170,7 @@ def graph(
     files = tuple(plugins) or (() if flights is None else flights.plugins)
     catalogue = assemble(files)
     written = load(path, catalogue, overrides(settings) if flights is None else flights.values)
-    overlay = NOTHING if flights is None else flights.overlay(path, written, catalogue)
+    overlay = NO_OVERLAY if flights is None else flights.overlay(path, written, catalogue)
     mission, found = fulfilled(written, catalogue), marks(written, problems_of(written, catalogue))
     if out is None:
         _say(mermaid(mission, found, overlay).rstrip("\n"))

@@ -10,11 +10,11 @@ from typing import Any
 
 from missionkit.api.missions import assemble
 from missionkit.chart.plugin_catalogue import Catalogue, source
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import UsageError, nearest
 from missionkit.plugin import Plugin
+from missionkit.sim.fault_injection import FAULT_KINDS as FAULTS
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS
-from missionkit.sim.fault_injection import KINDS as FAULTS
 from missionkit.sim.fault_injection import Kind as Fault
 from missionkit.states.contract import StateKind
 
@@ -31,7 +31,9 @@ def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
         UsageError: there is nothing called `name`.
     """
     catalogue = assemble(files)
-    found = {kind: plugin for group in GROUPS for kind, plugin in catalogue.group(group).items()}
+    found = {
+        kind: plugin for group in PLUGIN_GROUPS for kind, plugin in catalogue.group(group).items()
+    }
     known = {*found} if as_json else {*found, *catalogue.kinds}
     broken = _broken(catalogue, name)
     if name is not None and name not in known and broken and not as_json:
@@ -52,7 +54,7 @@ def plugins(name: str | None, files: Iterable[Path], *, as_json: bool) -> None:
 
 def _broken(catalogue: Catalogue, name: str | None) -> dict[str, dict[str, str]]:
     """Return why plug-ins of installed packages cannot be used: all, or the one of that name."""
-    known = {kind for group in GROUPS for kind in catalogue.group(group)}
+    known = {kind for group in PLUGIN_GROUPS for kind in catalogue.group(group)}
     broken = {it: {"broken": why} for (_, it), why in catalogue.broken.items() if it not in known}
     return {it: why for it, why in broken.items() if name in {None, it}}
 
@@ -60,7 +62,7 @@ def _broken(catalogue: Catalogue, name: str | None) -> dict[str, dict[str, str]]
 def overview(catalogue: Catalogue) -> str:
     """Return one line a plug-in, by group, a kind of state, and a fault."""
     lines = []
-    for group in GROUPS:
+    for group in PLUGIN_GROUPS:
         lines.append(group)
         lines += [
             f"  {kind:20} {_summary(plugin)}"

@@ -10,15 +10,15 @@ from pathlib import Path
 from unicodedata import combining, east_asian_width
 
 from missionkit.chart.text.regular_file import read_bytes
+from missionkit.chart.text.yaml_reader import MAX_BYTES
 from missionkit.errors import Level, Problem, printable
 
-SCHEMA = "yaml-language-server"  # what editors look for
-SHOWN = 100  # characters of a source line
-BEFORE = 60  # of them before the column
-MAX_BYTES = 4 * 1024 * 1024
+SCHEMA_COMMENT = "yaml-language-server"  # what editors look for
+CHARACTERS_SHOWN = 100  # characters of a source line
+SHOWN_BEFORE_COLUMN = 60  # of them before the column
 _BREAKS = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # as YAML counts lines
-_PLAIN = 0
-_COLOURS = {Level.ERROR: 31, Level.WARNING: 33}
+_NO_COLOUR = 0
+_LEVEL_COLOURS = {Level.ERROR: 31, Level.WARNING: 33}
 _HELP = 36
 Sources = Mapping[str, Sequence[str]]  # file -> its lines
 
@@ -52,7 +52,7 @@ def text(problems: Sequence[Problem], lines: Sources, *, colours: bool = False) 
 
 def _block(problem: Problem, lines: Sources, paint: Callable[[str, int], str]) -> Iterator[str]:
     code = f"[{problem.code}]" if problem.code else ""
-    colour = _COLOURS[problem.level]
+    colour = _LEVEL_COLOURS[problem.level]
     level = paint(f"{problem.level}{code}:", colour)
     yield f"{problem.place}: {level} {printable(problem.message)}"
     source = lines.get(problem.place.file, ())
@@ -68,9 +68,9 @@ def _block(problem: Problem, lines: Sources, paint: Callable[[str, int], str]) -
 def _window(line: str, at: int) -> tuple[str, str]:
     """Return the part of a line that is shown, and what of it stands before the caret."""
     at = min(at, len(line))
-    first = 0 if len(line) <= SHOWN else max(0, at - BEFORE)
-    start, end = ("…" if first else ""), ("…" if len(line) > first + SHOWN else "")
-    shown = printable(line[first : first + SHOWN])
+    first = 0 if len(line) <= CHARACTERS_SHOWN else max(0, at - SHOWN_BEFORE_COLUMN)
+    start, end = ("…" if first else ""), ("…" if len(line) > first + CHARACTERS_SHOWN else "")
+    shown = printable(line[first : first + CHARACTERS_SHOWN])
     return f"{start}{shown}{end}", start + shown[: at - first]
 
 
@@ -84,7 +84,7 @@ def _cells(character: str) -> int:
 
 
 def _painted(words: str, colour: int) -> str:
-    return f"\x1b[1;{colour}m{words}\x1b[{_PLAIN}m"
+    return f"\x1b[1;{colour}m{words}\x1b[{_NO_COLOUR}m"
 
 
 def _unpainted(words: str, _: int) -> str:
@@ -108,13 +108,16 @@ def schema_hint(problems: Sequence[Problem], lines: Sources) -> str:
     It helps where a word is unknown, in a mission file that names no schema.
     """
     named = (it.place.file for it in problems if re.match(r"(.*: )?unknown ", it.message))
-    bare = [name for name in named if not any(SCHEMA in line for line in lines.get(name, ()))]
+    bare = [
+        name for name in named if not any(SCHEMA_COMMENT in line for line in lines.get(name, ()))
+    ]
     if not bare:
         return ""
     file = shlex.quote(bare[0])
     return (
         f"hint: `missionkit schema --for {file} > mission.schema.json` and the first line "
-        f"`# {SCHEMA}: $schema=mission.schema.json` make editors complete what this file may say"
+        f"`# {SCHEMA_COMMENT}: $schema=mission.schema.json` make editors complete "
+        "what this file may say"
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-GAP = 1.0  # s
+DEFAULT_GAP = 1.0  # s
 
 
 class RunOptions(NamedTuple):
@@ -26,6 +26,6 @@ class RunOptions(NamedTuple):
     share: tuple[str, ...] = ()  # estimates to send to the vehicle: "pose", "target=NAME"
     events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
     resume: Path | None = None  # the folder of the run to resume
-    gap: float = GAP  # s that the simulated vehicle flew alone
+    gap: float = DEFAULT_GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission
     anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

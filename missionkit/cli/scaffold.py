@@ -62,12 +62,12 @@ def mission_files(name: str, taken: Collection[str] = ()) -> Files:
         )
     _refuse_taken(name, "mission", taken)
     return {
-        f"{name}.yaml": Template(scaffold_templates.MISSION).substitute(name=name),
-        f"worlds/{name}.yaml": Template(scaffold_templates.WORLD).substitute(name=name),
+        f"{name}.yaml": Template(scaffold_templates.MISSION_FILE).substitute(name=name),
+        f"worlds/{name}.yaml": Template(scaffold_templates.WORLD_FILE).substitute(name=name),
     }
 
 
-KINDS: Mapping[str, Callable[[str, Collection[str]], Files]] = {
+SCAFFOLDS: Mapping[str, Callable[[str, Collection[str]], Files]] = {
     "guard": guard_files,
     "behavior": behavior_files,
     "mission": mission_files,
@@ -86,9 +86,9 @@ def new(kind: str, name: str, to: Path, taken: Collection[str] = ()) -> tuple[Pa
     Raises:
         UsageError: an unknown kind, an unfit or taken name, or a file that exists already.
     """
-    if kind not in KINDS:
-        raise UsageError(f"nothing called {kind!r} can be created: {nearest(kind, KINDS)}")
-    return write_files(to, KINDS[kind](name, taken))
+    if kind not in SCAFFOLDS:
+        raise UsageError(f"nothing called {kind!r} can be created: {nearest(kind, SCAFFOLDS)}")
+    return write_files(to, SCAFFOLDS[kind](name, taken))
 
 
 def write_files(folder: Path, files: Mapping[str, str]) -> tuple[Path, ...]:

@@ -69,7 +69,7 @@ class ${Class}(Guard):
         return Verdict.above(speed, self.limit)
 '''
 
-ESTIMATE = '''\
+ESTIMATE_FUNCTION = '''\
 def estimate(**changes):
     """Return the estimate of a hovering vehicle."""
     hovering = {
@@ -97,7 +97,7 @@ from ${module} import ${Class}
 
 
 """
-    + ESTIMATE
+    + ESTIMATE_FUNCTION
     + """
 
 @pytest.mark.parametrize(("north", "holds"), [(7.9, False), (8.1, True)])
@@ -165,7 +165,7 @@ from ${module} import ${Class}
 
 
 """
-    + ESTIMATE
+    + ESTIMATE_FUNCTION
     + """
 
 def test_rises_straight_up_and_says_when_it_is_there():
@@ -179,7 +179,7 @@ def test_rises_straight_up_and_says_when_it_is_there():
 """
 )
 
-MISSION = """\
+MISSION_FILE = """\
 missionkit: 1
 mission: ${name}
 summary: Take off, fly to a place, come home, land.
@@ -220,7 +220,7 @@ states:
 success: {visit: back}
 """
 
-WORLD = """\
+WORLD_FILE = """\
 world: ${name}
 ground: {texture: grass}
 wind: {mean: [1.0, 0.5, 0.0], gust: 0.5}

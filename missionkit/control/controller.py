@@ -23,7 +23,7 @@ from missionkit.plugin import Plugin
 from missionkit.units import Fraction
 
 LONGEST_STEP = 0.2  # s; after a longer gap the acceleration limit must not allow a leap
-PUSHED = 0.3  # m/s of avoidance above which the integrator waits
+PUSHED_SPEED = 0.3  # m/s of avoidance above which the integrator waits
 CUT = 0.05  # m/s, the same of what a bound takes off
 
 
@@ -146,7 +146,7 @@ class Control(Plugin):
         if wanted is None:
             return Setpoint(np.zeros(3), 0.0), self.begin()
         shove = _shove(guidance, push)
-        pushed = abs(shove[0]) + abs(shove[1]) + abs(shove[2]) > PUSHED
+        pushed = abs(shove[0]) + abs(shove[1]) + abs(shove[2]) > PUSHED_SPEED
         total = (wanted[0] + shove[0], wanted[1] + shove[1], wanted[2] + shove[2])
         dt = _sane(dt)
         last = memory.velocity

@@ -8,8 +8,9 @@ from missionkit.control.velocity_limits import Limits, Triple, stopping_speed
 from missionkit.geometry import Vec3
 from missionkit.messages import Estimate, HalfSpace
 
-RETURN = 2.0  # 1/s, m/s back out for each metre on the wrong side
-FIRM = 3.0  # times what the vehicle is too fast that the command falls below the admissible speed
+RETURN_GAIN = 2.0  # 1/s, m/s back out for each metre on the wrong side
+EXCESS_GAIN = 3.0
+"""Times what the vehicle is too fast that the command falls below the admissible speed."""
 OUTWARD = 2.0  # m/s, largest velocity commanded away from the plane
 
 
@@ -19,14 +20,14 @@ def admissible_speed(gap: float, limits: Limits) -> float:
     That which stops before it; beyond the plane it is negative: back out.
     """
     if gap <= 0.0:
-        return max(-OUTWARD, RETURN * gap)
+        return max(-OUTWARD, RETURN_GAIN * gap)
     return stopping_speed(gap, limits.braking, limits.lag)
 
 
 def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> Triple:
     """Return `velocity` (m/s, NED) with its part towards the plane limited; the rest stays.
 
-    A vehicle that closes too fast is commanded back by `FIRM` times the excess, since
+    A vehicle that closes too fast is commanded back by `EXCESS_GAIN` times the excess, since
     one whose velocity loop lags, or has learnt to fly fast, does not follow its command at once.
 
     Args:
@@ -41,7 +42,7 @@ def kept(velocity: Triple, seen: Estimate, bound: HalfSpace, limits: Limits) -> 
     if not math.isfinite(gap + closing):
         return velocity
     top = admissible_speed(gap, limits)
-    top = max(-OUTWARD, min(top, top - FIRM * (closing - top)))
+    top = max(-OUTWARD, min(top, top - EXCESS_GAIN * (closing - top)))
     wanted = -(velocity[0] * n[0] + velocity[1] * n[1] + velocity[2] * n[2])
     excess = max(0.0, float(wanted) - top)
     x, y, z = (excess * n).tolist()

@@ -9,7 +9,7 @@ from missionkit.geometry import Quat, Vec3, norm
 from missionkit.messages import Estimate, Guidance
 
 LAG = 0.3  # s, the vehicle answers so late
-SPEED = 1.5  # m/s, on the way back
+RETURN_SPEED_LIMIT = 1.5  # m/s, on the way back
 
 
 class HoldPoint(NamedTuple):
@@ -37,4 +37,4 @@ def known(seen: Estimate) -> bool:
 
 def guidance_to(held: HoldPoint) -> Guidance:
     """Return what leads back to the place and keeps the heading."""
-    return Guidance(held.position, SPEED, yaw=held.yaw, attitude=held.attitude)
+    return Guidance(held.position, RETURN_SPEED_LIMIT, yaw=held.yaw, attitude=held.attitude)

@@ -6,7 +6,7 @@ import math
 
 from missionkit.control.velocity_limits import Triple
 
-RATE = 20.0  # Hz, the control rate for which P1 states alpha
+CONTROL_RATE = 20.0  # Hz, the control rate for which P1 states alpha
 
 
 def alpha_at(alpha: float, dt: float) -> float:
@@ -14,7 +14,7 @@ def alpha_at(alpha: float, dt: float) -> float:
 
     n steps of weight a equal one of 1 - (1 - a)^n, here with n = dt * 20 Hz. `alpha` in [0, 1].
     """
-    return 1.0 - math.pow(1.0 - alpha, dt * RATE)
+    return 1.0 - math.pow(1.0 - alpha, dt * CONTROL_RATE)
 
 
 def smoothed(last: Triple, wanted: Triple, alpha: float) -> Triple:

@@ -14,12 +14,11 @@ from missionkit.messages import Action, Command, Estimate, Mode, Step
 from missionkit.plugin_containment import Containment, is_foreign
 from missionkit.plugin_protocols import BehaviorProtocol
 
-IDLE = Step(note="holding: no state commands")
-STILL = Step(note="holding: a plug-in misbehaves")
-LOST = "holding: the estimate has diverged"
-BLIND = "holding: the obstacle scanner is silent"
-IN_VIEW = 0.5  # s since a target's last sighting
-LANDING = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
+HOLD_IDLE = Step(note="holding: no state commands")
+HOLD_MISBEHAVIOUR = Step(note="holding: a plug-in misbehaves")
+HOLD_DIVERGED = "holding: the estimate has diverged"
+HOLD_BLIND = "holding: the obstacle scanner is silent"
+LAND_MISBEHAVIOUR = Step(action=Action.LAND, note="landing: a plug-in misbehaves")
 
 
 def act(
@@ -43,7 +42,7 @@ def act(
         contain: keeps what went wrong.
     """
     state = plan.chart.states[seen.state]
-    mode, step = Mode.GPS, IDLE
+    mode, step = Mode.GPS, HOLD_IDLE
     if state.behavior is not None:
         mode = state.kind.mode
         if not acting.begun:
@@ -52,20 +51,20 @@ def act(
         mode = Mode.GPS if mode is Mode.NONE and step.takes_over else mode
     failing = contain.take()
     if failing and mode is not Mode.NONE:
-        step = STILL._replace(memory=acting.behavior, goal=acting.goal)
+        step = HOLD_MISBEHAVIOUR._replace(memory=acting.behavior, goal=acting.goal)
     mode = _flown(mode, step, seen)
     if mode is not Mode.NONE and seen.health.diverged:
         step = _without_goal(step)
     law = plan.law
     acting = law.noted(acting, seen)
     if mode is not Mode.NONE and law.blind(acting, step.guidance, seen):
-        step = step._replace(guidance=None, done=False, note=BLIND)
+        step = step._replace(guidance=None, done=False, note=HOLD_BLIND)
     if not step.stop:
         acting = standing(law, acting, mode, step.guidance, seen)
     command, control, avoidance = _commanded(law, mode, acting, step, seen, contain)
     if wrong := contain.take():  # the planner
         failing += wrong
-        step = STILL._replace(memory=step.memory, goal=step.goal)
+        step = HOLD_MISBEHAVIOUR._replace(memory=step.memory, goal=step.goal)
         acting = standing(law, acting, mode, None, seen)
         command, control, _ = _commanded(law.without_planner(), mode, acting, step, seen, contain)
     following = BehaviorState(
@@ -89,7 +88,7 @@ def _without_goal(step: Step) -> Step:
     """Return a step that leads nowhere: with an estimate that has diverged no place is known."""
     if step.guidance is None:
         return step._replace(bound=None)
-    return step._replace(guidance=None, bound=None, done=False, note=LOST)
+    return step._replace(guidance=None, bound=None, done=False, note=HOLD_DIVERGED)
 
 
 def _flown(mode: Mode, step: Step, seen: Estimate) -> Mode:
@@ -130,7 +129,7 @@ def _stepped(
         contain.note(f"{behavior.kind} returned {wrong}")
     if boxed is not None and not wrong:
         return boxed[0]
-    return LANDING if state.kind.name == "land" else STILL
+    return LAND_MISBEHAVIOUR if state.kind.name == "land" else HOLD_MISBEHAVIOUR
 
 
 def _commanded(

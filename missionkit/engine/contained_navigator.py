@@ -22,7 +22,7 @@ from missionkit.plugin_containment import (
 )
 
 METHODS = ("begin", "propagate", "fuse", "pose_at", "read")
-SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
+ARRAY_SHAPES = {"position": (3,), "velocity": (3,), "attitude": (4,), "rates": (3,)}
 
 
 class ContainedMemory(NamedTuple):
@@ -125,7 +125,7 @@ def fault_of(state: object) -> str:
     """Say what makes a navigator's answer unusable; empty if nothing does."""
     if not isinstance(state, NavState):
         return f"{type(state).__name__}, expected a NavState"
-    wrong = [name for name, shape in SHAPES.items() if not _fits(getattr(state, name), shape)]
+    wrong = [name for name, shape in ARRAY_SHAPES.items() if not _fits(getattr(state, name), shape)]
     kinds: dict[str, type] = {"health": Health, "targets": dict}
     wrong += [name for name, kind in kinds.items() if not isinstance(getattr(state, name), kind)]
     return f"a NavState with {wrong[0]} of a wrong type or not finite" if wrong else ""

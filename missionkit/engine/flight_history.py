@@ -10,7 +10,11 @@ from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.messages import Fired, Record
 
 ENDING = frozenset(("hover", "return", "land"))  # kinds of state that a flight is given up in
-BUILT_IN = ("failsafe plug-in failed", "failsafe ground touched", "the chart has ended in the air")
+BUILT_IN_REASONS = (
+    "failsafe plug-in failed",
+    "failsafe ground touched",
+    "the chart has ended in the air",
+)
 WRITTEN = "failsafe "
 BROKEN = "invariant broken"
 
@@ -18,7 +22,7 @@ BROKEN = "invariant broken"
 Spans = Mapping[str, tuple[float, float]]
 
 
-NOTHING: Spans = MappingProxyType({})
+NO_SPANS: Spans = MappingProxyType({})
 
 
 class TakenFailsafe(NamedTuple):
@@ -32,7 +36,7 @@ class TakenFailsafe(NamedTuple):
 class FlightHistory(NamedTuple):
     """History of the flight so far."""
 
-    spans: Spans = NOTHING  # state -> first entered, last active, s
+    spans: Spans = NO_SPANS  # state -> first entered, last active, s
     finished: Mapping[str, float] = MappingProxyType({})  # state -> when its behaviour finished, s
     failsafes: tuple[TakenFailsafe, ...] = ()
     ended_by: TakenFailsafe | None = None  # the one since which the plan was not taken up again
@@ -119,7 +123,7 @@ def failsafe_of(fired: Fired, chart: Chart, now: float) -> TakenFailsafe | None:
         now: s.
     """
     reason = fired.reason
-    if reason in BUILT_IN or reason.startswith(BROKEN):
+    if reason in BUILT_IN_REASONS or reason.startswith(BROKEN):
         return TakenFailsafe(now, reason, default=True)
     if reason.startswith(WRITTEN) and any(way.text == reason for way in chart.failsafes):
         return TakenFailsafe(now, reason, default=False)

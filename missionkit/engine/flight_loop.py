@@ -23,11 +23,10 @@ from missionkit.plugin_containment import Interrupted, described, marking_interr
 from missionkit.ports import Vehicle
 
 GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
-REFUSED = 30.0  # s without any observation that allows arming
+ARMING_TIMEOUT = 30.0  # s without any observation that allows arming
 LONGEST_ABORT = 300.0  # s an abort may take, or the wait for arming
-LONGEST_SILENCE_LANDING = (
-    120.0  # s without a heartbeat while landing: nothing more can be learnt or done
-)
+LONGEST_SILENCE_LANDING = 120.0
+"""s without a heartbeat while landing: nothing more can be learnt or done."""
 
 Observer = Callable[[Record, Observation], None]
 Keeper = Callable[[FlightState, Record], None]
@@ -139,7 +138,7 @@ class _Watch:
             return False
         now = done.memory.now
         self.refused_since = now if self.refused_since is None else self.refused_since
-        return now - self.refused_since >= REFUSED
+        return now - self.refused_since >= ARMING_TIMEOUT
 
     def course(self, memory: FlightMemory, life: Lifecycle) -> FlightState:
         return FlightState(memory, self.flown, self.grounded_since, life.state == "aborting")

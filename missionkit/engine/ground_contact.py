@@ -7,7 +7,7 @@ from dataclasses import replace
 from missionkit.messages import GROUND_TOUCHED, Observation, VehicleStatus
 
 COMMANDED = frozenset({"offboard", "guided", "hold", "brake"})  # modes that a mission flies in
-TOLD = "touched the ground outside landing and take-off"
+TOUCHED_GROUND = "touched the ground outside landing and take-off"
 
 
 def with_ground_contact(observation: Observation, before: VehicleStatus | None) -> Observation:
@@ -25,5 +25,5 @@ def with_ground_contact(observation: Observation, before: VehicleStatus | None) 
     return replace(
         observation,
         events=(*observation.events, GROUND_TOUCHED),
-        problems=(*observation.problems, TOLD),
+        problems=(*observation.problems, TOUCHED_GROUND),
     )

@@ -11,8 +11,9 @@ from missionkit.messages import Estimate, Setpoint
 from missionkit.plugin_containment import is_foreign
 from missionkit.plugin_protocols import BehaviorProtocol
 
-HEIGHT = 1.0  # m above where it took off, that guidance keeps: a barometer drifts by as much
-CLIMB = 0.5  # m/s at most, and 1/s, back to the floor: a vehicle sinks a little while it hovers
+FLOOR_HEIGHT = 1.0  # m above where it took off, that guidance keeps: a barometer drifts by as much
+FLOOR_CLIMB = 0.5
+"""m/s at most, and 1/s, back to the floor: a vehicle sinks a little while it hovers."""
 BELOW = 0.5  # m below the lowest place that the mission names, if that is lower
 
 
@@ -30,7 +31,7 @@ def floor_of(behaviors: Iterable[BehaviorProtocol | None], surveyed: Mapping[str
     flown = [behavior for behavior in behaviors if behavior is not None]
     if any(is_foreign(behavior) for behavior in flown):
         return math.inf
-    return max([-HEIGHT, *(down + BELOW for it in flown for down in _places(it, surveyed))])
+    return max([-FLOOR_HEIGHT, *(down + BELOW for it in flown for down in _places(it, surveyed))])
 
 
 def _places(behavior: BehaviorProtocol, surveyed: Mapping[str, float]) -> Iterable[float]:
@@ -53,7 +54,7 @@ def above_floor(setpoint: Setpoint, seen: Estimate, floor: float, limits: Limits
         limits: `vertical_braking`, after the vehicle's `lag`.
     """
     gap = floor - float(seen.position[2])
-    top = max(-CLIMB, gap)
+    top = max(-FLOOR_CLIMB, gap)
     if gap > 0.0:
         top = stopping_speed(gap, limits.vertical_braking, limits.lag)
     north, east, down = setpoint.velocity.tolist()

@@ -6,7 +6,7 @@ from typing import Any
 
 from transitions import Machine
 
-_TRANSITIONS = [  # trigger, from, to
+_RUN_TRANSITIONS = [  # trigger, from, to
     ["start", "ready", "flying"],
     ["abort", "flying", "aborting"],
     ["finish", "flying", "ended"],
@@ -26,7 +26,7 @@ class Lifecycle:
         Machine(
             self,
             states=["ready", "flying", "aborting", "ended"],
-            transitions=_TRANSITIONS,
+            transitions=_RUN_TRANSITIONS,
             initial="ready",
             ignore_invalid_triggers=True,
             auto_transitions=False,

@@ -25,7 +25,7 @@ from missionkit.perception.vision_warning import begun
 from missionkit.plugin_containment import Containment
 
 CAUSES = "check accel_noise, gyro_noise, the marker's size and the lens in the mission"
-TAKING_OFF = frozenset((Action.ARM, Action.TAKE_OFF))
+TAKE_OFF_ACTIONS = frozenset((Action.ARM, Action.TAKE_OFF))
 Stopwatch = Callable[[], float]
 
 
@@ -72,7 +72,7 @@ def tick(
         seen = seen.standing(chart.state, chart.entered_at, done=acting.done, goal=acting.goal)
     acting, command, step = act(plan, acting, seen, decision.orders, contain)
     grounded = ""
-    if command.action in TAKING_OFF and not plan.arm_anyway and _on_ground(seen):
+    if command.action in TAKE_OFF_ACTIONS and not plan.arm_anyway and _on_ground(seen):
         grounded = against_arming(plan.chart, chart, seen, contain)
     if grounded:
         command = Command(payload=command.payload)

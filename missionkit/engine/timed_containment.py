@@ -16,7 +16,7 @@ from typing_extensions import override
 from missionkit.number_text import beside
 from missionkit.plugin_containment import Containment, TooSlowError
 
-GRACE = 1.0  # s between two interruptions of a plug-in that swallows the first
+INTERRUPTION_GAP = 1.0  # s between two interruptions of a plug-in that swallows the first
 WAITING = "did not return; a plug-in must neither sleep nor wait"
 
 
@@ -97,9 +97,9 @@ class TimedContainment(Containment):
             return
         self._looks -= 1
         if self.stopwatch() > self._due:
-            self._due = self.stopwatch() + GRACE
+            self._due = self.stopwatch() + INTERRUPTION_GAP
             raise TooSlowError(f"did not return within {self.limit:g} s")
         if self._looks <= 0:
-            self._looks = round(GRACE / self._every)
+            self._looks = round(INTERRUPTION_GAP / self._every)
             self._waiting.add(self._name)
             raise TooSlowError(WAITING)

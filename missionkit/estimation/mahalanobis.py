@@ -20,7 +20,7 @@ TIME_CONSTANT = 1.0
 """Of the mean (s)."""
 FORGOTTEN_AFTER = 3.0
 """Without a measurement for so long (s) the distance is not known."""
-LARGEST = 100.0
+LARGEST_COUNTED = 100.0
 """One measurement counts at most this much."""
 
 
@@ -32,8 +32,8 @@ class MeanDistance(NamedTuple):
 
 
 def distance(nis: float, components: int) -> float:
-    """Return sqrt(ε / m) of one measurement, at most `LARGEST`."""
-    return min(math.sqrt(nis / components), LARGEST) if nis >= 0.0 else LARGEST
+    """Return sqrt(ε / m) of one measurement, at most `LARGEST_COUNTED`."""
+    return min(math.sqrt(nis / components), LARGEST_COUNTED) if nis >= 0.0 else LARGEST_COUNTED
 
 
 def averaged(known: MeanDistance, distances: Sequence[float], now: float) -> MeanDistance:

@@ -8,8 +8,7 @@ import numpy as np
 
 from missionkit.estimation.error_state_ekf.filter import ErrorStateEkf
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
-from missionkit.estimation.error_state_ekf.state_layout import GRAVITY
-from missionkit.geometry import Transform, vec
+from missionkit.geometry import GRAVITY, Transform, vec
 from missionkit.messages import (
     Baro,
     Detection,

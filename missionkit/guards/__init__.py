@@ -21,7 +21,7 @@ from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
 from missionkit.guards.target_visibility import TargetLost, TargetSeen
 from missionkit.guards.tick_timing import TickOverrun
 
-ALL = (
+GUARDS = (
     ArucoConfidence,
     BatteryBelow,
     CameraSilent,

@@ -11,11 +11,11 @@ from typing_extensions import override
 from missionkit.geometry import norm, wrap
 from missionkit.guards.distances import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import NO, YES, Interval, Quantity, Region
+from missionkit.messages.region import ONLY_FALSE, ONLY_TRUE, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Degrees, Metres, MetresPerSecond, Seconds
 
-SPEED = Quantity("speed", unit="m/s")
+SPEED_QUANTITY = Quantity("speed", unit="m/s")
 ON_TARGET = Quantity("goal on a target", most=1.0, whole=True, at_entry="unknown")
 GOAL_AGE = Quantity("time since the goal's target was seen", unit="s")
 YAW_ERROR = Quantity("yaw error", most=180.0, unit="deg", at_entry="unknown")
@@ -58,12 +58,15 @@ class Converged(Guard):
 
     @override
     def region(self) -> Region:
-        near = {GOAL_DISTANCE: Interval.at_most(self.position), SPEED: Interval.at_most(self.speed)}
+        near = {
+            GOAL_DISTANCE: Interval.at_most(self.position),
+            SPEED_QUANTITY: Interval.at_most(self.speed),
+        }
         turned = {**near, YAW_ERROR: Interval.at_most(self.yaw_deg)}
-        fresh = {ON_TARGET: YES, GOAL_AGE: Interval.at_most(self.max_age)}
+        fresh = {ON_TARGET: ONLY_TRUE, GOAL_AGE: Interval.at_most(self.max_age)}
         return Region(
-            ({**near, ON_TARGET: NO}, {**near, **fresh}),
-            ({**turned, ON_TARGET: NO}, {**turned, **fresh}),
+            ({**near, ON_TARGET: ONLY_FALSE}, {**near, **fresh}),
+            ({**turned, ON_TARGET: ONLY_FALSE}, {**turned, **fresh}),
         )
 
 

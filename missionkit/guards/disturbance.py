@@ -15,7 +15,7 @@ from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Degrees, Metres
 
-TILT = Quantity("tilt", most=180.0, unit="deg")
+TILT_QUANTITY = Quantity("tilt", most=180.0, unit="deg")
 
 
 class Disturbed(Guard):
@@ -44,7 +44,7 @@ class Disturbed(Guard):
     @override
     def region(self) -> Region:
         off, leaning = Interval.above(self.error), Interval.above(self.tilt_deg)
-        return Region(({GOAL_DISTANCE: off}, {TILT: leaning}))
+        return Region(({GOAL_DISTANCE: off}, {TILT_QUANTITY: leaning}))
 
 
 def tilt_deg(seen: Estimate) -> float:

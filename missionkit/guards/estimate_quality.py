@@ -8,7 +8,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import YES, Interval, Quantity, Region
+from missionkit.messages.region import ONLY_TRUE, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Metres, Seconds
 
@@ -31,7 +31,7 @@ class EstimateBad(Guard):
 
     @override
     def region(self) -> Region:
-        return Region(({DIVERGED: YES}, {POSITION_SD: Interval.above(self.position_sd)}))
+        return Region(({DIVERGED: ONLY_TRUE}, {POSITION_SD: Interval.above(self.position_sd)}))
 
 
 class GnssLost(Guard):

@@ -7,7 +7,7 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import GROUND_TOUCHED, Estimate, Verdict
-from missionkit.messages.region import YES, Quantity, Region
+from missionkit.messages.region import ONLY_TRUE, Quantity, Region
 from missionkit.plugin import Guard
 
 TOUCHED = Quantity("ground touched", most=1.0, whole=True)
@@ -29,4 +29,4 @@ class GroundTouched(Guard):
 
     @override
     def region(self) -> Region:
-        return Region.of(TOUCHED, YES)
+        return Region.of(TOUCHED, ONLY_TRUE)

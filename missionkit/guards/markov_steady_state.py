@@ -29,7 +29,7 @@ from missionkit.plugin_protocols import Inputs, NamedInput
 from missionkit.units import Fraction
 
 Rows = Mapping[str, Mapping[str, Entry]]
-NOTHING = Entry(number=0.0)
+ZERO_ENTRY = Entry(number=0.0)
 
 
 class MarkovSteadyState(CompositeGuard):
@@ -89,7 +89,7 @@ class MarkovSteadyState(CompositeGuard):
         if self.chain is None:
             return self.matrix
         return tuple(
-            tuple(self.rows[state].get(to, NOTHING) for to in self.names)
+            tuple(self.rows[state].get(to, ZERO_ENTRY) for to in self.names)
             if state in self.rows
             else learned
             for state, learned in zip(self.names, self.chain.matrix, strict=True)

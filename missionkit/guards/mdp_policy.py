@@ -12,14 +12,13 @@ from typing_extensions import override
 
 from missionkit.errors import nearest
 from missionkit.guards.estimated_chain import MOST_STATES, EstimatedChain
-from missionkit.guards.transition_entries import SUM_ERROR
+from missionkit.guards.transition_entries import REST, SUM_ERROR
 from missionkit.markov.decision_process import SWEEPS, Choice, Solution, solve
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import CompositeGuard, InFile
 from missionkit.plugin_protocols import Inputs, NamedInput
 from missionkit.units import Fraction, Number
 
-REST = "rest"
 Leads = Mapping[str, Fraction | str] | str
 """Next states and their probabilities, of which one may be `rest`, or the only next state."""
 Costs = Number | Mapping[str, Number]

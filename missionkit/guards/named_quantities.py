@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from missionkit.geometry import norm
 from missionkit.guards.battery import CHARGE
-from missionkit.guards.converged import SPEED
+from missionkit.guards.converged import SPEED_QUANTITY
 from missionkit.guards.detection_confidence import confidence_of
 from missionkit.guards.distances import GOAL_DISTANCE, distance_to
-from missionkit.guards.disturbance import TILT, tilt_deg
+from missionkit.guards.disturbance import TILT_QUANTITY, tilt_deg
 from missionkit.guards.estimate_quality import POSITION_SD
 from missionkit.guards.target_visibility import time_since_seen
 from missionkit.messages import Estimate
@@ -20,9 +20,9 @@ from missionkit.messages.region import Quantity
 
 HOME = "home"
 BATTERY_AGE = 5.0  # s; an older reading is not known to be right
-RANGE_AGE = 1.0  # s
+RANGE_MAX_AGE = 1.0  # s
 
-HEIGHT = Quantity("height above take-off", least=-math.inf, unit="m")
+HEIGHT_ABOVE_TAKE_OFF = Quantity("height above take-off", least=-math.inf, unit="m")
 HEIGHT_SD = Quantity("height sd", unit="m")
 GROUND_RANGE = Quantity("range to the ground", unit="m")
 MAHALANOBIS = Quantity("mahalanobis distance")
@@ -43,8 +43,8 @@ class NamedQuantity(NamedTuple):
 @cache
 def named_quantity(name: str) -> NamedQuantity | None:
     """Return the quantity with a name, None if there is none."""
-    if name in PLAIN:
-        return PLAIN[name]
+    if name in PLAIN_QUANTITIES:
+        return PLAIN_QUANTITIES[name]
     for prefix, suffix, build in OF_TARGETS:
         target = name.removeprefix(prefix).removesuffix(suffix)
         if name == f"{prefix}{target}{suffix}" and target:
@@ -54,7 +54,7 @@ def named_quantity(name: str) -> NamedQuantity | None:
 
 def quantity_names() -> list[str]:
     """Return every name, with TARGET where the name of a target stands."""
-    return [*PLAIN, *(f"{prefix}TARGET{suffix}" for prefix, suffix, _ in OF_TARGETS)]
+    return [*PLAIN_QUANTITIES, *(f"{prefix}TARGET{suffix}" for prefix, suffix, _ in OF_TARGETS)]
 
 
 def _confidence(target: str) -> NamedQuantity:
@@ -127,12 +127,12 @@ def _charge(seen: Estimate) -> Value:
 
 
 def _ground_range(seen: Estimate) -> Value:
-    if seen.range is None or seen.now - seen.range.at > RANGE_AGE:
+    if seen.range is None or seen.now - seen.range.at > RANGE_MAX_AGE:
         return "there is no fresh range to the ground"
     return seen.range.distance
 
 
-PLAIN: Mapping[str, NamedQuantity] = {
+PLAIN_QUANTITIES: Mapping[str, NamedQuantity] = {
     it.quantity.name: it
     for it in (
         NamedQuantity(GOAL_DISTANCE, _goal_distance),
@@ -140,10 +140,10 @@ PLAIN: Mapping[str, NamedQuantity] = {
         NamedQuantity(HEIGHT_SD, _height_sd),
         NamedQuantity(MAHALANOBIS, _mahalanobis),
         NamedQuantity(CONSISTENCY, _consistency),
-        NamedQuantity(HEIGHT, _aligned(lambda seen: -float(seen.position[2]))),
+        NamedQuantity(HEIGHT_ABOVE_TAKE_OFF, _aligned(lambda seen: -float(seen.position[2]))),
         NamedQuantity(GROUND_RANGE, _ground_range),
-        NamedQuantity(SPEED, _aligned(lambda seen: norm(seen.velocity))),
-        NamedQuantity(TILT, tilt_deg),
+        NamedQuantity(SPEED_QUANTITY, _aligned(lambda seen: norm(seen.velocity))),
+        NamedQuantity(TILT_QUANTITY, tilt_deg),
         NamedQuantity(CHARGE, _charge),
     )
 }

@@ -7,7 +7,7 @@ from typing import ClassVar
 from typing_extensions import override
 
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import YES, Quantity, Region
+from missionkit.messages.region import ONLY_TRUE, Quantity, Region
 from missionkit.plugin import Guard
 
 FAILING = Quantity("plug-in failing", most=1.0, whole=True)
@@ -24,4 +24,4 @@ class PluginFailed(Guard):
 
     @override
     def region(self) -> Region:
-        return Region.of(FAILING, YES)
+        return Region.of(FAILING, ONLY_TRUE)

@@ -8,11 +8,11 @@ from typing_extensions import override
 
 from missionkit.guards.battery import CHARGE
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import YES, Interval, Quantity, Region
+from missionkit.messages.region import ONLY_TRUE, Interval, Quantity, Region
 from missionkit.plugin import Guard
 from missionkit.units import Fraction, Seconds
 
-READY = Quantity("ready by its own checks", most=1.0, whole=True)
+READY_QUANTITY = Quantity("ready by its own checks", most=1.0, whole=True)
 
 
 class Ready(Guard):
@@ -38,4 +38,4 @@ class Ready(Guard):
 
     @override
     def region(self) -> Region:
-        return Region(({READY: YES, CHARGE: Interval.at_least(self.charge)},))
+        return Region(({READY_QUANTITY: ONLY_TRUE, CHARGE: Interval.at_least(self.charge)},))

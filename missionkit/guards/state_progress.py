@@ -10,12 +10,12 @@ from typing_extensions import override
 from missionkit.geometry import norm
 from missionkit.guards.distances import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import YES, Interval, Quantity, Region
+from missionkit.messages.region import ONLY_TRUE, Interval, Quantity, Region
 from missionkit.plugin import Guard, WindowGuard
 from missionkit.units import Metres, Seconds
 
-DONE = Quantity("done", most=1.0, whole=True, at_entry="zero")
-TIME = Quantity("time in the state", unit="s", at_entry="zero")
+DONE_QUANTITY = Quantity("done", most=1.0, whole=True, at_entry="zero")
+TIME_IN_STATE = Quantity("time in the state", unit="s", at_entry="zero")
 NO_NEARER = Quantity("time no nearer to the goal", unit="s", at_entry="zero")
 
 
@@ -30,7 +30,7 @@ class Done(Guard):
 
     @override
     def region(self) -> Region:
-        return Region.of(DONE, YES)
+        return Region.of(DONE_QUANTITY, ONLY_TRUE)
 
 
 class Elapsed(Guard):
@@ -45,7 +45,7 @@ class Elapsed(Guard):
 
     @override
     def region(self) -> Region:
-        return Region.of(TIME, Interval.at_least(self.longer_than))
+        return Region.of(TIME_IN_STATE, Interval.at_least(self.longer_than))
 
 
 class Approach(NamedTuple):

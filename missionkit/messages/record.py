@@ -9,7 +9,7 @@ from missionkit.messages.estimate import Estimate
 from missionkit.messages.observation import NO_CYCLE, Cycle
 from missionkit.messages.verdict import Verdict
 
-LOG = "log "  # begins an output that a `log:` action wrote
+LOG_PREFIX = "log "  # begins an output that a `log:` action wrote
 
 
 class Fired(NamedTuple):
@@ -24,7 +24,9 @@ class Fired(NamedTuple):
     @property
     def logged(self) -> tuple[str, ...]:
         """The texts of its `log:` actions."""
-        return tuple(it.removeprefix(LOG) for it in self.outputs if it.startswith(LOG))
+        return tuple(
+            it.removeprefix(LOG_PREFIX) for it in self.outputs if it.startswith(LOG_PREFIX)
+        )
 
 
 class Record(NamedTuple):

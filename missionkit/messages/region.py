@@ -52,7 +52,7 @@ class Interval(NamedTuple):
         return cls(low=limit)
 
 
-NO, YES = Interval(0.0, 0.0), Interval(1.0, 1.0)  # of a truth value
+ONLY_FALSE, ONLY_TRUE = Interval(0.0, 0.0), Interval(1.0, 1.0)  # of a truth value
 Box = Mapping[Quantity, Interval | None]  # all of them at once; None: the quantity is not known
 Boxes = tuple[Box, ...]  # any of them
 

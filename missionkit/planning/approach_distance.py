@@ -8,7 +8,7 @@ from missionkit.geometry import Vec3
 from missionkit.messages import Points
 from missionkit.planning.firas import Distances
 
-OWN = 1.2  # m, around a work: what stands there is what it hangs on
+OWN_RADIUS = 1.2  # m, around a work: what stands there is what it hangs on
 ROOM = 0.2  # m, that a vehicle at its goal may still move towards what it works on
 LEAST_GAP = 0.1  # m, kept from the object of a task, whatever the goal
 
@@ -23,7 +23,7 @@ def kept_distances(points: Points, work: Vec3, goal: Vec3, body: float, full: fl
         body: m, radius of the vehicle.
         full: m, to be kept of everything else.
     """
-    own = np.hypot(points[:, 0] - work[0], points[:, 1] - work[1]) <= OWN
+    own = np.hypot(points[:, 0] - work[0], points[:, 1] - work[1]) <= OWN_RADIUS
     apart = np.hypot(points[:, 0] - goal[0], points[:, 1] - goal[1])
     asked = apart[own].min() - ROOM if own.any() else full
     least = min(full, max(body + LEAST_GAP, float(asked)))

@@ -30,7 +30,11 @@ Neighbours = Literal[4, 8]
 Cells = npt.NDArray[np.int64]  # (N, 2), row and column
 Flags = npt.NDArray[np.int8]
 MANHATTAN, EUCLIDEAN, OCTILE = 0, 1, 2
-NUMBERS: dict[Heuristic, int] = {"manhattan": MANHATTAN, "euclidean": EUCLIDEAN, "octile": OCTILE}
+HEURISTIC_NUMBERS: dict[Heuristic, int] = {
+    "manhattan": MANHATTAN,
+    "euclidean": EUCLIDEAN,
+    "octile": OCTILE,
+}
 DIAGONAL = math.sqrt(2.0)
 NOBODY = -1
 EQUAL = 1e-9  # edges of cells; rounding of sums
@@ -71,7 +75,7 @@ def search(
     least = float(costs.min())
     columns = costs.shape[1]
     first, last = start[0] * columns + start[1], goal[0] * columns + goal[1]
-    parents, cost = _search(costs, first, last, neighbours, NUMBERS[chosen], least)
+    parents, cost = _search(costs, first, last, neighbours, HEURISTIC_NUMBERS[chosen], least)
     if cost == math.inf:
         return np.empty((0, 2), np.int64), math.inf
     return _traced(parents, first, last, columns), float(cost)

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from missionkit.geometry import Vec3
 from missionkit.messages import Points
 
-NEAREST = 0.05  # m; distances are not taken to be shorter, since v_rep grows without bound
+LEAST_DISTANCE = 0.05  # m; distances are not taken to be shorter, since v_rep grows without bound
 
 Distances = npt.NDArray[np.float64]  # (N,), m
 
@@ -65,14 +65,14 @@ def repulsive_potential(p: Vec3, points: Points, radius: float, body: float = 0.
     Returns:
         1/m².
     """
-    distance = np.maximum(np.linalg.norm(p - points, axis=1) - body, NEAREST)
+    distance = np.maximum(np.linalg.norm(p - points, axis=1) - body, LEAST_DISTANCE)
     near = distance[distance < radius]
     return float(np.sum((1.0 / near - 1.0 / radius) ** 2))
 
 
 def strengths(surface: Distances, radius: float) -> Distances:
     """Return H(r - d)(1/d - 1/r)(1/d²), (N,), 1/m³, at distances d (N,), m, from the surface."""
-    closeness = 1.0 / np.maximum(surface, NEAREST)
+    closeness = 1.0 / np.maximum(surface, LEAST_DISTANCE)
     return np.maximum(closeness - 1.0 / radius, 0.0) * closeness * closeness
 
 
@@ -87,7 +87,7 @@ def repulsion(p: Vec3, points: Points, radius: float, gain: Vec3, body: float = 
         body: radius of the vehicle (m).
     """
     away = p - points
-    distance = np.maximum(np.linalg.norm(away, axis=1), NEAREST)
+    distance = np.maximum(np.linalg.norm(away, axis=1), LEAST_DISTANCE)
     total: Vec3 = gain * ((strengths(distance - body, radius) / distance) @ away)
     return total
 
@@ -115,6 +115,6 @@ def mean_repulsion(
     strongest = strength[strength.argmax()]
     if strongest == 0.0:
         return np.zeros(3)
-    share = strength / np.maximum(distance, NEAREST)
+    share = strength / np.maximum(distance, LEAST_DISTANCE)
     mean: Vec3 = gain * (share @ away) * (strongest / strength.sum())
     return mean

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from missionkit.geometry import Vec3
 from missionkit.messages import Points
 
-STILL = 0.05  # m/s, below which a direction means nothing
+DIRECTIONLESS_SPEED = 0.05  # m/s, below which a direction means nothing
 
 
 class NearbyObstacles(NamedTuple):
@@ -86,12 +86,12 @@ def braked(
         firmness: 1 brakes as planned; more asks the vehicle for all it can do.
     """
     size = math.hypot(*actual.tolist())
-    if size > STILL:
+    if size > DIRECTIONLESS_SPEED:
         heading = actual / size
         top = admissible_speed(free_path(around, heading, how), how)
         velocity = _limited(velocity, heading, min(top, top - firmness * (size - top)))
     size = math.hypot(*velocity.tolist())
-    if size <= STILL:
+    if size <= DIRECTIONLESS_SPEED:
         return velocity
     heading = velocity / size
     return _limited(velocity, heading, admissible_speed(free_path(around, heading, how), how))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from missionkit.messages.occupancy import Spot
 
-SLOWEST = 0.1  # m/s, through the sharpest corner
+CORNER_SPEED = 0.1  # m/s, through the sharpest corner
 REACH = 1.0  # m, how far along the path the nearest point is looked for
 
 
@@ -93,9 +93,9 @@ def allowed_speed(path: tuple[Leg, ...], along: float, top: float, deceleration:
         slow = 0.0
         if after is not None:
             cosine = before.way[0] * after.way[0] + before.way[1] * after.way[1]
-            slow = max(SLOWEST, top * cosine)
+            slow = max(CORNER_SPEED, top * cosine)
         speed = min(speed, math.sqrt(slow * slow + 2.0 * deceleration * ahead))
-    return min(top, max(SLOWEST, speed))
+    return min(top, max(CORNER_SPEED, speed))
 
 
 def pieces(path: tuple[Leg, ...], along: float, reach: float) -> Iterator[tuple[Spot, Spot]]:

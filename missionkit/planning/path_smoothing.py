@@ -16,7 +16,7 @@ from missionkit.jit import compiled
 from missionkit.messages.occupancy import Costs
 
 Corners = npt.NDArray[np.float64]  # (N, 2), row and column; centres of cells are at halves
-SLACK = 1e-9
+COST_SLACK = 1e-9
 
 
 @compiled
@@ -49,7 +49,7 @@ def line_cost(costs: Costs, r0: float, c0: float, r1: float, c1: float) -> float
         if row == last_row and column == last_column:
             return float(total + (1.0 - at) * length * costs[row, column])
         gap = next_row - next_column
-        if abs(gap) < SLACK and row != last_row and column != last_column:
+        if abs(gap) < COST_SLACK and row != last_row and column != last_column:
             if costs[row + down_step, column] == np.inf or costs[row, column + side_step] == np.inf:
                 return np.inf
             row, column = row + down_step, column + side_step
@@ -84,7 +84,7 @@ def _kept(costs: Costs, corners: Corners) -> npt.NDArray[np.int64]:
         a, b, c = corners[anchor], corners[n - 1], corners[n]
         leg = line_cost(costs, b[0], b[1], c[0], c[1])
         straight = line_cost(costs, a[0], a[1], c[0], c[1])
-        if n - 1 > anchor and straight > so_far + leg + SLACK:
+        if n - 1 > anchor and straight > so_far + leg + COST_SLACK:
             kept[size] = n - 1
             size, anchor, so_far = size + 1, n - 1, leg
         else:
@@ -101,5 +101,5 @@ def straightened(corners: Corners) -> Corners:
         return corners
     before, after = corners[1:-1] - corners[:-2], corners[2:] - corners[1:-1]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    turns = np.abs(cross) > SLACK
+    turns = np.abs(cross) > COST_SLACK
     return corners[np.concatenate(([True], turns, [True]))]

@@ -16,7 +16,7 @@ from missionkit.planning.approach_distance import kept_distances
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.boundary_escape import EscapeLimits, past, progressed
 from missionkit.planning.obstacle_braking import (
-    STILL,
+    DIRECTIONLESS_SPEED,
     NearbyObstacles,
     Stopping,
     admissible_speed,
@@ -29,9 +29,9 @@ from missionkit.planning.scan_memory import FieldMemory, finite, nearby
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
 
-FIRM = 3.0  # times the excess over the admissible speed that the last check takes off
-RETREAT = 6.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
-BLIND = 0.5  # m/s, enough to hold a place against the wind
+LAST_CHECK_GAIN = 3.0  # times the excess over the admissible speed that the last check takes off
+RETREAT_GAIN = 6.0  # 1/s, m/s away from what is nearer than allowed, for each metre of it
+BLIND_SPEED = 0.5  # m/s, enough to hold a place against the wind
 
 
 class PotentialField(Plugin):
@@ -113,7 +113,7 @@ class PotentialField(Plugin):
         fade = min(1.0, distance / self.radius)
         slowed = braked(seeing, seen.velocity, around, self.stopping)
         push = slowed + fade * self.repulsion(around) - wanted
-        hindered = _length(push) > 0.3 * _length(wanted) > STILL
+        hindered = _length(push) > 0.3 * _length(wanted) > DIRECTIONLESS_SPEED
         how = self._escape
         progress = progressed(memory.progress, seen, goal, around, how, hindered=hindered)
         if progress.side:
@@ -164,7 +164,7 @@ class PotentialField(Plugin):
 
     def fastest(self, memory: FieldMemory, now: float) -> float:
         """Return the speed (m/s) from which the vehicle stops within what it sees."""
-        return BLIND if self.blind(memory, now) else self.admissible(memory.sight)
+        return BLIND_SPEED if self.blind(memory, now) else self.admissible(memory.sight)
 
     def admissible(self, sight: float) -> float:
         """Return the speed (m/s) from which the vehicle stops within `sight` (m)."""
@@ -194,8 +194,8 @@ class PotentialField(Plugin):
             full, body, goal = self.stopping.width, self.body_radius, guidance.position
             keep = kept_distances(memory.points, guidance.work, goal, body, full)
             around = around._replace(keep=keep)
-        slowed = braked(velocity, seen.velocity, around, self.stopping, FIRM)
-        return backed_off(slowed, around, self.stopping, RETREAT)
+        slowed = braked(velocity, seen.velocity, around, self.stopping, LAST_CHECK_GAIN)
+        return backed_off(slowed, around, self.stopping, RETREAT_GAIN)
 
     def _sight(self, scan_range: float) -> float:
         return scan_range if self.sight is None else min(self.sight, scan_range)

@@ -28,15 +28,14 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from missionkit.geometry import Mat, Vec3
+from missionkit.geometry import GRAVITY, Mat, Vec3
 from missionkit.jit import compiled
 from missionkit.units import Fraction, Metres, MetresPerSecond, Number
 
-AIR = 1.225  # kg/m³
-SWEEPS = 40  # of Newton's method at most
-GRAVITY = 9.80665
+AIR_DENSITY = 1.225  # kg/m³
+NEWTON_STEPS = 40  # of Newton's method at most
 ADVANCE = 4.65  # of the profile power, by μ²
-LOWEST = -2.0  # V_n/v_h, where the windmill begins
+WINDMILL_BEGINS = -2.0  # V_n/v_h, where the windmill begins
 
 
 class RotorModel(NamedTuple):
@@ -96,7 +95,7 @@ def glauert(hover: float, along: float, through: float) -> float:
         through: V_n (m/s).
     """
     v = -0.5 * through + math.sqrt(0.25 * through * through + hover * hover)
-    for _ in range(SWEEPS):
+    for _ in range(NEWTON_STEPS):
         w = through + v
         wake = along * along + w * w
         step = (v * v * wake - hover**4) / (2.0 * v * (wake + v * w))
@@ -116,8 +115,8 @@ def induced_velocity(thrust: float, along: float, through: float, area: float) -
         through: V_n (m/s), the air's speed down through the disk.
         area: of the disk (m²).
     """
-    hover = math.sqrt(thrust / (2.0 * AIR * area))
-    through = max(LOWEST * hover, through)
+    hover = math.sqrt(thrust / (2.0 * AIR_DENSITY * area))
+    through = max(WINDMILL_BEGINS * hover, through)
     if through >= 0.0 or along >= hover:
         return glauert(hover, along, through)
     s = (along / hover) ** 2

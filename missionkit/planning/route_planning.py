@@ -14,7 +14,7 @@ from missionkit.messages.occupancy import Costs, Occupancy, Spot
 from missionkit.planning.astar import Cells, Heuristic, Neighbours, search
 from missionkit.planning.map_inflation import inflated
 from missionkit.planning.path_smoothing import (
-    SLACK,
+    COST_SLACK,
     Corners,
     smoothed,
     straightened,
@@ -96,7 +96,7 @@ def _require_free(known: Occupancy, name: str, spot: Spot) -> None:
 def _with_a_way_out(known: Occupancy, open_: Costs, start: tuple[int, int], margin: float) -> Costs:
     """Open the margin's cells around the start that are as far from walls as the start."""
     gap = known.gap(known.spot(start[0] + 0.5, start[1] + 0.5)) / known.resolution
-    costs = inflated(known.costs, gap - SLACK)
+    costs = inflated(known.costs, gap - COST_SLACK)
     rows, columns = np.ogrid[: costs.shape[0], : costs.shape[1]]
     around = np.hypot(rows - start[0], columns - start[1]) <= 2.0 * margin + 1.0
     leave = around & np.isinf(open_) & np.isfinite(costs)

@@ -23,10 +23,10 @@ from missionkit.errors import UsageError
 from missionkit.recorder import value_codec
 from missionkit.recorder.value_codec import NotReadableError
 
-KIND = "missionkit checkpoint "
-HEADER = f"{KIND}5"  # the version grows when a saved type is renamed, moved or changed
-NAME = re.compile("[a-z]+")  # of a journal
-NEWEST, BEFORE = "checkpoint.json", "checkpoint-before.json"
+CHECKPOINT_PREFIX = "missionkit checkpoint "
+HEADER = f"{CHECKPOINT_PREFIX}5"  # the version grows when a saved type is renamed, moved or changed
+JOURNAL_NAME = re.compile("[a-z]+")  # of a journal
+NEWEST, BEFORE_NEWEST = "checkpoint.json", "checkpoint-before.json"
 
 Rows = npt.NDArray[np.float64]  # (N, width)
 Journal = Callable[[int], Rows]  # from a row on, all that there are
@@ -70,7 +70,7 @@ def opened(text: str) -> Any:
     """
     header, _, body = text.partition("\n")
     body = body.removesuffix("\n")
-    if header.startswith(KIND) and not header.startswith(f"{HEADER} "):
+    if header.startswith(CHECKPOINT_PREFIX) and not header.startswith(f"{HEADER} "):
         raise NotReadableError(f"another version of missionkit wrote it; this one reads '{HEADER}'")
     if not header.startswith(HEADER):
         raise NotReadableError("this is not a checkpoint of this missionkit")
@@ -127,19 +127,21 @@ class Checkpoints:
             journals: by name; only rows that are new since the last checkpoint are written.
         """
         rows = {name: self._appended(name, journal) for name, journal in journals.items()}
-        write_surely(self._folder / NEWEST, sealed(Saved(value, rows)), self._folder / BEFORE)
+        write_surely(
+            self._folder / NEWEST, sealed(Saved(value, rows)), self._folder / BEFORE_NEWEST
+        )
 
     def forget(self) -> None:
         """Remove all of it: the flight has ended."""
-        for path in (self._folder / NEWEST, self._folder / BEFORE):
+        for path in (self._folder / NEWEST, self._folder / BEFORE_NEWEST):
             path.unlink(missing_ok=True)
         for name in self._written:
             _journal(self._folder, name).unlink(missing_ok=True)
 
     def _go_on(self, since: Loaded) -> None:
         """Drop what is newer than the checkpoint to resume from."""
-        if since.name == BEFORE:
-            os.replace(self._folder / BEFORE, self._folder / NEWEST)  # noqa: PTH105
+        if since.name == BEFORE_NEWEST:
+            os.replace(self._folder / BEFORE_NEWEST, self._folder / NEWEST)  # noqa: PTH105
         for name, rows in since.journals.items():
             os.truncate(_journal(self._folder, name), rows.nbytes)
             self._written[name] = _Written(len(rows), rows.nbytes, _sum(_bytes(rows)))
@@ -167,7 +169,7 @@ def load(folder: Path) -> Loaded:
         UsageError: there is none; says what is wrong with each.
     """
     wrong: list[str] = []
-    for name in (NEWEST, BEFORE):
+    for name in (NEWEST, BEFORE_NEWEST):
         path = folder / name
         try:
             saved = opened(path.read_text(encoding="utf-8"))
@@ -205,7 +207,7 @@ def _sum(data: bytes) -> hashlib._Hash:
 
 
 def _journal(folder: Path, name: str) -> Path:
-    if not NAME.fullmatch(name):
+    if not JOURNAL_NAME.fullmatch(name):
         raise NotReadableError(f"a journal {name!r}")
     return folder / f"checkpoint-{name}.rows"
 

@@ -20,7 +20,7 @@ from missionkit.recorder.problem_log import unsaid
 from missionkit.recorder.record_sinks import Job, Sink
 from missionkit.recorder.scenery import Scenery, scene_update
 
-INFO, WARNING = 2, 3
+LEVEL_INFO, LEVEL_WARNING = 2, 3
 
 
 class Pace:
@@ -178,12 +178,14 @@ class FlightRecorder:
     def _log(self, record: Record, before: Seen, at: int, stamp: str) -> None:
         for fired in record.fired:
             line = f"{fired.source} -> {fired.to}: {fired.reason}"
-            self._channels.publish("/log", at, message_encoding.log(stamp, INFO, line))
+            self._channels.publish("/log", at, message_encoding.log(stamp, LEVEL_INFO, line))
             for output in fired.outputs:
-                self._channels.publish("/log", at, message_encoding.log(stamp, INFO, output))
+                self._channels.publish("/log", at, message_encoding.log(stamp, LEVEL_INFO, output))
         if record.problems != before.problems:
             for problem in unsaid(record.problems, before.problems):
-                self._channels.publish("/log", at, message_encoding.log(stamp, WARNING, problem))
+                self._channels.publish(
+                    "/log", at, message_encoding.log(stamp, LEVEL_WARNING, problem)
+                )
 
     def _diagnostics(self, record: Record, at: int, stamp: str) -> None:
         """Write status, the links that never move, and the scene with the first of them."""
@@ -193,7 +195,7 @@ class FlightRecorder:
         if self._camera is not None:
             publish("/camera/calibration", at, message_encoding.calibration(stamp, self._camera))
         if self._scenery is not None:
-            publish("/scene", at, scene_update(self._scenery, stamp, message_encoding.NED))
+            publish("/scene", at, scene_update(self._scenery, stamp, message_encoding.NED_FRAME))
             self._scenery = None
 
     def _image(self, record: Record, frame: Frame, at: int) -> None:

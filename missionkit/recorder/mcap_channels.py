@@ -13,7 +13,7 @@ from mcap.writer import CompressionType, Writer
 from missionkit.recorder.record_digest import Digest
 from missionkit.recorder.topic_schemas import TOPICS
 
-CHUNK = 64 * 1024  # bytes that may wait for `flush`
+FLUSH_BYTES = 64 * 1024  # bytes that may wait for `flush`
 
 
 class Channels:
@@ -22,7 +22,9 @@ class Channels:
     def __init__(self, path: Path) -> None:
         self._name = str(path)
         self._stream = path.open("xb")
-        self._writer = Writer(self._stream, chunk_size=CHUNK, compression=CompressionType.ZSTD)
+        self._writer = Writer(
+            self._stream, chunk_size=FLUSH_BYTES, compression=CompressionType.ZSTD
+        )
         self._writer.start(profile="", library="missionkit")
         self._digest = Digest()
         schemas: dict[str, int] = {}

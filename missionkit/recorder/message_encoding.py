@@ -28,7 +28,7 @@ from missionkit.messages import (
 )
 from missionkit.recorder import json_fragments
 
-WORLD, NED, BASE, CAMERA = "world", "world_ned", "base", "camera"
+WORLD_FRAME, NED_FRAME, BASE_FRAME, CAMERA_FRAME = "world", "world_ned", "base", "camera"
 
 # Viewers draw z upwards: the root of the tree is east, north, up.
 UPRIGHT = Transform(
@@ -48,9 +48,8 @@ def pose(at: str, position: Vec3, attitude: Quat) -> str:
         position: (3,), m.
         attitude: (4,).
     """
-    return (
-        f'{{"timestamp":{at},"frame_id":"{NED}","pose":{json_fragments.pose(position, attitude)}}}'
-    )
+    where = json_fragments.pose(position, attitude)
+    return f'{{"timestamp":{at},"frame_id":"{NED_FRAME}","pose":{where}}}'
 
 
 def goal(at: str, aim: Goal) -> str:
@@ -61,15 +60,17 @@ def goal(at: str, aim: Goal) -> str:
 
 def body(at: str, seen: Estimate) -> str:
     """Return the moving link of the frame tree, world NED <- base."""
-    link = json_fragments.transform(at, NED, BASE, Transform(seen.attitude, seen.position))
+    link = json_fragments.transform(
+        at, NED_FRAME, BASE_FRAME, Transform(seen.attitude, seen.position)
+    )
     return f'{{"transforms":[{link}]}}'
 
 
 def fixed_links(at: str, camera: CameraModel | None) -> str:
     """Return the links that never move: world <- world NED, base <- camera."""
-    links = [json_fragments.transform(at, WORLD, NED, UPRIGHT)]
+    links = [json_fragments.transform(at, WORLD_FRAME, NED_FRAME, UPRIGHT)]
     if camera is not None:
-        links.append(json_fragments.transform(at, BASE, CAMERA, camera.mount))
+        links.append(json_fragments.transform(at, BASE_FRAME, CAMERA_FRAME, camera.mount))
     return f'{{"transforms":[{",".join(links)}]}}'
 
 
@@ -201,7 +202,7 @@ def log(at: str, level: int, message: str) -> str:
 def image(at: str, jpeg: bytes) -> str:
     """Return one camera frame."""
     data = base64.b64encode(jpeg).decode("ascii")
-    return f'{{"timestamp":{at},"frame_id":"{CAMERA}","data":"{data}","format":"jpeg"}}'
+    return f'{{"timestamp":{at},"frame_id":"{CAMERA_FRAME}","data":"{data}","format":"jpeg"}}'
 
 
 def calibration(at: str, camera: CameraModel) -> str:
@@ -209,7 +210,7 @@ def calibration(at: str, camera: CameraModel) -> str:
     K = camera.matrix
     P = np.hstack([K, np.zeros((3, 1))])
     return (
-        f'{{"timestamp":{at},"frame_id":"{CAMERA}","width":{camera.width},'
+        f'{{"timestamp":{at},"frame_id":"{CAMERA_FRAME}","width":{camera.width},'
         f'"height":{camera.height},"distortion_model":"plumb_bob",'
         f'"D":{camera.distortion.ravel().tolist()},"K":{K.ravel().tolist()},'
         f'"R":{np.eye(3).ravel().tolist()},"P":{P.ravel().tolist()}}}'

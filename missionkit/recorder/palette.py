@@ -10,11 +10,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-STATES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#882255", "#332288")
-HOLDS, NOT, UNKNOWN = "#009E73", "#D9DCE0", "#F0A30A"
+STATE_COLOURS = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+    "#882255",
+    "#332288",
+)
+HOLDS_COLOUR, HOLDS_NOT_COLOUR, UNKNOWN_COLOUR = "#009E73", "#D9DCE0", "#F0A30A"
 INK, MUTED, RULE = "#1F2933", "#6B7785", "#E4E7EB"
 WOOD, WOOD_EDGE = "#D6CCBE", "#9C8B75"
-FENCE, FENCE_DASHES = "#B3261E", (0, (6.0, 3.0))
+FENCE_COLOUR, FENCE_DASHES = "#B3261E", (0, (6.0, 3.0))
 DASHES: tuple[Any, ...] = ("solid", (0, (3.2, 1.0)), (0, (1.0, 0.7)), (0, (4.5, 0.8, 0.9, 0.8)))
 MARKERS = ("", "o", "s", "^", "D")
 BRIGHT = 0.35  # luminance above which dark letters are read more easily
@@ -41,8 +50,8 @@ class Style(NamedTuple):
         }
 
 
-OTHER = Style(MUTED)
-MOST_STYLES = len(STATES) * len(DASHES) * len(MARKERS)
+OTHER_STYLE = Style(MUTED)
+MOST_STYLES = len(STATE_COLOURS) * len(DASHES) * len(MARKERS)
 
 
 def styles(states: Iterable[str]) -> dict[str, Style]:
@@ -53,11 +62,13 @@ def styles(states: Iterable[str]) -> dict[str, Style]:
     """
     found = {}
     for i, name in enumerate(dict.fromkeys(states)):
-        turn = i // len(STATES)
-        found[name] = OTHER
+        turn = i // len(STATE_COLOURS)
+        found[name] = OTHER_STYLE
         if i < MOST_STYLES:
             marker = MARKERS[turn // len(DASHES)]
-            found[name] = Style(STATES[i % len(STATES)], DASHES[turn % len(DASHES)], marker)
+            found[name] = Style(
+                STATE_COLOURS[i % len(STATE_COLOURS)], DASHES[turn % len(DASHES)], marker
+            )
     return found
 
 

@@ -22,15 +22,15 @@ from missionkit.recorder.plot_ground import Flown, Scene
 from missionkit.recorder.plot_guards import draw_guards
 from missionkit.recorder.plot_list import draw_list
 from missionkit.recorder.plot_map import draw_map, view_of
-from missionkit.recorder.plot_page import DPI, WIDE, page_of
+from missionkit.recorder.plot_page import DPI, PAGE_WIDTH, page_of
 from missionkit.recorder.plot_states import draw_states
 from missionkit.recorder.plot_text import Font, Ruler
 from missionkit.recorder.scenery import Scenery
 
 CROWDED = 40  # transitions above which lines over time hide more than they show
-MARGIN = 56.0  # px
+PAGE_MARGIN = 56.0  # px
 TITLE, SUBTITLE = Font(20.0, "bold"), Font(11.5)
-STYLE: Any = {
+PLOT_STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
     "text.color": INK,
@@ -59,7 +59,7 @@ def draw(path: Path, track: FlightTrack, scenery: Scenery, title: str, subtitle:
         title: mission and outcome.
         subtitle: the numbers of the run.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         picture(track, scenery, title, subtitle).savefig(path, format="png")
 
 
@@ -94,10 +94,10 @@ def picture(track: FlightTrack, scenery: Scenery, title: str, subtitle: str = ""
 
 def _head(figure: Figure, ruler: Ruler, title: str, subtitle: str) -> None:
     high = figure.bbox.height
-    room = WIDE - 2.0 * MARGIN
+    room = PAGE_WIDTH - 2.0 * PAGE_MARGIN
     title = ruler.cut(title, TITLE, room)
     lines = ruler.lines(subtitle, SUBTITLE, room, 2)
-    left = MARGIN / WIDE
+    left = PAGE_MARGIN / PAGE_WIDTH
     figure.text(left, 1.0 - 44.0 / high, title, va="center", **TITLE.keywords)
     below = "\n".join(lines)
     figure.text(left, 1.0 - 66.0 / high, below, va="top", color=MUTED, **SUBTITLE.keywords)

@@ -12,11 +12,12 @@ from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK
 from missionkit.recorder.plot_ground import Flown, Scene, draw_ground
 from missionkit.recorder.plot_map import frame
-from missionkit.recorder.plot_map_labels import NAME, dots, label_close_up
+from missionkit.recorder.plot_map_labels import NAME_FONT, dots, label_close_up
 
-LEAST, MOST = 0.1, 4.0  # m, half the height of the close-up
+LEAST_HALF_HEIGHT, MOST_HALF_HEIGHT = 0.1, 4.0  # m, half the height of the close-up
 AROUND = 3.0  # times the error that is seen on either side
-LATE, SHORT = 0.1, 1.0  # share of the visit in which the vehicle has arrived, at least this, s
+ARRIVED_SHARE, ARRIVED_LEAST = 0.1, 1.0
+"""Share of the visit in which the vehicle has arrived, at least this, s."""
 
 
 def last_goal(track: FlightTrack) -> Goal | None:
@@ -53,11 +54,11 @@ def reach(flown: Flown, goal: Goal) -> float:
     """
     visits = flown.track.visits
     visit = next((it for it in visits if it.start <= goal.at <= it.end), visits[-1])
-    since = visit.end - max(LATE * (visit.end - visit.start), SHORT)
+    since = visit.end - max(ARRIVED_SHARE * (visit.end - visit.start), ARRIVED_LEAST)
     late = (flown.times >= since - 1e-6) & (flown.times <= visit.end + 1e-6)
     away = np.hypot(*(flown.path[late] - np.array(flown.goal(goal))).T)
-    error = float(np.percentile(away, 90)) if len(away) else MOST
-    return min(max(AROUND * error, LEAST), MOST)
+    error = float(np.percentile(away, 90)) if len(away) else MOST_HALF_HEIGHT
+    return min(max(AROUND * error, LEAST_HALF_HEIGHT), MOST_HALF_HEIGHT)
 
 
 def rounded(length: float) -> float:
@@ -83,5 +84,5 @@ def _bar(axes: Axes) -> None:
         textcoords="offset points",
         ha="center",
         zorder=9,
-        **NAME.keywords,
+        **NAME_FONT.keywords,
     )

@@ -13,7 +13,15 @@ from matplotlib.patches import Polygon
 
 from missionkit.messages import Goal
 from missionkit.recorder.flight_track import FlightTrack, Place
-from missionkit.recorder.palette import FENCE, FENCE_DASHES, INK, MUTED, WOOD, WOOD_EDGE, Style
+from missionkit.recorder.palette import (
+    FENCE_COLOUR,
+    FENCE_DASHES,
+    INK,
+    MUTED,
+    WOOD,
+    WOOD_EDGE,
+    Style,
+)
 from missionkit.recorder.plot_text import Ruler
 from missionkit.recorder.scenery import Ground, Scenery
 
@@ -96,7 +104,7 @@ def draw_ground(axes: Axes, scene: Scene) -> None:
     for fence in scene.scenery.fences:
         outline = fence.outline()[:, ::-1]
         axes.add_patch(
-            Polygon(outline, fill=False, edgecolor=FENCE, lw=1.4, ls=FENCE_DASHES, zorder=2)
+            Polygon(outline, fill=False, edgecolor=FENCE_COLOUR, lw=1.4, ls=FENCE_DASHES, zorder=2)
         )
     _draw_paths(axes, scene.flown, scene.looks)
     _draw_places(axes, scene.flown, scene.scenery)

@@ -18,8 +18,8 @@ Boxes = npt.NDArray[np.float64]  # (N, 4), px: left, bottom, right, top
 
 GAPS = (5.0, 14.0, 28.0, 46.0, 70.0, 100.0, 140.0)  # px between anchor and label, nearest first
 ASIDE = ((1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1), (0, -1))
-FAR = 4.0  # points of the path that one step further away is worth
-AIR = 3.0  # px kept free around a label
+FAR_COST = 4.0  # points of the path that one step further away is worth
+LABEL_PADDING = 3.0  # px kept free around a label
 TO = "\N{EN DASH}"  # between the ends of a range
 
 
@@ -112,7 +112,7 @@ def numbers_text(numbers: Iterable[int], most: int = 3) -> str:
 
 def _best(label: Wanted, room: Room, taken: Boxes) -> tuple[float, float] | None:
     centres, steps = _beside(label)
-    place = _cheapest(label, centres, FAR * steps, room, taken)
+    place = _cheapest(label, centres, FAR_COST * steps, room, taken)
     if place is None and label.needed:
         centres = _everywhere(label, room)
         away = np.hypot(*(centres - np.array(label.anchor)).T)
@@ -123,7 +123,9 @@ def _best(label: Wanted, room: Room, taken: Boxes) -> tuple[float, float] | None
 def _cheapest(
     label: Wanted, centres: Pixels, costs: npt.NDArray[np.float64], room: Room, taken: Boxes
 ) -> tuple[float, float] | None:
-    candidates = boxes(centres, label.width + 2.0 * AIR, label.height + 2.0 * AIR)
+    candidates = boxes(
+        centres, label.width + 2.0 * LABEL_PADDING, label.height + 2.0 * LABEL_PADDING
+    )
     left, bottom, right, top = room.panel
     inside = (candidates[:, 0] >= left) & (candidates[:, 1] >= bottom)
     inside &= (candidates[:, 2] <= right) & (candidates[:, 3] <= top)
@@ -152,5 +154,5 @@ def _everywhere(label: Wanted, room: Room) -> Pixels:
     """Return a grid of centres (N, 2) over the whole panel."""
     left, bottom, right, top = room.panel
     across = np.arange(left, right, max(0.25 * label.width, 6.0))
-    along = np.arange(bottom, top, 0.5 * label.height + AIR)
+    along = np.arange(bottom, top, 0.5 * label.height + LABEL_PADDING)
     return np.stack(np.meshgrid(across, along), axis=-1).reshape(-1, 2)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from missionkit.recorder.palette import FENCE, FENCE_DASHES, INK, MUTED
+from missionkit.recorder.palette import FENCE_COLOUR, FENCE_DASHES, INK, MUTED
 from missionkit.recorder.plot_ground import Flown, Goals, Scene, draw_goals, draw_ground
 from missionkit.recorder.plot_map_labels import dots, label_map
 from missionkit.recorder.scenery import Fence, Ground, Scenery
@@ -98,7 +98,7 @@ def _key(axes: Axes, scene: Scene, goals: Goals) -> None:
             Line2D([], [], color=MUTED, marker="x", mew=1.2, lw=0, label="goal, not reached")
         )
     if scene.scenery.fences:
-        lines.append(Line2D([], [], color=FENCE, lw=1.4, ls=FENCE_DASHES, label="fence"))
+        lines.append(Line2D([], [], color=FENCE_COLOUR, lw=1.4, ls=FENCE_DASHES, label="fence"))
     if lines:
         axes.legend(
             handles=lines,
@@ -125,6 +125,6 @@ def _tell_hidden(axes: Axes, fences: tuple[Fence, ...]) -> None:
             xycoords="axes fraction",
             textcoords="offset points",
             ha="right",
-            color=FENCE,
+            color=FENCE_COLOUR,
             fontsize=9.5,
         )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from missionkit.recorder.palette import INK, MUTED, OTHER, darker, disc, letters_on
+from missionkit.recorder.palette import INK, MUTED, OTHER_STYLE, darker, disc, letters_on
 from missionkit.recorder.plot_ground import ARROW, Scene, Spot
 from missionkit.recorder.plot_labels import (
     Boxes,
@@ -22,16 +22,18 @@ from missionkit.recorder.plot_labels import (
 )
 from missionkit.recorder.plot_text import Font
 
-BARE = {"boxstyle": "square,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-NAME, NUMBER, STATE = Font(10.0, "bold"), Font(9.0, "bold"), Font(9.5)
-TOGETHER = 15.0  # px: transitions nearer than that share a label
+LABEL_BOX = {"boxstyle": "square,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+NAME_FONT, NUMBER_FONT, STATE_FONT = Font(10.0, "bold"), Font(9.0, "bold"), Font(9.5)
+SHARED_LABEL_DISTANCE = 15.0  # px: transitions nearer than that share a label
 LONG = 70.0  # px that a state's path is long if its name stands beside it
-FEW = 12  # states; the names of more would hide the map, and stand beside their rows below
+MOST_STATES_NAMED = 12
+"""States; the names of more would hide the map, and stand beside their rows below."""
 POINTS = 400  # of the path, that labels keep off
 HIGH = 14.0  # px, a line of text
 DISC = (10.0, 17.0)  # px, what a number's disc is wider than it, and its height
-HOME, CROSS, DIAMOND, DOT = 18.0, 11.0, 11.0, 6.0  # px, sizes of what no label may cover
-LEAD = 10.0  # px between a label and its anchor from which a line joins them
+HOME_SIZE, CROSS_SIZE, DIAMOND_SIZE, DOT_SIZE = 18.0, 11.0, 11.0, 6.0
+"""px, sizes of what no label may cover."""
+LEADER_DISTANCE = 10.0  # px between a label and its anchor from which a line joins them
 
 
 class Label(NamedTuple):
@@ -94,7 +96,7 @@ def _write(axes: Axes, scene: Scene, labels: Sequence[Label], goals: Sequence[Sp
             ha="center",
             va="center",
             color=label.colour,
-            bbox=disc(label.face) if label.face else BARE,
+            bbox=disc(label.face) if label.face else LABEL_BOX,
             zorder=9,
             **label.font.keywords,
         )
@@ -108,23 +110,23 @@ def _transitions(axes: Axes, scene: Scene) -> list[Label]:
     places = [scene.flown.place(at) for at, _ in transitions]
     pixels, shades = np.asarray(axes.transData.transform(places)), _shades(scene)
     found = []
-    for group in grouped(pixels, TOGETHER):
+    for group in grouped(pixels, SHARED_LABEL_DISTANCE):
         face = shades[group[0]] if len({shades[it] for it in group}) == 1 else INK
         text = numbers_text(it + 1 for it in group)
-        found.append(Label(text, places[group[0]], NUMBER, letters_on(face), face))
+        found.append(Label(text, places[group[0]], NUMBER_FONT, letters_on(face), face))
     return found
 
 
 def _shades(scene: Scene) -> list[str]:
     """Return the colour of the state that each transition leads to."""
     transitions = scene.flown.track.transitions
-    return [scene.looks.get(fired.to, OTHER).colour for _, fired in transitions]
+    return [scene.looks.get(fired.to, OTHER_STYLE).colour for _, fired in transitions]
 
 
 def _names(scene: Scene) -> list[Label]:
-    targets = [Label(it.name, (it.at[1], it.at[0]), NAME) for it in scene.scenery.targets]
+    targets = [Label(it.name, (it.at[1], it.at[0]), NAME_FONT) for it in scene.scenery.targets]
     markers = [
-        Label(it.name, (float(it.position[1]), float(it.position[0])), STATE, MUTED)
+        Label(it.name, (float(it.position[1]), float(it.position[0])), STATE_FONT, MUTED)
         for it in scene.scenery.markers
     ]
     return targets + markers
@@ -133,7 +135,7 @@ def _names(scene: Scene) -> list[Label]:
 def _states(axes: Axes, scene: Scene) -> list[Label]:
     """Return the name of each state, beside the middle of its longest stretch if that is long."""
     path, times = scene.flown.path, scene.flown.times
-    if not len(path) or len(scene.looks) > FEW:
+    if not len(path) or len(scene.looks) > MOST_STATES_NAMED:
         return []
     steps = np.diff(np.asarray(axes.transData.transform(path)), axis=0)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
@@ -148,7 +150,7 @@ def _states(axes: Axes, scene: Scene) -> list[Label]:
         if length >= LONG:
             east, north = path[min(tick, len(path) - 1)].tolist()
             colour = darker(scene.looks[state].colour)
-            found.append(Label(state, (east, north), STATE, colour, needed=False))
+            found.append(Label(state, (east, north), STATE_FONT, colour, needed=False))
     return found
 
 
@@ -173,9 +175,9 @@ def _icons(axes: Axes, scene: Scene, goals: Sequence[Spot]) -> Boxes:
     """Return what no label may cover: home, goals, transitions, targets, markers with arrows."""
     targets = [(it.at[1], it.at[0]) for it in scene.scenery.targets]
     switched = [scene.flown.place(at) for at, _ in scene.flown.track.transitions]
-    found = [_square(axes, targets, DIAMOND), _square(axes, goals, CROSS)]
+    found = [_square(axes, targets, DIAMOND_SIZE), _square(axes, goals, CROSS_SIZE)]
     if len(scene.flown.path):
-        found += [_square(axes, [(0.0, 0.0)], HOME), _square(axes, switched, DOT)]
+        found += [_square(axes, [(0.0, 0.0)], HOME_SIZE), _square(axes, switched, DOT_SIZE)]
     for marker in scene.scenery.markers:
         x, y = _pixel(axes, (float(marker.position[1]), float(marker.position[0])))
         u, v = x + ARROW * marker.normal[1], y + ARROW * marker.normal[0]
@@ -195,7 +197,7 @@ def _lead(axes: Axes, want: Wanted, centre: tuple[float, float]) -> None:
         min(max(x, u - 0.5 * want.width), u + 0.5 * want.width),
         min(max(y, v - 0.5 * want.height), v + 0.5 * want.height),
     )
-    if np.hypot(near[0] - x, near[1] - y) > LEAD:
+    if np.hypot(near[0] - x, near[1] - y) > LEADER_DISTANCE:
         axes.annotate(
             "",
             (x, y),

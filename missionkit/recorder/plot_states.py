@@ -11,23 +11,23 @@ from missionkit.recorder.flight_track import FlightTrack, Visit
 from missionkit.recorder.palette import INK, MUTED, Style
 from missionkit.recorder.plot_text import Font, Ruler
 
-MOST = 64  # rows
-ROW, NAMES = 15.0, 160.0  # px: height of a row; room for the names
+MOST_STATE_ROWS = 64  # rows
+STATE_ROW, STATE_NAMES_ROOM = 15.0, 160.0  # px: height of a row; room for the names
 SAMPLE = (-42.0, -6.0)  # px from the left edge: the line that the map draws
-FONT = Font(9.0)
-TICK = 0.05  # s, so that a visit of one tick is seen
+STATE_ROW_FONT = Font(9.0)
+SHORTEST_VISIT = 0.05  # s, so that a visit of one tick is seen
 
 
 def state_rows(track: FlightTrack) -> int:
     """Return how many rows the panel has."""
     states = len({it.state for it in track.visits})
-    return max(min(states, MOST) + (states > MOST), 1)
+    return max(min(states, MOST_STATE_ROWS) + (states > MOST_STATE_ROWS), 1)
 
 
 def draw_states(axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, Style]) -> None:
     """Draw when the vehicle was in each state, in the order of the first visits.
 
-    Of more than `MOST` states those are shown that lasted longest.
+    Of more than `MOST_STATE_ROWS` states those are shown that lasted longest.
 
     Args:
         axes: an empty panel.
@@ -47,7 +47,7 @@ def draw_states(axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, S
     edge = axes.get_window_extent().width
     for row, name in enumerate(names):
         look = looks[name]
-        bars = [(it.start, it.end - it.start + TICK) for it in visits[name]]
+        bars = [(it.start, it.end - it.start + SHORTEST_VISIT) for it in visits[name]]
         axes.broken_barh(bars, (row - 0.36, 0.72), facecolors=look.colour, linewidth=0)
         left, right = (at / edge for at in SAMPLE)
         axes.plot(
@@ -62,13 +62,13 @@ def draw_states(axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, S
             **look.line,
         )
         axes.annotate(
-            ruler.cut(name, FONT, NAMES),
+            ruler.cut(name, STATE_ROW_FONT, STATE_NAMES_ROOM),
             ((SAMPLE[0] - 6.0) / edge, row),
             xycoords=axes.get_yaxis_transform(),
             ha="right",
             va="center",
             color=INK,
-            **FONT.keywords,
+            **STATE_ROW_FONT.keywords,
         )
     if len(names) < len(visits):
         left_out = len(visits) - len(names)
@@ -79,7 +79,7 @@ def draw_states(axes: Axes, ruler: Ruler, track: FlightTrack, looks: dict[str, S
             va="center",
             color=MUTED,
             backgroundcolor="white",
-            **FONT.keywords,
+            **STATE_ROW_FONT.keywords,
         )
 
 
@@ -87,5 +87,5 @@ def _longest(visits: dict[str, list[Visit]]) -> Sequence[str]:
     def lasted(name: str) -> float:
         return -sum(it.end - it.start for it in visits[name])
 
-    kept = set(sorted(visits, key=lasted)[:MOST])
+    kept = set(sorted(visits, key=lasted)[:MOST_STATE_ROWS])
     return [name for name in visits if name in kept]

@@ -31,38 +31,38 @@ def _record(properties: Schema, optional: tuple[str, ...] = ()) -> Schema:
 
 
 def _numbers(*names: str) -> Schema:
-    return _record(dict.fromkeys(names, NUMBER))
+    return _record(dict.fromkeys(names, NUMBER_SCHEMA))
 
 
 def _list(items: Schema) -> Schema:
     return {"type": "array", "items": items}
 
 
-NUMBER: Schema = {"type": "number"}
+NUMBER_SCHEMA: Schema = {"type": "number"}
 INTEGER: Schema = {"type": "integer"}
-TEXT: Schema = {"type": "string"}
+TEXT_SCHEMA: Schema = {"type": "string"}
 FLAG: Schema = {"type": "boolean"}
-_NONE: Schema = _list({"type": "object", "properties": {}, "additionalProperties": False})
+_EMPTY_LIST: Schema = _list({"type": "object", "properties": {}, "additionalProperties": False})
 
 VECTOR = _numbers("x", "y", "z")
-QUATERNION = _numbers("x", "y", "z", "w")
+QUATERNION_SCHEMA = _numbers("x", "y", "z", "w")
 COLOUR = _numbers("r", "g", "b", "a")
 POINT = _numbers("x", "y")
-TIME = {**_record({"sec": INTEGER, "nsec": INTEGER}), "title": "time"}
-DURATION = {**TIME, "title": "duration"}
-POSE = _record({"position": VECTOR, "orientation": QUATERNION})
+TIME_SCHEMA = {**_record({"sec": INTEGER, "nsec": INTEGER}), "title": "time"}
+DURATION = {**TIME_SCHEMA, "title": "duration"}
+POSE = _record({"position": VECTOR, "orientation": QUATERNION_SCHEMA})
 
-POSE_IN_FRAME = _record({"timestamp": TIME, "frame_id": TEXT, "pose": POSE})
+POSE_IN_FRAME = _record({"timestamp": TIME_SCHEMA, "frame_id": TEXT_SCHEMA, "pose": POSE})
 TRANSFORMS = _record(
     {
         "transforms": _list(
             _record(
                 {
-                    "timestamp": TIME,
-                    "parent_frame_id": TEXT,
-                    "child_frame_id": TEXT,
+                    "timestamp": TIME_SCHEMA,
+                    "parent_frame_id": TEXT_SCHEMA,
+                    "child_frame_id": TEXT_SCHEMA,
                     "translation": VECTOR,
-                    "rotation": QUATERNION,
+                    "rotation": QUATERNION_SCHEMA,
                 }
             )
         )
@@ -70,48 +70,48 @@ TRANSFORMS = _record(
 )
 IMAGE = _record(
     {
-        "timestamp": TIME,
-        "frame_id": TEXT,
+        "timestamp": TIME_SCHEMA,
+        "frame_id": TEXT_SCHEMA,
         "data": {"type": "string", "contentEncoding": "base64"},
-        "format": TEXT,
+        "format": TEXT_SCHEMA,
     }
 )
 CALIBRATION = _record(
     {
-        "timestamp": TIME,
-        "frame_id": TEXT,
+        "timestamp": TIME_SCHEMA,
+        "frame_id": TEXT_SCHEMA,
         "width": INTEGER,
         "height": INTEGER,
-        "distortion_model": TEXT,
-        "D": _list(NUMBER),
-        "K": _list(NUMBER),
-        "R": _list(NUMBER),
-        "P": _list(NUMBER),
+        "distortion_model": TEXT_SCHEMA,
+        "D": _list(NUMBER_SCHEMA),
+        "K": _list(NUMBER_SCHEMA),
+        "R": _list(NUMBER_SCHEMA),
+        "P": _list(NUMBER_SCHEMA),
     }
 )
 ANNOTATIONS = _record(
     {
-        "circles": _NONE,
+        "circles": _EMPTY_LIST,
         "points": _list(
             _record(
                 {
-                    "timestamp": TIME,
+                    "timestamp": TIME_SCHEMA,
                     "type": INTEGER,
                     "points": _list(POINT),
                     "outline_color": COLOUR,
-                    "outline_colors": _NONE,
+                    "outline_colors": _EMPTY_LIST,
                     "fill_color": COLOUR,
-                    "thickness": NUMBER,
+                    "thickness": NUMBER_SCHEMA,
                 }
             )
         ),
         "texts": _list(
             _record(
                 {
-                    "timestamp": TIME,
+                    "timestamp": TIME_SCHEMA,
                     "position": POINT,
-                    "text": TEXT,
-                    "font_size": NUMBER,
+                    "text": TEXT_SCHEMA,
+                    "font_size": NUMBER_SCHEMA,
                     "text_color": COLOUR,
                     "background_color": COLOUR,
                 }
@@ -120,64 +120,64 @@ ANNOTATIONS = _record(
     }
 )
 _SOLID = _record({"pose": POSE, "size": VECTOR, "color": COLOUR})
-_CYLINDER = _record(
+_CYLINDER_SCHEMA = _record(
     {
         "pose": POSE,
         "size": VECTOR,
-        "bottom_scale": NUMBER,
-        "top_scale": NUMBER,
+        "bottom_scale": NUMBER_SCHEMA,
+        "top_scale": NUMBER_SCHEMA,
         "color": COLOUR,
     }
 )
 SCENE = _record(
     {
-        "deletions": _NONE,
+        "deletions": _EMPTY_LIST,
         "entities": _list(
             _record(
                 {
-                    "timestamp": TIME,
-                    "frame_id": TEXT,
-                    "id": TEXT,
+                    "timestamp": TIME_SCHEMA,
+                    "frame_id": TEXT_SCHEMA,
+                    "id": TEXT_SCHEMA,
                     "lifetime": DURATION,
                     "frame_locked": FLAG,
-                    "metadata": _NONE,
-                    "arrows": _NONE,
+                    "metadata": _EMPTY_LIST,
+                    "arrows": _EMPTY_LIST,
                     "cubes": _list(_SOLID),
                     "spheres": _list(_SOLID),
-                    "cylinders": _list(_CYLINDER),
-                    "lines": _NONE,
-                    "triangles": _NONE,
-                    "texts": _NONE,
-                    "models": _NONE,
+                    "cylinders": _list(_CYLINDER_SCHEMA),
+                    "lines": _EMPTY_LIST,
+                    "triangles": _EMPTY_LIST,
+                    "texts": _EMPTY_LIST,
+                    "models": _EMPTY_LIST,
                 }
             )
         ),
     }
 )
-LOG = _record(
+LOG_SCHEMA = _record(
     {
-        "timestamp": TIME,
+        "timestamp": TIME_SCHEMA,
         "level": INTEGER,
-        "message": TEXT,
-        "name": TEXT,
-        "file": TEXT,
+        "message": TEXT_SCHEMA,
+        "name": TEXT_SCHEMA,
+        "file": TEXT_SCHEMA,
         "line": INTEGER,
     }
 )
 COMMAND = _record(
     {
-        "timestamp": TIME,
+        "timestamp": TIME_SCHEMA,
         "velocity": VECTOR,
-        "yaw_rate": NUMBER,
+        "yaw_rate": NUMBER_SCHEMA,
         "position": VECTOR,
-        "yaw": NUMBER,
-        "attitude": QUATERNION,
-        "thrust": NUMBER,
+        "yaw": NUMBER_SCHEMA,
+        "attitude": QUATERNION_SCHEMA,
+        "thrust": NUMBER_SCHEMA,
         "force": VECTOR,
         "torque": VECTOR,
-        "action": TEXT,
-        "height": NUMBER,
-        "payload": TEXT,
+        "action": TEXT_SCHEMA,
+        "height": NUMBER_SCHEMA,
+        "payload": TEXT_SCHEMA,
     },
     optional=(
         *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust", "force", "torque"),
@@ -186,70 +186,75 @@ COMMAND = _record(
 )
 VERDICT = _record(
     {
-        "name": TEXT,
+        "name": TEXT_SCHEMA,
         "holds": {"type": "string", "enum": ["yes", "no", "unknown"]},
-        "value": NUMBER,
-        "threshold": NUMBER,
-        "margin": NUMBER,
-        "why": TEXT,
+        "value": NUMBER_SCHEMA,
+        "threshold": NUMBER_SCHEMA,
+        "margin": NUMBER_SCHEMA,
+        "why": TEXT_SCHEMA,
     },
     optional=("value", "threshold", "margin", "why"),
 )
-GUARDS = _record({"timestamp": TIME, "guards": _list(VERDICT)})
-STATE = _record(
+GUARDS_SCHEMA = _record({"timestamp": TIME_SCHEMA, "guards": _list(VERDICT)})
+STATE_SCHEMA = _record(
     {
-        "timestamp": TIME,
-        "state": TEXT,
-        "mode": TEXT,
-        "since": NUMBER,
+        "timestamp": TIME_SCHEMA,
+        "state": TEXT_SCHEMA,
+        "mode": TEXT_SCHEMA,
+        "since": NUMBER_SCHEMA,
         "done": FLAG,
-        "note": TEXT,
-        "problems": _list(TEXT),
+        "note": TEXT_SCHEMA,
+        "problems": _list(TEXT_SCHEMA),
     }
 )
 TRANSITION = _record(
     {
-        "timestamp": TIME,
-        "source": TEXT,
-        "to": TEXT,
-        "reason": TEXT,
+        "timestamp": TIME_SCHEMA,
+        "source": TEXT_SCHEMA,
+        "to": TEXT_SCHEMA,
+        "reason": TEXT_SCHEMA,
         "verdicts": _list(VERDICT),
-        "outputs": _list(TEXT),
+        "outputs": _list(TEXT_SCHEMA),
     }
 )
-ESTIMATE = _record(
+ESTIMATE_SCHEMA = _record(
     {
-        "timestamp": TIME,
+        "timestamp": TIME_SCHEMA,
         "velocity": VECTOR,
-        "speed": NUMBER,
-        "height": NUMBER,
-        "yaw_deg": NUMBER,
-        "position_sd": NUMBER,
+        "speed": NUMBER_SCHEMA,
+        "height": NUMBER_SCHEMA,
+        "yaw_deg": NUMBER_SCHEMA,
+        "position_sd": NUMBER_SCHEMA,
         "targets": _list(
             _record(
-                {"name": TEXT, "position": VECTOR, "position_sd": NUMBER, "seen_at": NUMBER},
+                {
+                    "name": TEXT_SCHEMA,
+                    "position": VECTOR,
+                    "position_sd": NUMBER_SCHEMA,
+                    "seen_at": NUMBER_SCHEMA,
+                },
                 optional=("seen_at",),
             )
         ),
-        "range": NUMBER,
+        "range": NUMBER_SCHEMA,
     },
     optional=("range",),
 )
-STATUS = _record(
+STATUS_SCHEMA = _record(
     {
-        "timestamp": TIME,
-        "charge": NUMBER,
-        "voltage": NUMBER,
+        "timestamp": TIME_SCHEMA,
+        "charge": NUMBER_SCHEMA,
+        "voltage": NUMBER_SCHEMA,
         "armed": FLAG,
         "in_air": FLAG,
-        "vehicle_mode": TEXT,
+        "vehicle_mode": TEXT_SCHEMA,
         "aligned": FLAG,
         "diverged": FLAG,
-        "position_sd": NUMBER,
+        "position_sd": NUMBER_SCHEMA,
         "rejected": INTEGER,
-        "gnss_at": NUMBER,
-        "vision_at": NUMBER,
-        "mahalanobis": NUMBER,
+        "gnss_at": NUMBER_SCHEMA,
+        "vision_at": NUMBER_SCHEMA,
+        "mahalanobis": NUMBER_SCHEMA,
     },
     optional=(
         "charge",
@@ -264,11 +269,11 @@ STATUS = _record(
 )
 TIMING = _record(
     {
-        "timestamp": TIME,
-        "sense": NUMBER,
-        "process": NUMBER,
-        "control": NUMBER,
-        "total": NUMBER,
+        "timestamp": TIME_SCHEMA,
+        "sense": NUMBER_SCHEMA,
+        "process": NUMBER_SCHEMA,
+        "control": NUMBER_SCHEMA,
+        "total": NUMBER_SCHEMA,
         "overruns": INTEGER,
     }
 )
@@ -285,12 +290,12 @@ TOPICS = (
     Topic("/camera/calibration", "foxglove.CameraCalibration", CALIBRATION),
     Topic("/camera/markers", "foxglove.ImageAnnotations", ANNOTATIONS),
     Topic("/scene", "foxglove.SceneUpdate", SCENE),
-    Topic("/log", "foxglove.Log", LOG),
+    Topic("/log", "foxglove.Log", LOG_SCHEMA),
     Topic("/command", "missionkit.Command", COMMAND),
-    Topic("/guards", "missionkit.Guards", GUARDS),
-    Topic("/state", "missionkit.State", STATE),
+    Topic("/guards", "missionkit.Guards", GUARDS_SCHEMA),
+    Topic("/state", "missionkit.State", STATE_SCHEMA),
     Topic("/transitions", "missionkit.Transition", TRANSITION),
-    Topic("/estimate", "missionkit.Estimate", ESTIMATE),
-    Topic("/status", "missionkit.Status", STATUS),
+    Topic("/estimate", "missionkit.Estimate", ESTIMATE_SCHEMA),
+    Topic("/status", "missionkit.Status", STATUS_SCHEMA),
     Topic("/timing", "missionkit.Timing", TIMING),
 )

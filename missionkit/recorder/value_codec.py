@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-PACKAGE = "missionkit."
+PACKAGE_PREFIX = "missionkit."
 DTYPE = re.compile(r"[<|][biuf][1248]")
 LARGE = 1 << 63  # integers from here on are written in hexadecimal
 
@@ -160,7 +160,7 @@ def _built(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
     ((tag, content),) = value.items()
-    build = BUILDERS.get(tag)
+    build = VALUE_BUILDERS.get(tag)
     return _instance(tag, _built(content)) if build is None else build(content)
 
 
@@ -176,7 +176,7 @@ def _instance(name: str, content: Any) -> Any:
 def _class_of(name: str) -> type | None:
     """Return the plain class of that name, if a loaded module of the package defines it."""
     module, _, path = name.partition(":")
-    found: Any = sys.modules.get(module) if module.startswith(PACKAGE) else None
+    found: Any = sys.modules.get(module) if module.startswith(PACKAGE_PREFIX) else None
     for part in path.split("."):
         found = vars(found).get(part) if hasattr(found, "__dict__") else None
     if not isinstance(found, type) or found.__module__ != module:
@@ -200,7 +200,7 @@ def _array_of(content: Any) -> Any:
     return flat.reshape([int(size) for size in shape]).copy()[()]
 
 
-BUILDERS: Mapping[str, Callable[[Any], Any]] = {
+VALUE_BUILDERS: Mapping[str, Callable[[Any], Any]] = {
     "int": lambda text: int(text, 16),
     "float": float,
     "list": lambda parts: [_built(part) for part in parts],

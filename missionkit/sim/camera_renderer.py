@@ -15,7 +15,7 @@ from missionkit.sim.perspective_canvas import View, paint, view_of
 from missionkit.sim.solid_shapes import Solid, solids
 from missionkit.sim.world import World
 
-FAR = 40.0  # m, depth assumed for motion blur where there is nothing nearer
+BLUR_DEPTH = 40.0  # m, depth assumed for motion blur where there is nothing nearer
 
 cv2.setNumThreads(1)
 
@@ -77,8 +77,8 @@ class Renderer:
         if ahead:
             return min(ahead, key=lambda c: float(c[2]))
         sink, height = float(view.turn[2, 2]), -float(view.eye[2])
-        ground_ahead = height > 0.0 and sink > height / FAR
-        depth = max(0.3, height / sink) if ground_ahead else FAR
+        ground_ahead = height > 0.0 and sink > height / BLUR_DEPTH
+        depth = max(0.3, height / sink) if ground_ahead else BLUR_DEPTH
         return np.array([0.0, 0.0, depth])
 
     def _flow(self, view: View, body: Transform, velocity: Vec3, rates: Vec3, focus: Vec3) -> Vec3:

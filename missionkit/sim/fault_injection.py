@@ -28,7 +28,7 @@ class Kind(NamedTuple):
     whole: bool = False  # a number of something
 
 
-KINDS: Mapping[str, Kind] = {
+FAULT_KINDS: Mapping[str, Kind] = {
     "baro_stuck": Kind(None, "", "the barometer repeats the last height, with new times"),
     "camera_frozen": Kind(None, "", "the camera repeats its last frame, with its old time"),
     "camera_off": Kind(None, "", "no frames"),
@@ -70,22 +70,22 @@ FREE_FLYER_KINDS: Mapping[str, Kind] = {
     "nozzle_stuck": Kind(1.0, "nozzle", "the nozzle VALUE stays shut", 1.0, 10.0, whole=True),
     "nozzle_weak": Kind(0.5, "1", "every nozzle gives a share VALUE of its thrust", 0.0, 1.0),
     "gyro_biased": Kind(0.01, "rad/s", "rates about the body's x are off by VALUE", -10.0, 10.0),
-    "link_lost": KINDS["link_lost"],
-    "battery_sag": KINDS["battery_sag"],
-    "cpu_slow": KINDS["cpu_slow"],
+    "link_lost": FAULT_KINDS["link_lost"],
+    "battery_sag": FAULT_KINDS["battery_sag"],
+    "cpu_slow": FAULT_KINDS["cpu_slow"],
 }
-"""Faults of a simulated free flyer; those of a multicopter are `KINDS`."""
+"""Faults of a simulated free flyer; those of a multicopter are `FAULT_KINDS`."""
 
-ALL_KINDS: Mapping[str, Kind] = {**FREE_FLYER_KINDS, **KINDS}
+ALL_KINDS: Mapping[str, Kind] = {**FREE_FLYER_KINDS, **FAULT_KINDS}
 
 GRAMMAR = re.compile(
     r"(?P<name>[a-z_]+)(=(?P<value>[^@+]+))?"
     r"(@((?P<start>\d+(\.\d+)?)|(?P<state>[A-Za-z_][\w.-]*)(:(?P<delay>\d+(\.\d+)?))?))?"
     r"(\+(?P<duration>\d+(\.\d+)?))?"
 )
-LATEST = 1e6  # s
-BUDGET = 0.05  # s, of one tick
-FORM = "NAME[=VALUE][@WHEN][+DURATION], WHEN in seconds or STATE[:DELAY]"
+LATEST_START = 1e6  # s
+LOAD_BUDGET = 0.05  # s, of one tick
+FAULT_FORM = "NAME[=VALUE][@WHEN][+DURATION], WHEN in seconds or STATE[:DELAY]"
 
 
 class Fault(NamedTuple):
@@ -150,11 +150,11 @@ def fault_in(text: str, value: Callable[[str, str | None], float | None]) -> Fau
     """
     match = GRAMMAR.fullmatch(text)
     if match is None:
-        raise UsageError(f"cannot read the fault {text!r}; the form is {FORM}")
+        raise UsageError(f"cannot read the fault {text!r}; the form is {FAULT_FORM}")
     name, part = name_in(text), match.groupdict()
     times = [float(part[key] or 0.0) for key in ("start", "delay", "duration")]
-    if max(times) > LATEST:
-        raise UsageError(f"fault {text[:60]!r}: times go up to {LATEST:g} s")
+    if max(times) > LATEST_START:
+        raise UsageError(f"fault {text[:60]!r}: times go up to {LATEST_START:g} s")
     return Fault(
         name,
         value(name, part["value"]),
@@ -209,7 +209,7 @@ class Mishaps(NamedTuple):
         took = 0.0 if slow is None else slow[0]
         if not took and not before.overruns:
             return before
-        return Cycle(sense=took, overruns=before.overruns + (took > BUDGET))
+        return Cycle(sense=took, overruns=before.overruns + (took > LOAD_BUDGET))
 
     def values(self, name: str, now: float) -> Iterator[float]:
         """Yield the value of every active fault of that name."""

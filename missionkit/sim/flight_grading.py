@@ -13,7 +13,7 @@ from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.kernel_layout import TAKE_OFF
 from missionkit.sim.world import Marker
 
-LEVEL = 0.17  # a normal with a smaller horizontal part has no heading
+NO_HEADING_BELOW = 0.17  # a normal with a smaller horizontal part has no heading
 
 
 class Success(Protocol):
@@ -100,7 +100,7 @@ def judge_visit(
     yaw_error = abs(wrap(yaw_of(rows[first, 7:11]) - yaw_of(goal.rotation)))
     return Visit(
         _length(gaps[0]),
-        yaw_error if math.hypot(normal[0], normal[1]) > LEVEL else None,
+        yaw_error if math.hypot(normal[0], normal[1]) > NO_HEADING_BELOW else None,
         max(map(_length, gaps)),
         max(map(_length, sideways)),
     )

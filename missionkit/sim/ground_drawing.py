@@ -25,9 +25,9 @@ from missionkit.sim.texture_patches import (
     warp,
 )
 
-COARSE, FINE = 0.04, 0.005  # m, texels of the two ground textures
+COARSE_TEXEL, FINE_TEXEL = 0.04, 0.005  # m, texels of the two ground textures
 HAZE = 150  # grey level at the horizon
-LOWEST = 0.03  # m, the eye is never drawn lower than this
+LOWEST_EYE = 0.03  # m, the eye is never drawn lower than this
 
 
 class Sheet(NamedTuple):
@@ -52,8 +52,10 @@ def bands(name: str, diagonal: int) -> tuple[Band, ...]:
     """Return the bands of a ground texture, near to far, for a canvas's diagonal (px)."""
     patches = textures.pyramid(textures.ground_patches(name))
     details = textures.pyramid(textures.ground_detail(name))
-    fine = [_sheet(_faded(details[k], 128, 0.2 * k), FINE * 2**k, diagonal) for k in range(4)]
-    coarse = [_sheet(_faded(patches[k], HAZE, 0.13 * k), COARSE * 2**k, diagonal) for k in range(5)]
+    fine = [_sheet(_faded(details[k], 128, 0.2 * k), FINE_TEXEL * 2**k, diagonal) for k in range(4)]
+    coarse = [
+        _sheet(_faded(patches[k], HAZE, 0.13 * k), COARSE_TEXEL * 2**k, diagonal) for k in range(5)
+    ]
     near = [Band(1.4 * sheet.texel, coarse[0], sheet) for sheet in fine]
     far = [Band(1.4 * sheet.texel, sheet, None) for sheet in coarse[1:]]
     return (*near, *far[:-1], far[-1]._replace(reach=2.8 * far[-1].sheet.texel))
@@ -63,7 +65,7 @@ def _sheet(tile: Image, texel: float, diagonal: int) -> Sheet:
     """Lay out a square tile; a row length of a power of two would defeat the cache."""
     side = tile.shape[0]
     repeats = math.ceil(1.9 * diagonal / side) + 1
-    how = cv2.INTER_LINEAR if texel in {FINE, COARSE} else cv2.INTER_NEAREST
+    how = cv2.INTER_LINEAR if texel in {FINE_TEXEL, COARSE_TEXEL} else cv2.INTER_NEAREST
     more = side * (repeats - 1)
     return Sheet(np.pad(tile, ((0, more), (0, more + 64)), "wrap"), texel, side, how)
 
@@ -86,7 +88,7 @@ def paint(canvas: Image, view: View, layers: tuple[Band, ...]) -> None:
     whole: Polygon = [(0, 0), (width - 1, 0), (width - 1, height - 1), (0, height - 1)]
     canvas[:] = HAZE
     _paint_sky(canvas, clip(whole, (-g).tolist()), g)
-    eye_height = max(LOWEST, -float(view.eye[2]))
+    eye_height = max(LOWEST_EYE, -float(view.eye[2]))
     ground = np.stack([*(view.eye[i] * g + eye_height * rays[i] for i in (1, 0)), g])
     depths = [0.0, *(_depth(band.reach, eye_height, rays) for band in layers)]
     left = clip(whole, [*g[:2].tolist(), float(g[2]) - eye_height / depths[-1]])

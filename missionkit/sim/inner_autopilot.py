@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from missionkit.geometry import Vec3, yaw_of
+from missionkit.geometry import GRAVITY, Vec3, yaw_of
 from missionkit.jit import compiled
 from missionkit.sim import kernel_layout as at
 from missionkit.sim.kernel_layout import Body, Gains
@@ -57,13 +57,13 @@ def switch(x: Vec3, memory: Vec3, now: float, gains: Gains) -> None:
     """
     if memory[at.DUE_AT] <= now:
         for n in range(4):
-            memory[at.TOLD + n] = memory[at.DUE + n]
-        memory[at.TOLD_AT] = memory[at.DUE_AT]
+            memory[at.COMMANDED + n] = memory[at.DUE + n]
+        memory[at.COMMANDED_AT] = memory[at.DUE_AT]
         memory[at.DUE_AT] = math.inf
         if memory[at.ARMED] > 0.0 and memory[at.MODE] != at.OFFBOARD:
             memory[at.MODE] = at.OFFBOARD
             memory[at.HEADING] = heading(x[6:10])
-    if memory[at.MODE] == at.OFFBOARD and now - memory[at.TOLD_AT] > gains.patience:
+    if memory[at.MODE] == at.OFFBOARD and now - memory[at.COMMANDED_AT] > gains.patience:
         memory[at.MODE] = at.HOLD
         memory[at.ANCHORED] = 0.0
     landed = memory[at.MODE] == at.LAND and memory[at.ON_GROUND] > 0.0
@@ -112,7 +112,7 @@ def decide(x: Vec3, memory: Vec3, gains: Gains, want: Vec3) -> None:
     want[3] = 0.0
     if mode == at.OFFBOARD:
         for n in range(4):
-            want[n] = memory[at.TOLD + n]
+            want[n] = memory[at.COMMANDED + n]
         return
     stay(x, memory, want)
     height = -(x[2] + memory[at.POSITION_ERROR + 2])
@@ -181,7 +181,7 @@ def mix(x: Vec3, push: Vec3, spin: float, body: Body, gains: Gains, u: Vec3) -> 
         u: (4,), N, written.
     """
     w, i, j, k = x[6], x[7], x[8], x[9]
-    tn, te, td = -push[0], -push[1], at.GRAVITY - push[2]
+    tn, te, td = -push[0], -push[1], GRAVITY - push[2]
     size = math.sqrt(tn * tn + te * te + td * td)
     # the wanted axis in body axes, R^T z:
     right = 2.0 * (i * j - w * k) * tn + (1 - 2 * (i * i + k * k)) * te + 2 * (j * k + w * i) * td

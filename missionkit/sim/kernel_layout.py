@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from missionkit.geometry import GRAVITY
 from missionkit.planning.rotor_power import RotorModel
 from missionkit.sim.world import World
 
 RATE = 200  # Hz, physics and inner autopilot
 DT = 1.0 / RATE
-GRAVITY = 9.80665
 
 HOLD, OFFBOARD, TAKE_OFF, LAND = 0, 1, 2, 3
 MODES = ("hold", "offboard", "take_off", "land")
@@ -32,11 +32,11 @@ GNSS_OK = 6  # 1 with GNSS, FLOW_AIDED with optical flow alone, 0 with neither
 ANCHORED = 7  # the hold point is set
 HEIGHT = 8  # m, take-off target
 LANDED_AT = 9  # s, first contact while landing, or inf
-TOLD_AT = 10  # s, when the active setpoint arrived
+COMMANDED_AT = 10  # s, when the active setpoint arrived
 DUE_AT = 11  # s, when the pending setpoint arrives, or inf
 POWERED = 12  # 0 once the battery is empty
 IMU_COUNT = 13
-TOLD = 14  # 14:18 velocity (3), yaw rate
+COMMANDED = 14  # 14:18 velocity (3), yaw rate
 DUE = 18  # 18:22 the same, on its way
 VELOCITY_ERROR = 22  # 22:25 m/s
 POSITION_ERROR = 25  # 25:28 m

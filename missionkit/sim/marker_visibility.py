@@ -20,7 +20,7 @@ from missionkit.sim.world import Marker
 
 Corners = tuple[str, int, npt.NDArray[np.float64]]
 PIXEL_SD = 0.25  # px
-TOUCHING = 0.05  # m, an obstacle closer than this behind the marker's face does not hide it
+FACE_TOLERANCE = 0.05  # m, an obstacle closer than this behind the marker's face does not hide it
 turn = compiled(rotate)
 inverse = compiled(conjugate)
 chain = compiled(multiply)
@@ -81,7 +81,7 @@ def exposed(things: Mat, eye: Vec3, point: Vec3) -> bool:
     """
     way = point - eye
     far = math.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
-    return bool(cast(things, eye, way / far) > far - TOUCHING)
+    return bool(cast(things, eye, way / far) > far - FACE_TOLERANCE)
 
 
 @compiled

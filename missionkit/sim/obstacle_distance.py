@@ -15,7 +15,7 @@ from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 from missionkit.sim.world import Box, Cylinder, World
 
-CYLINDER, BOX, SPHERE = 0.0, 1.0, 2.0
+CYLINDER_ROW, BOX_ROW, SPHERE_ROW = 0.0, 1.0, 2.0
 
 
 def table(world: World) -> Mat:
@@ -23,11 +23,11 @@ def table(world: World) -> Mat:
     rows = np.zeros((len(world.obstacles), 8))
     for row, thing in zip(rows, world.obstacles, strict=True):
         if isinstance(thing, Cylinder):
-            row[:7] = (CYLINDER, *thing.at, thing.radius, 0.0, 0.0, thing.height)
+            row[:7] = (CYLINDER_ROW, *thing.at, thing.radius, 0.0, 0.0, thing.height)
         elif isinstance(thing, Box):
-            row[:7] = (BOX, *thing.min, *thing.max, thing.bottom, thing.height)
+            row[:7] = (BOX_ROW, *thing.min, *thing.max, thing.bottom, thing.height)
         else:
-            row[:5] = (SPHERE, thing.at[0], thing.at[1], -thing.at[2], thing.radius)
+            row[:5] = (SPHERE_ROW, thing.at[0], thing.at[1], -thing.at[2], thing.radius)
     return rows
 
 
@@ -41,11 +41,11 @@ def gap(thing: Vec3, n: float, e: float, height: float) -> float:
         e: m, east.
         height: m above the ground.
     """
-    if thing[0] == SPHERE:
+    if thing[0] == SPHERE_ROW:
         dn, de, du = n - thing[1], e - thing[2], height - thing[3]
         return float(math.sqrt(dn * dn + de * de + du * du) - thing[4])
     up = max(thing[5] - height, height - thing[6])
-    if thing[0] == CYLINDER:
+    if thing[0] == CYLINDER_ROW:
         side = math.sqrt((n - thing[1]) ** 2 + (e - thing[2]) ** 2) - thing[3]
         other = side
     else:
@@ -54,7 +54,7 @@ def gap(thing: Vec3, n: float, e: float, height: float) -> float:
     if side <= 0.0 and other <= 0.0 and up <= 0.0:
         return float(max(side, other, up))
     a, b, c = max(side, 0.0), max(other, 0.0), max(up, 0.0)
-    if thing[0] == CYLINDER:
+    if thing[0] == CYLINDER_ROW:
         b = 0.0
     return math.sqrt(a * a + b * b + c * c)
 
@@ -128,12 +128,12 @@ def hit(thing: Vec3, start: Vec3, way: Vec3) -> float:
         start: (3,) m, NED.
         way: (3,) unit vector, NED.
     """
-    if thing[0] == SPHERE:
+    if thing[0] == SPHERE_ROW:
         dn, de, du = start[0] - thing[1], start[1] - thing[2], -start[2] - thing[3]
         enter, leave = ball(dn, de, du, way[0], way[1], -way[2], thing[4])
     else:
         enter, leave = slab(-start[2], -way[2], thing[5], thing[6])
-        if thing[0] == CYLINDER:
+        if thing[0] == CYLINDER_ROW:
             dn, de = start[0] - thing[1], start[1] - thing[2]
             a, b = ball(dn, de, 0.0, way[0], way[1], 0.0, thing[3])
             enter, leave = max(enter, a), min(leave, b)

@@ -20,7 +20,7 @@ from missionkit.sim.texture_patches import (
     warp,
 )
 
-NEAR = 0.05  # m, nothing closer to the camera is drawn
+NEAR_PLANE = 0.05  # m, nothing closer to the camera is drawn
 SPLIT = 16_000  # px², smaller patches are not split
 
 
@@ -86,7 +86,7 @@ def outline(view: View, hull: Hull) -> Polygon:
     """Return the silhouette of a convex body on the canvas; empty when out of sight."""
     image = (hull.points - view.eye) @ view.projection.T
     depth = image[:, 2]
-    front = depth > NEAR
+    front = depth > NEAR_PLANE
     if not front.any():
         return []
     if not front.all():
@@ -106,7 +106,7 @@ def _cut(image: Mat, front: npt.NDArray[np.bool_], edges: npt.NDArray[np.intp]) 
     """Return where edges pass the near plane."""
     crossing = edges[front[edges[:, 0]] != front[edges[:, 1]]]
     a, b = image[crossing[:, 0]], image[crossing[:, 1]]
-    t = (NEAR - a[:, 2]) / (b[:, 2] - a[:, 2])
+    t = (NEAR_PLANE - a[:, 2]) / (b[:, 2] - a[:, 2])
     return np.asarray(a + t[:, None] * (b - a))
 
 

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from missionkit.geometry import Mat, Vec3
+from missionkit.geometry import GRAVITY, Mat, Vec3
 from missionkit.jit import compiled
 from missionkit.planning.rotor_power import RotorModel
 from missionkit.sim import kernel_layout as at
@@ -57,7 +57,7 @@ def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
     w, i, j, k = w / size, i / size, j / size, k / size
     fn = (x[3] - before[3]) / at.DT
     fe = (x[4] - before[4]) / at.DT
-    fd = (x[5] - before[5]) / at.DT - at.GRAVITY
+    fd = (x[5] - before[5]) / at.DT - GRAVITY
     memory[at.FORCE_SUM] += (
         (1 - 2 * (j * j + k * k)) * fn + 2 * (i * j + w * k) * fe + 2 * (i * k - w * j) * fd
     )

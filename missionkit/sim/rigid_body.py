@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 
-from missionkit.geometry import Vec3
+from missionkit.geometry import GRAVITY, Vec3
 from missionkit.jit import compiled
 from missionkit.planning.rotor_power import RotorModel, rotor_power
 from missionkit.sim.kernel_layout import (
     CRASHED,
-    GRAVITY,
     ON_GROUND,
     Body,
 )

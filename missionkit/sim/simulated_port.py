@@ -8,6 +8,8 @@ from missionkit.messages import Command, Observation
 from missionkit.sim.fault_injection import Mishaps
 from missionkit.sim.ground_truth import TrueState, TrueTrack
 
+STRETCH = 10  # physics steps flown at once at most: 50 ms
+
 
 class SimulatedPort(ABC):
     """A vehicle whose time passes only in `advance`; the port's methods call the synchronous ones.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
-from missionkit.geometry import to_matrix, vec, yaw_of
+from missionkit.geometry import GRAVITY, to_matrix, vec, yaw_of
 from missionkit.messages import (
     NO_CYCLE,
     Action,
@@ -33,13 +33,12 @@ from missionkit.sim.position_control import velocity_for
 from missionkit.sim.random_blocks import Normals, streams
 from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
-from missionkit.sim.simulated_port import SimulatedPort
+from missionkit.sim.simulated_port import STRETCH, SimulatedPort
 from missionkit.sim.world import World
 
 if TYPE_CHECKING:
     from missionkit.perception.camera_section import Camera
 
-STRETCH = 10  # physics steps flown at once at most: 50 ms
 RAYS = 72
 
 
@@ -280,5 +279,5 @@ class SimulatedVehicle(SimulatedPort):
             before, last = self.track.rows[-2:]
             return float((last[-1] - before[-1]) / (last[0] - before[0]))
         thrusts = self._plant.state[13:17].clip(0.0)
-        hover = quad.mass * kernel_layout.GRAVITY / 4.0
+        hover = quad.mass * GRAVITY / 4.0
         return quad.hover_power * float(((thrusts / hover) ** 1.5).mean())

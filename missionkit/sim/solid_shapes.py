@@ -109,7 +109,7 @@ def _plain(brightness: float, normal: Sequence[float]) -> tuple[Image, ...]:
 
 
 def _sector(azimuth: float) -> int:
-    return round(azimuth / (2 * math.pi) * textures.SECTORS) % textures.SECTORS
+    return round(azimuth / (2 * math.pi) * textures.TRUNK_AZIMUTHS) % textures.TRUNK_AZIMUTHS
 
 
 def _cylinder(of: Cylinder) -> Solid:

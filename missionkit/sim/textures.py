@@ -20,7 +20,7 @@ Field = npt.NDArray[np.float32]  # (rows, columns)
 
 SEED = 20250
 SUN = np.array([-0.55, -0.35, -0.76])  # towards the sun, NED: from the south-west, 49° up
-SECTORS = 16  # azimuths from which a trunk is drawn
+TRUNK_AZIMUTHS = 16  # azimuths from which a trunk is drawn
 WHITE, BLACK = 225, 28  # grey levels of paper and ink
 
 
@@ -106,7 +106,7 @@ def ground_detail(name: str) -> Image:
 
 @functools.cache
 def bark() -> tuple[tuple[Image, ...], ...]:
-    """Return for each of `SECTORS` viewing azimuths the pyramid of a lit trunk, (512, 128).
+    """Return for each of `TRUNK_AZIMUTHS` viewing azimuths the pyramid of a lit trunk, (512, 128).
 
     Columns are equidistant across the silhouette, so column x in (-1, 1) shows the surface at
     the angle asin(x) from the line of sight. Rows run from top to foot.
@@ -118,9 +118,9 @@ def bark() -> tuple[tuple[Image, ...], ...]:
     foot = 1.0 - 0.35 * np.exp(-np.arange(511, -1, -1, dtype=np.float32) / 18.0)[:, None]
     across = np.arcsin((np.arange(128) + 0.5) / 64 - 1.0)
     drawn = []
-    for sector in range(SECTORS):
+    for sector in range(TRUNK_AZIMUTHS):
         # seen from the trunk, the camera's left edge of the silhouette lies clockwise
-        azimuth = 2 * math.pi * sector / SECTORS - across
+        azimuth = 2 * math.pi * sector / TRUNK_AZIMUTHS - across
         columns = np.rint(azimuth / (2 * math.pi) * 512).astype(int) % 512
         lit = shade(np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=-1))
         drawn.append(pyramid(grey((88 + 17 * coat[:, columns]) * lit[None, :] * foot)))
@@ -148,15 +148,15 @@ def plaster() -> Image:
 
 @functools.cache
 def foliage() -> tuple[tuple[Image, ...], ...]:
-    """Return for each of `SECTORS` viewing azimuths the pyramid of a lit ball, (128, 128)."""
+    """Return for each of `TRUNK_AZIMUTHS` azimuths the pyramid of a lit ball, (128, 128)."""
     rng = np.random.default_rng(SEED + 4)
     leaves = 92 + 20 * fractal(rng, (4, 4), 5, 0.95)
     side = (np.arange(128) + 0.5) / 64 - 1.0
     right, down = np.meshgrid(side, side)
     out = np.sqrt(np.maximum(0.0, 1.0 - right**2 - down**2))
     drawn = []
-    for sector in range(SECTORS):
-        c, s = (f(2 * math.pi * sector / SECTORS) for f in (math.cos, math.sin))
+    for sector in range(TRUNK_AZIMUTHS):
+        c, s = (f(2 * math.pi * sector / TRUNK_AZIMUTHS) for f in (math.cos, math.sin))
         normals = np.stack([c * out + s * right, s * out - c * right, down], axis=-1)
         drawn.append(pyramid(grey(leaves * shade(normals))))
     return tuple(drawn)

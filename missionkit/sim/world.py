@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
 from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
-from missionkit.sim.fault_injection import KINDS, Kind
+from missionkit.sim.fault_injection import FAULT_KINDS, Kind
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
     Frozen,
@@ -161,7 +161,7 @@ class World(Frozen):
     """Everything the simulator needs to know beyond the mission file."""
 
     VEHICLE: ClassVar[str] = "a multicopter"
-    FAULTS: ClassVar[Mapping[str, Kind]] = KINDS
+    FAULTS: ClassVar[Mapping[str, Kind]] = FAULT_KINDS
 
     world: str = Field(description="name")
     ground: Ground = Ground()

@@ -10,7 +10,7 @@ https://ardupilot.org/copter/docs/common-prearm-safety-checks.html.
 from __future__ import annotations
 
 from missionkit.sitl.flight_modes import Flight, Mode
-from missionkit.sitl.sitl_state import GCS, WARNING, SitlState
+from missionkit.sitl.sitl_state import GCS, SEVERITY_WARNING, SitlState
 
 WARMING_UP = 1.0  # s after boot
 
@@ -50,7 +50,7 @@ def arm(state: SitlState) -> bool:
         found.append(f"mode {state.mode.name}" if not state.mode.arming else refusal)
     if found:
         word = "Arming denied" if state.dialect.name == "px4" else "Arm"
-        state.say(f"{word}: {found[0]}", WARNING)
+        state.say(f"{word}: {found[0]}", SEVERITY_WARNING)
         return False
     state.body.arm()
     state.armed_at, state.flown = state.now, False
@@ -62,7 +62,7 @@ def arm(state: SitlState) -> bool:
 def disarm(state: SitlState, *, force: bool) -> bool:
     """Stop the rotors if it is on the ground or forced."""
     if state.in_air and not force:
-        state.say("Disarming denied: not landed", WARNING)
+        state.say("Disarming denied: not landed", SEVERITY_WARNING)
         return False
     state.body.kill()
     return True
@@ -90,7 +90,7 @@ def change(state: SitlState, mode: Mode) -> bool:
     if refusal := cannot_run(state, mode):
         lenient = state.dialect.name == "px4" and not state.armed
         if not lenient or mode.does is Flight.MISSION:
-            state.say(f"Mode {mode.name} refused: {refusal}", WARNING)
+            state.say(f"Mode {mode.name} refused: {refusal}", SEVERITY_WARNING)
             return False
     state.enter(mode)
     return True

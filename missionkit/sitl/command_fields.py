@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from missionkit.geometry import Vec3
 from missionkit.sitl.geodetic import Spot
-from missionkit.sitl.mission_progress import RELATIVE
+from missionkit.sitl.mission_progress import RELATIVE_FRAMES
 from missionkit.sitl.peer_channel import Channel, Sender, sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
@@ -38,7 +38,7 @@ class CommandFields(NamedTuple):
         height = spot.height
         if self.height is not None:
             home = state.earth.origin.height - float(state.home[2])
-            height = self.height + (home if self.frame in RELATIVE else 0.0)
+            height = self.height + (home if self.frame in RELATIVE_FRAMES else 0.0)
         unknown = self.latitude is None or self.longitude is None
         if unknown or (self.latitude == 0.0 and self.longitude == 0.0):
             return state.earth.position(spot._replace(height=height))

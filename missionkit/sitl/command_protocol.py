@@ -20,13 +20,13 @@ from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.setpoint_tracking import towards
 from missionkit.sitl.sitl_state import Orbit, SitlState
 
-ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
+RESULT_ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 DENIED = mavlink.MAV_RESULT_DENIED
 UNSUPPORTED = mavlink.MAV_RESULT_UNSUPPORTED
 FAILED = mavlink.MAV_RESULT_FAILED
-LONGEST = 2**31 - 1  # µs
-FARTHEST = 10_000.0  # m, from a new home
-FORCE = 21196  # magic number of COMPONENT_ARM_DISARM
+LONGEST_INTERVAL = 2**31 - 1  # µs
+FARTHEST_HOME = 10_000.0  # m, from a new home
+FORCE_MAGIC = 21196  # magic number of COMPONENT_ARM_DISARM
 GNSS, BATTERY = mavlink.FAILURE_UNIT_SENSOR_GPS, mavlink.FAILURE_UNIT_SYSTEM_BATTERY
 INJECTED = {GNSS: ("gnss_lost", None), BATTERY: ("battery_sag", 1.0)}
 CHANGE_MODE = mavlink.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
@@ -80,11 +80,11 @@ def acknowledge(state: SitlState, channel: Channel, who: Sender, command: int, r
 
 
 def _done(state: SitlState, *, well: bool) -> int:
-    return int(ACCEPTED) if well else refused(state)
+    return int(RESULT_ACCEPTED) if well else refused(state)
 
 
 def _arm(state: SitlState, order: CommandFields) -> int:
-    force = round(order.number(2)) == FORCE
+    force = round(order.number(2)) == FORCE_MAGIC
     if order.number(1) == 1.0:
         return _done(state, well=arming_rules.arm(state))
     return _done(state, well=arming_rules.disarm(state, force=force))
@@ -115,7 +115,7 @@ def _take_off(state: SitlState, order: CommandFields) -> int:
         return int(FAILED)
     state.height, state.target = order.height, None
     state.begin("take_off")
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _fly(flight: Flight) -> Handler:
@@ -139,7 +139,7 @@ def _reposition(state: SitlState, order: CommandFields) -> int:
         state.aim = aim
     else:
         state.target = aim
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _orbit(state: SitlState, order: CommandFields) -> int:
@@ -152,7 +152,7 @@ def _orbit(state: SitlState, order: CommandFields) -> int:
         return refused(state)
     centre = order.place(state, state.body.position)
     state.orbit = Orbit(centre, abs(radius), math.copysign(speed, radius))
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _pause(state: SitlState, order: CommandFields) -> int:
@@ -170,25 +170,25 @@ def _start_mission(state: SitlState, order: CommandFields) -> int:
 
 def _speed(state: SitlState, order: CommandFields) -> int:
     state.speed = order.number(2) if order.number(2) > 0.0 else None
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _set_home(state: SitlState, order: CommandFields) -> int:
     if order.number(1) == 1.0:
         state.home = state.body.position.copy()
-        return int(ACCEPTED)
+        return int(RESULT_ACCEPTED)
     home = order.place(state, state.home)
-    if norm(home - state.body.position) > FARTHEST:
+    if norm(home - state.body.position) > FARTHEST_HOME:
         return refused(state)
     state.home = home
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _interval(state: SitlState, order: CommandFields) -> int:
     known = stream_scheduler.ask(
         state, order.channel, round(order.number(1)), order.number(2) / 1e6
     )
-    return int(ACCEPTED if known else FAILED if state.dialect.name == "px4" else DENIED)
+    return int(RESULT_ACCEPTED if known else FAILED if state.dialect.name == "px4" else DENIED)
 
 
 def _tell_interval(state: SitlState, order: CommandFields) -> int:
@@ -196,21 +196,21 @@ def _tell_interval(state: SitlState, order: CommandFields) -> int:
     if not 0 <= number < 1 << 16:
         return int(DENIED)
     beat = order.channel.streams.get(number)
-    interval = -1 if beat is None else min(LONGEST, round(1e6 * beat.interval))
+    interval = -1 if beat is None else min(LONGEST_INTERVAL, round(1e6 * beat.interval))
     known = stream_scheduler.known(state, number)
     answer = mavlink.MAVLink_message_interval_message(number, interval if known else 0)
     order.channel.send(answer, state.now)
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _tell(state: SitlState, number: int, order: CommandFields) -> int:
     if not stream_scheduler.known(state, number):
         return int(DENIED if state.dialect.name == "px4" else FAILED)
-    message = stream_scheduler.BUILDERS[number](state)
+    message = stream_scheduler.MESSAGE_BUILDERS[number](state)
     if message is None:
         return refused(state)
     order.channel.send(message, state.now)
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _request(state: SitlState, order: CommandFields) -> int:
@@ -228,7 +228,7 @@ def _reboot(state: SitlState, order: CommandFields) -> int:
     if order.number(1) not in {1.0, 3.0} or state.armed:
         return refused(state)
     state.troubles.add(Fault("reboot", 1.5, state.now + 0.1))
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _fail(state: SitlState, order: CommandFields) -> int:
@@ -243,7 +243,7 @@ def _fail(state: SitlState, order: CommandFields) -> int:
         state.troubles.clear(name)
     else:
         state.troubles.add(Fault(name, value, state.now))
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _actuate(state: SitlState, order: CommandFields) -> int:
@@ -253,14 +253,14 @@ def _actuate(state: SitlState, order: CommandFields) -> int:
     name = f"servo{round(order.number(1))}" if servo else "actuator"
     state.payload = name if value > 0.0 else None
     state.body.payload = state.payload
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _terminate(state: SitlState, order: CommandFields) -> int:
     if order.number(1) > 0.5:
         state.say("Flight termination", mavlink.MAV_SEVERITY_EMERGENCY)
         state.body.kill()
-    return int(ACCEPTED)
+    return int(RESULT_ACCEPTED)
 
 
 def _go_to_item(state: SitlState, order: CommandFields) -> int:

@@ -20,7 +20,7 @@ COLUMNS = (
     *("at", "north", "east", "down", "v_north", "v_east", "v_down", "qw", "qx", "qy", "qz"),
     *("p", "q", "r", "on_ground", "armed", "mode", "crashed", "charge", "clearance", "energy"),
 )
-LONGEST = 1_000_000  # bytes of a line
+LONGEST_LINE = 1_000_000  # bytes of a line
 READER_TIMEOUT = 5.0  # s, for a reader that does not read
 Answer = dict[str, Any]
 
@@ -217,7 +217,7 @@ class ControlSocket:
         try:
             data = peer.recv(65536)
             self._peers[peer] += data
-            if len(self._peers[peer]) > LONGEST and b"\n" not in self._peers[peer]:
+            if len(self._peers[peer]) > LONGEST_LINE and b"\n" not in self._peers[peer]:
                 peer.sendall(b'{"error": "a line that does not end"}\n')
                 data = b""
             while data and b"\n" in self._peers[peer]:

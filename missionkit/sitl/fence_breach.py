@@ -16,7 +16,7 @@ from missionkit.sitl.flight_modes import Flight
 from missionkit.sitl.geodetic import Earth, Spot
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.sitl.sitl_state import SitlState, take_over
-from missionkit.sitl.stored_plans import FENCE, Item
+from missionkit.sitl.stored_plans import FENCE_ITEMS, Item
 
 INSIDE = (
     mavlink.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
@@ -30,7 +30,7 @@ CIRCLES = (
     mavlink.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
     mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
 )
-HEIGHT, CIRCLE, POLYGON = 1, 2, 4  # bits of FENCE_TYPE
+FENCE_HEIGHT, FENCE_CIRCLE, FENCE_POLYGON = 1, 2, 4  # bits of FENCE_TYPE
 PX4_ACTIONS = {2: Flight.HOLD, 3: Flight.RETURN, 5: Flight.LAND}  # GF_ACTION
 ARDUPILOT_ACTIONS = {1: Flight.RETURN, 2: Flight.LAND, 4: Flight.HOLD}  # FENCE_ACTION
 Place = tuple[float, float]  # m, north and east
@@ -79,7 +79,7 @@ def _place(item: Item, earth: Earth) -> Place:
 def outside(state: SitlState) -> bool:
     """Tell whether the vehicle is where the uploaded fence does not let it be."""
     here = (float(state.body.position[0]), float(state.body.position[1]))
-    fences = shapes(state.plans.items[FENCE], state.earth)
+    fences = shapes(state.plans.items[FENCE_ITEMS], state.earth)
     kept = [shape.holds(here) for shape in fences if shape.inclusion]
     inside = any(kept) if state.dialect.name == "px4" else all(kept)
     out = bool(kept) and not inside
@@ -102,9 +102,9 @@ def breached(state: SitlState) -> bool:
     if not value["FENCE_ENABLE"]:
         return False
     kinds = int(value["FENCE_TYPE"])
-    away = value["FENCE_RADIUS"] if kinds & CIRCLE else 0.0
-    height = value["FENCE_ALT_MAX"] if kinds & HEIGHT else 0.0
-    return _beyond(state, away, height) or (bool(kinds & POLYGON) and outside(state))
+    away = value["FENCE_RADIUS"] if kinds & FENCE_CIRCLE else 0.0
+    height = value["FENCE_ALT_MAX"] if kinds & FENCE_HEIGHT else 0.0
+    return _beyond(state, away, height) or (bool(kinds & FENCE_POLYGON) and outside(state))
 
 
 def watch(state: SitlState) -> None:

@@ -12,8 +12,8 @@ from typing import NamedTuple
 from missionkit.errors import UsageError, nearest
 from missionkit.sitl.pymavlink_dialect import mavlink
 
-CUSTOM, AUTO, GUIDED = 1, 4, 8  # MAV_MODE_FLAG
-STABILIZE, MANUAL, ARMED = 16, 64, 128
+CUSTOM_FLAG, AUTO_FLAG, GUIDED_FLAG = 1, 4, 8  # MAV_MODE_FLAG
+STABILIZE_FLAG, MANUAL_FLAG, ARMED_FLAG = 16, 64, 128
 
 
 class Flight(StrEnum):
@@ -35,7 +35,7 @@ class Mode(NamedTuple):
     number: int  # custom_mode
     does: Flight
     arming: bool = True  # may be armed in
-    base: int = STABILIZE | MANUAL  # MAV_MODE_FLAG, besides CUSTOM and ARMED
+    base: int = STABILIZE_FLAG | MANUAL_FLAG  # MAV_MODE_FLAG, besides CUSTOM_FLAG and ARMED_FLAG
     needs_position: bool = True
 
 
@@ -43,12 +43,12 @@ def _px4(main: int, sub: int = 0) -> int:
     return sub << 24 | main << 16
 
 
-_SELF = STABILIZE | GUIDED | AUTO
-PX4 = (
-    Mode("MANUAL", _px4(1), Flight.PILOT, base=MANUAL, needs_position=False),
+_SELF = STABILIZE_FLAG | GUIDED_FLAG | AUTO_FLAG
+PX4_MODES = (
+    Mode("MANUAL", _px4(1), Flight.PILOT, base=MANUAL_FLAG, needs_position=False),
     Mode("ALTCTL", _px4(2), Flight.PILOT, needs_position=False),
-    Mode("POSCTL", _px4(3), Flight.PILOT, base=STABILIZE | GUIDED | MANUAL),
-    Mode("ACRO", _px4(5), Flight.PILOT, base=MANUAL, needs_position=False),
+    Mode("POSCTL", _px4(3), Flight.PILOT, base=STABILIZE_FLAG | GUIDED_FLAG | MANUAL_FLAG),
+    Mode("ACRO", _px4(5), Flight.PILOT, base=MANUAL_FLAG, needs_position=False),
     Mode("OFFBOARD", _px4(6), Flight.COMMANDED, base=_SELF),
     Mode("STABILIZED", _px4(7), Flight.PILOT, needs_position=False),
     Mode("TAKEOFF", _px4(4, 2), Flight.TAKE_OFF, base=_SELF),
@@ -59,8 +59,8 @@ PX4 = (
     Mode("ORBIT", _px4(3, 1), Flight.HOLD, arming=False, base=_SELF),
 )
 
-_ALONE = STABILIZE | GUIDED | MANUAL
-ARDUPILOT = (
+_ALONE = STABILIZE_FLAG | GUIDED_FLAG | MANUAL_FLAG
+ARDUPILOT_MODES = (
     Mode("STABILIZE", 0, Flight.PILOT, needs_position=False),
     Mode("ACRO", 1, Flight.PILOT, needs_position=False),
     Mode("ALT_HOLD", 2, Flight.PILOT, needs_position=False),
@@ -118,12 +118,12 @@ _COMMON = (
     | mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
     | mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
 )
-DIALECTS = {
+MODE_TABLES = {
     "px4": ModeTable(
         "px4",
         mavlink.MAV_AUTOPILOT_PX4,
-        PX4,
-        PX4[7],
+        PX4_MODES,
+        PX4_MODES[7],
         bytewise=True,
         capabilities=_COMMON | mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE,
         version=1 << 24 | 16 << 16 | 1 << 8 | 255,
@@ -131,8 +131,8 @@ DIALECTS = {
     "ardupilot": ModeTable(
         "ardupilot",
         mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-        ARDUPILOT,
-        ARDUPILOT[0],
+        ARDUPILOT_MODES,
+        ARDUPILOT_MODES[0],
         bytewise=False,
         capabilities=_COMMON | mavlink.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT,
         version=4 << 24 | 6 << 16 | 0 << 8 | 255,
@@ -146,6 +146,6 @@ def dialect(name: str) -> ModeTable:
     Raises:
         UsageError: there is none of that name.
     """
-    if name not in DIALECTS:
-        raise UsageError(f"unknown dialect {name!r}: {nearest(name, DIALECTS)}")
-    return DIALECTS[name]
+    if name not in MODE_TABLES:
+        raise UsageError(f"unknown dialect {name!r}: {nearest(name, MODE_TABLES)}")
+    return MODE_TABLES[name]

@@ -12,7 +12,7 @@ from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
 BEST = 255  # quality
-UNKNOWN = -1.0  # m
+RANGE_UNKNOWN = -1.0  # m
 NO_COVARIANCE = 255
 
 
@@ -77,5 +77,5 @@ def _distance(state: SitlState) -> float:
     """Return the distance to the ground (m), negative if it is not known."""
     reading, flow = state.sensed.range, state.sensed.flow
     if reading is None or flow is None or abs(flow.at - reading.at) > flow.over:
-        return UNKNOWN
+        return RANGE_UNKNOWN
     return reading.distance

@@ -10,7 +10,7 @@ from missionkit.sitl import arming_rules
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
-SENSORS = (
+SENSOR_HEALTH = (
     mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
     | mavlink.MAV_SYS_STATUS_SENSOR_3D_ACCEL
     | mavlink.MAV_SYS_STATUS_SENSOR_3D_MAG
@@ -44,7 +44,7 @@ def sys_status(state: SitlState) -> Message:
 
     PX4 (`streams/SYS_STATUS.hpp`) sets it in the health alone, ArduPilot in all three fields.
     """
-    health, there = SENSORS, SENSORS
+    health, there = SENSOR_HEALTH, SENSOR_HEALTH
     if state.dialect.name == "px4":
         there &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
     if state.gnss_lost:

@@ -6,7 +6,7 @@ import heapq
 from typing import Generic, Protocol, TypeVar
 
 T = TypeVar("T")
-LATE = 0.06  # s, by which a reordered packet is overtaken at most
+REORDERING_DELAY = 0.06  # s, by which a reordered packet is overtaken at most
 
 
 class Weather(Protocol):

@@ -30,7 +30,7 @@ from missionkit.sitl.peer_channel import Channel, sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.simulated_body import SimulatedBody
 from missionkit.sitl.sitl_state import SitlState
-from missionkit.sitl.wire_faults import BODY, WireFaults
+from missionkit.sitl.wire_faults import BODY_FAULTS, WireFaults
 
 SLICE = 0.01  # s, between two looks at the links
 BURST = 10  # PARAM_VALUEs in one slice
@@ -60,7 +60,7 @@ class MavlinkAutopilot:
         system: int = 1,
     ) -> None:
         px4 = dialect.name == "px4"
-        body = SimulatedBody(world, seed, [fault for fault in faults if fault.name in BODY])
+        body = SimulatedBody(world, seed, [fault for fault in faults if fault.name in BODY_FAULTS])
         self.state = SitlState(
             dialect=dialect,
             body=body,
@@ -106,7 +106,7 @@ class MavlinkAutopilot:
         if not state.in_air:
             state.sensed.flow_held_at = state.now
         state.body.by_flow = state.by_flow
-        state.body.faulty([fault for fault in state.troubles.faults if fault.name in BODY])
+        state.body.faulty([fault for fault in state.troubles.faults if fault.name in BODY_FAULTS])
         state.sensed.update(state.body.advance(round(state.now / SLICE + 1.0) * SLICE))
         lost = state.troubles.without_fixes(state.now)
         state.lost_gnss_at = math.inf if lost is None else state.now - lost

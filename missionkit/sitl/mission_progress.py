@@ -17,8 +17,8 @@ from missionkit.sitl.setpoint_tracking import SetpointTarget, towards
 from missionkit.sitl.sitl_state import SitlState
 from missionkit.sitl.stored_plans import Item
 
-GLOBAL = (mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_FRAME_GLOBAL_INT)
-RELATIVE = (
+GLOBAL_FRAMES = (mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_FRAME_GLOBAL_INT)
+RELATIVE_FRAMES = (
     mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT,
     mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
     mavlink.MAV_FRAME_GLOBAL_TERRAIN_ALT,
@@ -52,7 +52,7 @@ def place(state: SitlState, item: Item) -> Vec3:
         level = here(Spot(item.x / 1e7, item.y / 1e7, 0.0))
         return vec(level[0], level[1], float(state.body.position[2]))
     height = float(item.z)
-    if item.frame in RELATIVE:
+    if item.frame in RELATIVE_FRAMES:
         height += state.earth.origin.height - float(state.home[2])
     return here(Spot(item.x / 1e7, item.y / 1e7, height))
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from missionkit.sitl.peer_channel import Channel, Sender, sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
-from missionkit.sitl.stored_plans import MISSION, Item
+from missionkit.sitl.stored_plans import MISSION_ITEMS, Item
 
-RETRY, RETRIES = 0.25, 10  # s
-ACCEPTED = mavlink.MAV_MISSION_ACCEPTED
+RETRY_INTERVAL, RETRIES = 0.25, 10  # s
+MISSION_ACCEPTED = mavlink.MAV_MISSION_ACCEPTED
 
 
 @dataclass(slots=True)
@@ -45,7 +45,7 @@ class MissionProtocol:
             message: of the mission protocol; an acknowledgement is not answered.
         """
         who = sender(message)
-        kind = getattr(message, "mission_type", MISSION)
+        kind = getattr(message, "mission_type", MISSION_ITEMS)
         match message.get_type():
             case "MISSION_REQUEST_LIST":
                 count = len(state.plans.items.get(kind, ()))
@@ -54,7 +54,7 @@ class MissionProtocol:
                 _give(state, channel, message, kind)
             case "MISSION_CLEAR_ALL":
                 _clear(state, kind)
-                _acknowledge(state, channel, who, ACCEPTED, kind)
+                _acknowledge(state, channel, who, MISSION_ACCEPTED, kind)
             case "MISSION_SET_CURRENT":
                 set_current(state, message.seq)
             case "MISSION_COUNT":
@@ -90,7 +90,7 @@ class MissionProtocol:
             self._ask(state, upload)
             return
         _store(state, upload.kind, tuple(upload.items))
-        self._end(state, upload, ACCEPTED)
+        self._end(state, upload, MISSION_ACCEPTED)
 
     def _end(self, state: SitlState, upload: Upload, result: int) -> None:
         _acknowledge(state, upload.channel, upload.who, result, upload.kind)
@@ -106,7 +106,7 @@ class MissionProtocol:
     def step(self, state: SitlState) -> None:
         """Ask again for an item that did not come; give up after some time."""
         upload = self._upload
-        if upload is None or state.now - upload.asked_at < RETRY:
+        if upload is None or state.now - upload.asked_at < RETRY_INTERVAL:
             return
         if upload.tries < RETRIES:
             self._ask(state, upload)
@@ -143,7 +143,7 @@ def _clear(state: SitlState, kind: int) -> None:
 
 def _store(state: SitlState, kind: int, items: tuple[Item, ...]) -> None:
     state.plans.items[kind] = items
-    if kind == MISSION:
+    if kind == MISSION_ITEMS:
         state.plans.current, state.plans.reached = 0, -1
 
 

@@ -19,7 +19,7 @@ from missionkit.sitl.pymavlink_dialect import Message, mavlink
 INT8, INT16 = mavlink.MAV_PARAM_TYPE_INT8, mavlink.MAV_PARAM_TYPE_INT16
 INT32, REAL32 = mavlink.MAV_PARAM_TYPE_INT32, mavlink.MAV_PARAM_TYPE_REAL32
 
-PX4: dict[str, float] = {  # an int is an INT32
+PX4_PARAMETERS: dict[str, float] = {  # an int is an INT32
     "BAT1_SOURCE": 0,
     "BAT_CRIT_THR": 0.07,
     "BAT_EMERGEN_THR": 0.05,
@@ -64,7 +64,7 @@ PX4: dict[str, float] = {  # an int is an INT32
     "SYS_AUTOSTART": 4001,
     "SYS_FAILURE_EN": 0,
 }
-ARDUPILOT: dict[str, float] = {  # an int is an INT16
+ARDUPILOT_PARAMETERS: dict[str, float] = {  # an int is an INT16
     "ARMING_CHECK": 1,
     "BATT_CAPACITY": 1500,
     "BATT_CRT_MAH": 0.0,
@@ -110,7 +110,7 @@ ARDUPILOT: dict[str, float] = {  # an int is an INT16
     "WPNAV_SPEED_DN": 150.0,
     "WPNAV_SPEED_UP": 250.0,
 }
-TABLES = {"px4": PX4, "ardupilot": ARDUPILOT}
+TABLES = {"px4": PX4_PARAMETERS, "ardupilot": ARDUPILOT_PARAMETERS}
 
 
 class Entry(NamedTuple):

@@ -20,7 +20,7 @@ from missionkit.sitl.flight_primitives import (
 from missionkit.sitl.setpoint_tracking import SetpointTarget, towards
 from missionkit.sitl.sitl_state import SitlState
 
-NEAR = 0.5  # m, counts as there
+ARRIVAL_RADIUS = 0.5  # m, counts as there
 
 
 def _level_gap(state: SitlState, position: Vec3) -> float:
@@ -50,7 +50,7 @@ def steer(state: SitlState) -> Command | None:
     aim = state.aim
     if aim is None:  # on the way down
         return act(state, Action.LAND, "land")
-    if there(state, aim, NEAR):
+    if there(state, aim, ARRIVAL_RADIUS):
         _next_leg(state, aim)
     return None if state.aim is None else to(state, state.aim)
 

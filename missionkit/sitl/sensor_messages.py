@@ -11,18 +11,18 @@ import math
 
 import numpy as np
 
-from missionkit.geometry import conjugate, norm, rotate, to_euler, to_matrix, vec, yaw_of
+from missionkit.geometry import GRAVITY, conjugate, norm, rotate, to_euler, to_matrix, vec, yaw_of
 from missionkit.messages import Gnss
-from missionkit.sim.kernel_layout import GRAVITY
 from missionkit.sitl.geodetic import e7
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
 NAN = math.nan
 FIELD = 0.5  # gauss, of the Earth
-INERTIAL, MAGNETIC, BAROMETRIC = 0x3F, 0x1C0, 0x1A00  # HIGHRES_IMU_UPDATED_FLAGS
-SECTORS = 72
-FAR = 65535  # UINT16_MAX: not known
+INERTIAL_UPDATED, MAGNETIC_UPDATED, BAROMETRIC_UPDATED = 0x3F, 0x1C0, 0x1A00
+"""HIGHRES_IMU_UPDATED_FLAGS."""
+RING_SECTORS = 72
+DISTANCE_UNKNOWN = 65535  # UINT16_MAX: not known
 PRESSURE, SCALE_HEIGHT = 1013.25, 8434.5  # hPa at sea level, m
 
 
@@ -129,7 +129,7 @@ def highres_imu(state: SitlState) -> Message:
     pressure, high = _pressure(state)
     at = state.since_boot(imu.at)
     return mavlink.MAVLink_highres_imu_message(
-        at, *imu.accel, *imu.gyro, *field, pressure, 0.0, high, 20.0, INERTIAL
+        at, *imu.accel, *imu.gyro, *field, pressure, 0.0, high, 20.0, INERTIAL_UPDATED
     )
 
 
@@ -142,8 +142,8 @@ def updated(state: SitlState, last_sent: tuple[float, float]) -> tuple[int, tupl
     """
     mag, baro = state.sensed.mag, state.sensed.baro
     times = (-1.0 if mag is None else mag.at, -1.0 if baro is None else baro.at)
-    field = MAGNETIC if times[0] > last_sent[0] else 0
-    return INERTIAL | field | (BAROMETRIC if times[1] > last_sent[1] else 0), times
+    field = MAGNETIC_UPDATED if times[0] > last_sent[0] else 0
+    return INERTIAL_UPDATED | field | (BAROMETRIC_UPDATED if times[1] > last_sent[1] else 0), times
 
 
 def _milli(state: SitlState) -> list[int]:
@@ -177,7 +177,16 @@ def gps_raw_int(state: SitlState) -> Message | None:
     fix = state.sensed.gnss
     if fix is None or state.gnss_lost:
         return mavlink.MAVLink_gps_raw_int_message(
-            state.micros, mavlink.GPS_FIX_TYPE_NO_FIX, 0, 0, 0, FAR, FAR, FAR, FAR, 0
+            state.micros,
+            mavlink.GPS_FIX_TYPE_NO_FIX,
+            0,
+            0,
+            0,
+            DISTANCE_UNKNOWN,
+            DISTANCE_UNKNOWN,
+            DISTANCE_UNKNOWN,
+            DISTANCE_UNKNOWN,
+            0,
         )
     spot = state.earth.spot(fix.position)
     height = round(1e3 * spot.height)
@@ -199,7 +208,7 @@ def gps_raw_int(state: SitlState) -> Message | None:
 def _ground_track(fix: Gnss) -> tuple[int, int]:
     """Return speed (cm/s) and course (cdeg) over ground."""
     if fix.velocity is None:
-        return FAR, FAR
+        return DISTANCE_UNKNOWN, DISTANCE_UNKNOWN
     north, east = float(fix.velocity[0]), float(fix.velocity[1])
     course = math.degrees(math.atan2(east, north)) % 360.0
     return round(100.0 * math.hypot(north, east)), round(100.0 * course) % 36000
@@ -227,7 +236,7 @@ def battery_status(state: SitlState) -> Message | None:
         mavlink.MAV_BATTERY_FUNCTION_ALL,
         mavlink.MAV_BATTERY_TYPE_LIPO,
         32767,
-        [round(1e3 * reading.voltage), *(FAR,) * 9],
+        [round(1e3 * reading.voltage), *(DISTANCE_UNKNOWN,) * 9],
         round(100.0 * current),
         -1,
         round(state.body.truth.energy / 100.0),
@@ -250,10 +259,10 @@ def obstacle_distance(state: SitlState) -> Message | None:
     if scan is None:
         return None
     far = round(100.0 * reach)
-    distances = [far + 1] * SECTORS
+    distances = [far + 1] * RING_SECTORS
     ahead = yaw_of(state.body.attitude)
     for n, e, _ in scan.points @ to_matrix(state.body.attitude).T:
-        sector = round(math.degrees(math.atan2(e, n) - ahead) / 5.0) % SECTORS
+        sector = round(math.degrees(math.atan2(e, n) - ahead) / 5.0) % RING_SECTORS
         distances[sector] = min(distances[sector], round(100.0 * math.hypot(n, e)))
     return mavlink.MAVLink_obstacle_distance_message(
         state.since_boot(scan.at),

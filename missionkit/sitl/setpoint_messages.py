@@ -13,18 +13,18 @@ import numpy as np
 
 from missionkit.geometry import Vec3, from_euler, normalised, rotate, vec, yaw_of
 from missionkit.sitl.geodetic import Spot
-from missionkit.sitl.mission_progress import RELATIVE
+from missionkit.sitl.mission_progress import RELATIVE_FRAMES
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
-from missionkit.sitl.setpoint_tracking import NONE, Axes, SetpointTarget
+from missionkit.sitl.setpoint_tracking import NO_AXES, Axes, SetpointTarget
 from missionkit.sitl.sitl_state import SitlState
 
-BODY = (
+BODY_FRAMES = (
     mavlink.MAV_FRAME_BODY_NED,
     mavlink.MAV_FRAME_BODY_OFFSET_NED,
     mavlink.MAV_FRAME_BODY_FRD,
 )
-OFFSET = (mavlink.MAV_FRAME_LOCAL_OFFSET_NED, mavlink.MAV_FRAME_BODY_OFFSET_NED)
-LOCAL = (mavlink.MAV_FRAME_LOCAL_NED, *BODY, mavlink.MAV_FRAME_LOCAL_OFFSET_NED)
+OFFSET_FRAMES = (mavlink.MAV_FRAME_LOCAL_OFFSET_NED, mavlink.MAV_FRAME_BODY_OFFSET_NED)
+LOCAL = (mavlink.MAV_FRAME_LOCAL_NED, *BODY_FRAMES, mavlink.MAV_FRAME_LOCAL_OFFSET_NED)
 YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11
 RATES_IGNORED, ATTITUDE_IGNORED = 7, 1 << 7
 THRUST_IS_THRUST = 8  # bit of GUID_OPTIONS: not a climb rate
@@ -46,7 +46,7 @@ def read(state: SitlState, message: Message) -> SetpointTarget | None:
 
 def _global(state: SitlState, message: Message) -> tuple[float, ...]:
     height = message.alt
-    if message.coordinate_frame in RELATIVE:
+    if message.coordinate_frame in RELATIVE_FRAMES:
         height += state.earth.origin.height - float(state.home[2])
     spot = Spot(message.lat_int / 1e7, message.lon_int / 1e7, height)
     return tuple(map(float, state.earth.position(spot)))
@@ -61,7 +61,7 @@ def _axes(numbers: tuple[float, ...], mask: int) -> Axes:
 
 
 def _turned(axes: Axes, frame: int, state: SitlState) -> Axes:
-    if frame not in BODY or axes == NONE:
+    if frame not in BODY_FRAMES or axes == NO_AXES:
         return axes
     heading = from_euler(0.0, 0.0, yaw_of(state.body.attitude))
     n, e, d = map(float, rotate(heading, vec(*(value or 0.0 for value in axes))))
@@ -75,7 +75,7 @@ def _target(state: SitlState, message: Message, place: tuple[float, ...]) -> Set
     position = _placed(state, _axes(place, mask), frame)
     velocity = _axes((message.vx, message.vy, message.vz), mask >> 3)
     acceleration = _axes((message.afx, message.afy, message.afz), mask >> 6)
-    if NONE == position == velocity == acceleration:
+    if NO_AXES == position == velocity == acceleration:
         return None
     return SetpointTarget(
         state.now,
@@ -91,10 +91,10 @@ def _target(state: SitlState, message: Message, place: tuple[float, ...]) -> Set
 
 def _placed(state: SitlState, position: Axes, frame: int) -> Axes:
     """Turn a position that is relative to the vehicle into one of the local frame."""
-    if frame not in {*OFFSET, *BODY} or position == NONE:
+    if frame not in {*OFFSET_FRAMES, *BODY_FRAMES} or position == NO_AXES:
         return position
     if state.dialect.name == "px4":
-        return NONE  # PX4 takes no positions in these frames
+        return NO_AXES  # PX4 takes no positions in these frames
     turned, here = _turned(position, frame, state), state.body.position
     n, e, d = (
         None if value is None else value + float(here[axis]) for axis, value in enumerate(turned)

@@ -19,6 +19,7 @@ import math
 from typing import NamedTuple
 
 from missionkit.geometry import (
+    GRAVITY,
     Quat,
     Vec3,
     exp,
@@ -31,22 +32,21 @@ from missionkit.geometry import (
     yaw_of,
 )
 from missionkit.messages import Setpoint
-from missionkit.sim.kernel_layout import GRAVITY
+from missionkit.sim.position_control import YAW_GAIN, YAW_RATE
 from missionkit.sitl.simulated_body import SimulatedBody
 
 Axes = tuple[float | None, float | None, float | None]
-NONE: Axes = (None, None, None)
-YAW_GAIN, YAW_RATE = 2.0, 1.5  # 1/s, rad/s
-TILT = math.radians(35.0)
+NO_AXES: Axes = (None, None, None)
+MOST_TILT = math.radians(35.0)
 
 
 class SetpointTarget(NamedTuple):
     """Commanded position, velocity or attitude; `None` where not commanded."""
 
     at: float  # s, when it arrived
-    position: Axes = NONE  # m, NED
-    velocity: Axes = NONE  # m/s, NED
-    acceleration: Axes = NONE  # m/s², NED
+    position: Axes = NO_AXES  # m, NED
+    velocity: Axes = NO_AXES  # m/s, NED
+    acceleration: Axes = NO_AXES  # m/s², NED
     yaw: float | None = None  # rad
     yaw_rate: float | None = None  # rad/s
     attitude: Quat | None = None  # (4,), body to world
@@ -57,13 +57,13 @@ class SetpointTarget(NamedTuple):
     @property
     def leans(self) -> bool:
         """Whether it commands an acceleration or attitude, with neither position nor velocity."""
-        pushed = self.acceleration != NONE and self.position == self.velocity == NONE
+        pushed = self.acceleration != NO_AXES and self.position == self.velocity == NO_AXES
         return self.attitude is not None or pushed
 
     @property
     def moves(self) -> bool:
         """Whether it commands anything but a position: a stream that must not end."""
-        return self.attitude is not None or self.rates is not None or self.position == NONE
+        return self.attitude is not None or self.rates is not None or self.position == NO_AXES
 
 
 class TrackingLimits(NamedTuple):
@@ -144,8 +144,8 @@ def _inclined(
     up = rotate(attitude, vec(0.0, 0.0, -1.0))
     push = vec(0.0, 0.0, GRAVITY) + target.thrust / limits.hover * GRAVITY * up
     level = math.hypot(push[0], push[1])
-    if level > GRAVITY * math.tan(TILT):
-        push[:2] *= GRAVITY * math.tan(TILT) / level
+    if level > GRAVITY * math.tan(MOST_TILT):
+        push[:2] *= GRAVITY * math.tan(MOST_TILT) / level
     now, climb = body.velocity, target.velocity[2]
     want = now + push / vec(limits.velocity_gain, limits.velocity_gain, limits.climb_gain)
     if climb is not None:

@@ -22,7 +22,7 @@ from missionkit.sitl.wire_faults import read_fault
 
 LINKS = ("udpout:127.0.0.1:14540", "udpout:127.0.0.1:14550", "tcpin:127.0.0.1:5760")
 SLIP = 0.1  # s, of wall time; a simulation that is later than that lets the time pass unused
-FASTEST = 10.0
+FASTEST_TIME = 10.0
 WAIT = 0.2  # s, at most, between two looks at whether to stop
 
 
@@ -50,8 +50,10 @@ class Server:
     """
 
     def __init__(self, setup: Setup) -> None:
-        if not 0.0 < setup.speed <= FASTEST:
-            raise UsageError(f"speed {setup.speed:g}: expected more than 0, at most {FASTEST:g}")
+        if not 0.0 < setup.speed <= FASTEST_TIME:
+            raise UsageError(
+                f"speed {setup.speed:g}: expected more than 0, at most {FASTEST_TIME:g}"
+            )
         kind = dialect(setup.dialect)
         faults = [read_fault(text, kind) for text in setup.faults]
         self.autopilot = MavlinkAutopilot(

@@ -31,15 +31,15 @@ from missionkit.sitl.stored_plans import Plans
 from missionkit.sitl.wire_faults import WireFaults
 
 ALERT = mavlink.MAV_SEVERITY_ALERT
-WARNING = mavlink.MAV_SEVERITY_WARNING
-INFO = mavlink.MAV_SEVERITY_INFO
+SEVERITY_WARNING = mavlink.MAV_SEVERITY_WARNING
+SEVERITY_INFO = mavlink.MAV_SEVERITY_INFO
 DEAD_RECKONING = 10.0  # s, ArduPilot: AP_NavEKF3 posRetryTimeUseVel_ms
-FLOW = {"px4": ("EKF2_OF_CTRL", 1), "ardupilot": ("EK3_SRC1_VELXY", 5)}
+FLOW_PARAMETERS = {"px4": ("EKF2_OF_CTRL", 1), "ardupilot": ("EK3_SRC1_VELXY", 5)}
 """Parameter that lets the estimator use optical flow, and the value that does."""
 FLOW_HELD = 5.0  # s that it continues without flow, as EKF2_NOAID_TOUT
 GCS = mavlink.MAV_TYPE_GCS
-JOURNAL = 100_000  # notes
-TEXT = 50  # characters of a STATUSTEXT
+JOURNAL_LENGTH = 100_000  # notes
+TEXT_LENGTH = 50  # characters of a STATUSTEXT
 
 
 class Note(NamedTuple):
@@ -101,7 +101,7 @@ class SitlState:
     mode: Mode
     home: Vec3  # (3,), m, NED
     wall: Callable[[], float]
-    journal: deque[Note] = field(default_factory=lambda: deque(maxlen=JOURNAL))
+    journal: deque[Note] = field(default_factory=lambda: deque(maxlen=JOURNAL_LENGTH))
     channels: list[Channel] = field(default_factory=list)
     sensed: Sensed = field(default_factory=Sensed)
     plans: Plans = field(default_factory=Plans)
@@ -151,7 +151,10 @@ class SitlState:
     @property
     def by_flow(self) -> bool:
         """Whether its estimator uses optical flow: enabled, and on the ground or flow in sight."""
-        chosen = self.parameters[FLOW[self.dialect.name][0]] == FLOW[self.dialect.name][1]
+        chosen = (
+            self.parameters[FLOW_PARAMETERS[self.dialect.name][0]]
+            == FLOW_PARAMETERS[self.dialect.name][1]
+        )
         return chosen and self.now - self.sensed.flow_held_at <= FLOW_HELD
 
     @property
@@ -208,15 +211,15 @@ class SitlState:
         """Keep in the journal that something happened now."""
         self.journal.append(Note(self.now, self.wall(), what, which))
 
-    def say(self, text: str, severity: int = INFO) -> None:
+    def say(self, text: str, severity: int = SEVERITY_INFO) -> None:
         """Tell everyone."""
         self.note("said", text)
         for channel in self.channels:
-            for part in range(0, len(text), TEXT):
-                words = text[part : part + TEXT].encode()
+            for part in range(0, len(text), TEXT_LENGTH):
+                words = text[part : part + TEXT_LENGTH].encode()
                 channel.send(mavlink.MAVLink_statustext_message(severity, words), self.now)
 
-    def warn_once(self, key: str, text: str, severity: int = WARNING) -> None:
+    def warn_once(self, key: str, text: str, severity: int = SEVERITY_WARNING) -> None:
         """Tell everyone, once until `warned` forgets it.
 
         Args:

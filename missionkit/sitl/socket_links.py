@@ -15,11 +15,11 @@ from missionkit.errors import UsageError, VehicleError
 from missionkit.sitl.mavlink_autopilot import MavlinkAutopilot
 from missionkit.sitl.peer_channel import Channel
 
-FORM = re.compile(r"(?P<kind>udpout|udpin|tcpin):(//)?(?P<host>[^:/]+):(?P<port>\d+)")
+LINK_FORM = re.compile(r"(?P<kind>udpout|udpin|tcpin):(//)?(?P<host>[^:/]+):(?P<port>\d+)")
 Address = tuple[str, int]
-PEERS = 8  # of one udpin link
-CHUNK = 65536
-BACKLOG = 1 << 20  # bytes waiting for a slow TCP peer; more are lost
+MOST_PEERS = 8  # of one udpin link
+SOCKET_READ_BYTES = 65536
+TCP_BACKLOG = 1 << 20  # bytes waiting for a slow TCP peer; more are lost
 
 
 class Link(Protocol):
@@ -43,7 +43,7 @@ def open_link(text: str, autopilot: MavlinkAutopilot, selector: selectors.BaseSe
         UsageError: not of the form above.
         VehicleError: the port is taken.
     """
-    match = FORM.fullmatch(text)
+    match = LINK_FORM.fullmatch(text)
     if match is None:
         forms = "udpout:HOST:PORT, udpin:HOST:PORT or tcpin:HOST:PORT"
         raise UsageError(f"cannot read the link {text!r}; the form is {forms}")
@@ -78,7 +78,7 @@ class UdpLink:
         selector.register(self._socket, selectors.EVENT_READ, self._read)
 
     def _meet(self, peer: Address) -> Channel:
-        if len(self._peers) >= PEERS:
+        if len(self._peers) >= MOST_PEERS:
             oldest = next(iter(self._peers))
             self._autopilot.disconnect(self._peers.pop(oldest))
         self._peers[peer] = channel = self._autopilot.connect(lambda data: self._write(data, peer))
@@ -93,7 +93,7 @@ class UdpLink:
     def _read(self) -> None:
         while True:
             try:
-                data, peer = self._socket.recvfrom(CHUNK)
+                data, peer = self._socket.recvfrom(SOCKET_READ_BYTES)
             except BlockingIOError:
                 return
             except OSError:  # an earlier packet was refused
@@ -136,7 +136,7 @@ class TcpLink:
 
     def _read(self, connection: socket.socket, channel: Channel) -> None:
         try:
-            data = connection.recv(CHUNK)
+            data = connection.recv(SOCKET_READ_BYTES)
         except BlockingIOError:
             return
         except OSError:
@@ -165,7 +165,7 @@ class TcpPeer:
 
     def write(self, data: bytes) -> None:
         """Send what fits now, keep the rest."""
-        if len(self._waiting) < BACKLOG:
+        if len(self._waiting) < TCP_BACKLOG:
             self._waiting += data
         try:
             sent = self._connection.send(self._waiting)

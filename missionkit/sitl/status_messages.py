@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from missionkit.geometry import to_euler, yaw_of
-from missionkit.sitl.flight_modes import ARMED, CUSTOM, Flight
+from missionkit.sitl.flight_modes import ARMED_FLAG, CUSTOM_FLAG, Flight
 from missionkit.sitl.geodetic import e7
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
@@ -19,7 +19,7 @@ QUADROTOR = mavlink.MAV_TYPE_QUADROTOR
 
 def heartbeat(state: SitlState) -> Message:
     """Return HEARTBEAT."""
-    base = CUSTOM | state.mode.base | (ARMED if state.armed else 0)
+    base = CUSTOM_FLAG | state.mode.base | (ARMED_FLAG if state.armed else 0)
     return mavlink.MAVLink_heartbeat_message(
         QUADROTOR, state.dialect.autopilot, base, state.mode.number, _status(state), 3
     )

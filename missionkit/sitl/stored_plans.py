@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 
-MISSION = mavlink.MAV_MISSION_TYPE_MISSION
-FENCE = mavlink.MAV_MISSION_TYPE_FENCE
-RALLY = mavlink.MAV_MISSION_TYPE_RALLY
+MISSION_ITEMS = mavlink.MAV_MISSION_TYPE_MISSION
+FENCE_ITEMS = mavlink.MAV_MISSION_TYPE_FENCE
+RALLY_ITEMS = mavlink.MAV_MISSION_TYPE_RALLY
 
 
 class Item(NamedTuple):
@@ -47,7 +47,7 @@ class Plans:
     """Uploaded items by MAV_MISSION_TYPE, and the current mission item."""
 
     items: dict[int, tuple[Item, ...]] = field(
-        default_factory=lambda: {MISSION: (), FENCE: (), RALLY: ()}
+        default_factory=lambda: {MISSION_ITEMS: (), FENCE_ITEMS: (), RALLY_ITEMS: ()}
     )
     current: int = 0
     reached: int = -1
@@ -55,4 +55,4 @@ class Plans:
     @property
     def mission(self) -> tuple[Item, ...]:
         """Items of the mission."""
-        return self.items[MISSION]
+        return self.items[MISSION_ITEMS]

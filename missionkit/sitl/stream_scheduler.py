@@ -19,12 +19,12 @@ from missionkit.sitl.peer_channel import Beat, Channel
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
-HEARTBEAT = mavlink.MAVLINK_MSG_ID_HEARTBEAT
-FASTEST = 100.0  # Hz: the inertial unit's rate
+HEARTBEAT_ID = mavlink.MAVLINK_MSG_ID_HEARTBEAT
+FASTEST_STREAM = 100.0  # Hz: the inertial unit's rate
 
 Builder = Callable[[SitlState], Message | None]
-BUILDERS: Mapping[int, Builder] = {
-    HEARTBEAT: status_messages.heartbeat,
+MESSAGE_BUILDERS: Mapping[int, Builder] = {
+    HEARTBEAT_ID: status_messages.heartbeat,
     mavlink.MAVLINK_MSG_ID_SYS_STATUS: health_messages.sys_status,
     mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: health_messages.estimator_status,
     mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT: health_messages.ekf_status_report,
@@ -66,7 +66,7 @@ FRESH_ONLY = frozenset(  # sent once for each measurement, even if requested mor
         mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD,
     )
 )
-MISSING = {  # what the real one does not have
+MISSING_MESSAGES = {  # what the real one does not have
     "px4": frozenset(
         (mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW)
     ),
@@ -82,9 +82,9 @@ MISSING = {  # what the real one does not have
     ),
 }
 
-RATES: Mapping[str, Mapping[int, float]] = {  # Hz, sent by default
+DEFAULT_RATES: Mapping[str, Mapping[int, float]] = {  # Hz, sent by default
     "px4": {
-        HEARTBEAT: 1.0,
+        HEARTBEAT_ID: 1.0,
         mavlink.MAVLINK_MSG_ID_SYS_STATUS: 5.0,
         mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 1.0,
         mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: 5.0,
@@ -105,9 +105,9 @@ RATES: Mapping[str, Mapping[int, float]] = {  # Hz, sent by default
         mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: 10.0,
         mavlink.MAVLINK_MSG_ID_VFR_HUD: 10.0,
     },
-    "ardupilot": {HEARTBEAT: 1.0, mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: 10.0},
+    "ardupilot": {HEARTBEAT_ID: 1.0, mavlink.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: 10.0},
 }
-GROUPS: Mapping[int, tuple[int, ...]] = {  # MAV_DATA_STREAM, as ArduCopter fills them
+STREAM_GROUPS: Mapping[int, tuple[int, ...]] = {  # MAV_DATA_STREAM, as ArduCopter fills them
     mavlink.MAV_DATA_STREAM_RAW_SENSORS: (
         mavlink.MAVLINK_MSG_ID_RAW_IMU,
         mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE,
@@ -153,26 +153,27 @@ class Messages:
 
     def _fresh(self, state: SitlState, number: int) -> Message | None:
         if number not in FRESH_ONLY:
-            return BUILDERS[number](state)
+            return MESSAGE_BUILDERS[number](state)
         at = sensor_messages.measured_at(state, number)
         before, message = self._kept.get(number, (None, None))
         if at != before or message is None:
-            message = BUILDERS[number](state)
+            message = MESSAGE_BUILDERS[number](state)
             self._kept[number] = (at, message)
         return message
 
 
 def known(state: SitlState, number: int) -> bool:
     """Tell whether this autopilot has that message."""
-    return number in BUILDERS and number not in MISSING[state.dialect.name]
+    return number in MESSAGE_BUILDERS and number not in MISSING_MESSAGES[state.dialect.name]
 
 
 def begin(state: SitlState, channel: Channel) -> None:
     """Set the rates of a link to those it has after a start."""
     channel.streams = {
-        number: Beat(1.0 / rate, state.now) for number, rate in RATES[state.dialect.name].items()
+        number: Beat(1.0 / rate, state.now)
+        for number, rate in DEFAULT_RATES[state.dialect.name].items()
     }
-    channel.streams[HEARTBEAT] = Beat(state.heartbeat, state.now)
+    channel.streams[HEARTBEAT_ID] = Beat(state.heartbeat, state.now)
 
 
 def ask(state: SitlState, channel: Channel, number: int, interval: float) -> bool:
@@ -186,15 +187,15 @@ def ask(state: SitlState, channel: Channel, number: int, interval: float) -> boo
         number: id of the message.
         interval: s.
     """
-    if not known(state, number) or number == HEARTBEAT:
+    if not known(state, number) or number == HEARTBEAT_ID:
         return False
-    usual = RATES[state.dialect.name].get(number)
+    usual = DEFAULT_RATES[state.dialect.name].get(number)
     if interval == 0.0 and usual is not None:
         interval = 1.0 / usual
     if interval <= 0.0:
         channel.streams.pop(number, None)
     else:
-        channel.streams[number] = Beat(max(interval, 1.0 / FASTEST), state.now)
+        channel.streams[number] = Beat(max(interval, 1.0 / FASTEST_STREAM), state.now)
     return True
 
 
@@ -207,7 +208,11 @@ def ask_group(state: SitlState, channel: Channel, group: int, rate: float) -> No
         group: MAV_DATA_STREAM; an unknown one is ignored.
         rate: Hz.
     """
-    groups = GROUPS if group == mavlink.MAV_DATA_STREAM_ALL else {group: GROUPS.get(group, ())}
+    groups = (
+        STREAM_GROUPS
+        if group == mavlink.MAV_DATA_STREAM_ALL
+        else {group: STREAM_GROUPS.get(group, ())}
+    )
     for numbers in groups.values():
         for number in numbers:
             ask(state, channel, number, 1.0 / rate if rate > 0 else -1.0)
@@ -221,10 +226,10 @@ def send_due(state: SitlState, messages: Messages) -> None:
     lost = (state.troubles.active("stream_lost", state.now) or (None,))[0]
     for channel in state.channels:
         for number, beat in channel.streams.items():
-            quiet = number != HEARTBEAT and (stopped or number == lost or not channel.heard)
+            quiet = number != HEARTBEAT_ID and (stopped or number == lost or not channel.heard)
             if not beat.due(state.now) or quiet:
                 continue
-            alive = number == HEARTBEAT
+            alive = number == HEARTBEAT_ID
             message = status_messages.heartbeat(state) if alive else messages.get(state, number)
             if message is None or (number in FRESH_ONLY and message is beat.last):
                 continue

@@ -12,7 +12,7 @@ import numpy as np
 
 from missionkit.errors import UsageError, nearest
 from missionkit.sim.fault_injection import (
-    KINDS,
+    FAULT_KINDS,
     Fault,
     Kind,
     Mishaps,
@@ -21,7 +21,7 @@ from missionkit.sim.fault_injection import (
     parse_fault,
 )
 from missionkit.sitl.flight_modes import ModeTable
-from missionkit.sitl.link_weather import LATE
+from missionkit.sitl.link_weather import REORDERING_DELAY
 
 WIRE: dict[str, Kind] = {
     "acks_delayed": Kind(1.0, "s", "acknowledgements arrive later by VALUE", least=0.0),
@@ -45,7 +45,7 @@ WIRE: dict[str, Kind] = {
     "streams_frozen": Kind(None, "", "messages repeat their old values, with their old times"),
     "streams_stopped": Kind(None, "", "nothing arrives but heartbeats and answers"),
 }
-BODY = (
+BODY_FAULTS = (
     "baro_stuck",
     "battery_sag",
     "control_slow",
@@ -68,17 +68,17 @@ def read_fault(text: str, dialect: ModeTable) -> Fault:
         UsageError: unknown name, of another form, or of something that is not on the wire.
     """
     name = name_in(text)
-    if name in BODY:
+    if name in BODY_FAULTS:
         return parse_fault(text)
     if name not in WIRE:
-        if name in KINDS:
+        if name in FAULT_KINDS:
             raise UsageError(f"fault {name!r} is not a fault of the autopilot: {_known(name)}")
         raise UsageError(f"unknown fault {name!r}: {_known(name)}")
     return fault_in(text, lambda name, value: value_of(name, value, dialect))
 
 
 def _known(name: str) -> str:
-    return nearest(name, [*WIRE, *BODY])
+    return nearest(name, [*WIRE, *BODY_FAULTS])
 
 
 def value_of(name: str, text: str | None, dialect: ModeTable) -> float | None:
@@ -166,7 +166,9 @@ class WireFaults:
         late = self.active("packets_delayed", now)
         mixed = self.active("packets_reordered", now)
         overtaken = mixed is not None and self._rng.random() < mixed[0]
-        return (late[0] if late else 0.0) + (LATE * self._rng.random() if overtaken else 0.0)
+        return (late[0] if late else 0.0) + (
+            REORDERING_DELAY * self._rng.random() if overtaken else 0.0
+        )
 
     def _cut(self, direction: str, now: float) -> bool:
         if self.active("link_cut", now) or (direction == "down" and self.active("link_lost", now)):

@@ -11,4 +11,4 @@ from missionkit.states.vehicle_kind import VehicleKind
 VEHICLES: Mapping[str, VehicleKind] = MappingProxyType(
     {kind.name: kind for kind in (MULTICOPTER, FREE_FLYER)}
 )
-KINDS: Mapping[str, StateKind] = MULTICOPTER.kinds
+STATE_KINDS: Mapping[str, StateKind] = MULTICOPTER.kinds

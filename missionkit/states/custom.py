@@ -3,7 +3,7 @@
 from missionkit.messages import Mode
 from missionkit.states.contract import StateKind
 
-CUSTOM = StateKind(
+CUSTOM_KIND = StateKind(
     name="custom",
     summary="Anything else; must still be able to land.",
     mode=Mode.TRAJECTORY,

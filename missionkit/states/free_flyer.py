@@ -13,19 +13,19 @@ from missionkit.geometry import norm
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.number_text import beside
 from missionkit.states.contract import Failsafe, Invariant
-from missionkit.states.custom import CUSTOM
-from missionkit.states.gps import GPS
+from missionkit.states.custom import CUSTOM_KIND
+from missionkit.states.gps import GPS_KIND
 from missionkit.states.hover import HOVER_STATE
-from missionkit.states.idle import IDLE
-from missionkit.states.land import LAND
+from missionkit.states.idle import IDLE_KIND
+from missionkit.states.land import LAND_KIND
 from missionkit.states.logic import LOGIC
-from missionkit.states.returning import RETURN
+from missionkit.states.returning import RETURN_KIND
 from missionkit.states.search import SEARCH
 from missionkit.states.task import TASK
 from missionkit.states.vehicle_kind import VehicleKind
 from missionkit.states.visual import VISUAL
 
-POSITION = 0.02  # m from the docked place, in `task`
+DOCKED_POSITION = 0.02  # m from the docked place, in `task`
 SLIPPED_FOR = 2.0  # s
 TURNING_LIMIT = 300.0  # s, half a turn at a degree per second, and the way
 
@@ -34,14 +34,14 @@ def _docked(seen: Estimate, _: str | None) -> Verdict:
     if seen.goal is None:
         return Verdict.unknown("the behaviour has no goal yet")
     error = norm(seen.position - seen.goal.position)
-    shown, limit = beside(100.0 * error, 100.0 * POSITION, 1)
+    shown, limit = beside(100.0 * error, 100.0 * DOCKED_POSITION, 1)
     far = f"{shown} cm from the docked place, more than {limit} cm"
-    return Verdict.at_most(error, POSITION, far if error > POSITION else "")
+    return Verdict.at_most(error, DOCKED_POSITION, far if error > DOCKED_POSITION else "")
 
 
-_KINDS = (
-    replace(IDLE, summary="Thrusters off, or holding."),
-    replace(GPS, summary="Flying by radio ranges, towards the target or in front of it."),
+_FLYER_STATE_KINDS = (
+    replace(IDLE_KIND, summary="Thrusters off, or holding."),
+    replace(GPS_KIND, summary="Flying by radio ranges, towards the target or in front of it."),
     replace(VISUAL, summary="Flying in on the features that the camera sees."),
     replace(
         SEARCH,
@@ -56,15 +56,15 @@ _KINDS = (
         invariant=Invariant("‖e_p‖ ≤ 2 cm", _docked, tolerated=SLIPPED_FOR, to_kind="visual"),
         failsafes=(),
     ),
-    replace(RETURN, summary="Backing off."),
+    replace(RETURN_KIND, summary="Backing off."),
     replace(
-        LAND,
+        LAND_KIND,
         summary="Docked, or clear of the target and at rest; thrusters off.",
         mode=Mode.GPS,
         default_behavior=None,
     ),
     HOVER_STATE,
-    CUSTOM,
+    CUSTOM_KIND,
     LOGIC,
 )
 
@@ -74,7 +74,7 @@ FREE_FLYER = VehicleKind(
     ended="docked or holding clear",
     setpoint="wrench",
     sections=MappingProxyType({"navigation": "tandem_ekf", "avoid": "none", "control": "lqr"}),
-    kinds=MappingProxyType({kind.name: kind for kind in _KINDS}),
+    kinds=MappingProxyType({kind.name: kind for kind in _FLYER_STATE_KINDS}),
     estimate_limit=0.3,
     ending_limit=1.0,
     over_mavlink=False,

@@ -10,7 +10,7 @@ def _has_goal(seen: Estimate, target: str | None) -> Verdict:
     return Verdict(known, "" if known else f"the position of {target} is unknown")
 
 
-GPS = StateKind(
+GPS_KIND = StateKind(
     name="gps",
     summary="Flying to a place by satellite and inertial navigation, past obstacles.",
     mode=Mode.GPS,

@@ -3,7 +3,7 @@
 from missionkit.messages import Mode
 from missionkit.states.contract import StateKind
 
-IDLE = StateKind(
+IDLE_KIND = StateKind(
     name="idle",
     summary="On the ground, taking off, or hovering, as the autopilot does by itself.",
     mode=Mode.NONE,

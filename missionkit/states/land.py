@@ -3,7 +3,7 @@
 from missionkit.messages import Mode
 from missionkit.states.contract import StateKind
 
-LAND = StateKind(
+LAND_KIND = StateKind(
     name="land",
     summary="Landing here; the mission ends on the ground.",
     mode=Mode.NONE,

@@ -2,13 +2,13 @@
 
 from types import MappingProxyType
 
-from missionkit.states.custom import CUSTOM
-from missionkit.states.gps import GPS
+from missionkit.states.custom import CUSTOM_KIND
+from missionkit.states.gps import GPS_KIND
 from missionkit.states.hover import HOVER_STATE
-from missionkit.states.idle import IDLE
-from missionkit.states.land import LAND
+from missionkit.states.idle import IDLE_KIND
+from missionkit.states.land import LAND_KIND
 from missionkit.states.logic import LOGIC
-from missionkit.states.returning import RETURN
+from missionkit.states.returning import RETURN_KIND
 from missionkit.states.search import SEARCH
 from missionkit.states.task import TASK
 from missionkit.states.vehicle_kind import VehicleKind
@@ -29,7 +29,18 @@ MULTICOPTER = VehicleKind(
     kinds=MappingProxyType(
         {
             kind.name: kind
-            for kind in (IDLE, GPS, VISUAL, SEARCH, TASK, RETURN, LAND, HOVER_STATE, CUSTOM, LOGIC)
+            for kind in (
+                IDLE_KIND,
+                GPS_KIND,
+                VISUAL,
+                SEARCH,
+                TASK,
+                RETURN_KIND,
+                LAND_KIND,
+                HOVER_STATE,
+                CUSTOM_KIND,
+                LOGIC,
+            )
         }
     ),
     estimate_limit=3.0,

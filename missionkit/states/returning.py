@@ -4,7 +4,7 @@ from missionkit.messages import Mode
 from missionkit.states.contract import StateKind
 from missionkit.states.shared_failsafes import HOME_UNREACHABLE
 
-RETURN = StateKind(
+RETURN_KIND = StateKind(
     name="return",
     summary="Flying home.",
     mode=Mode.GPS,

@@ -8,7 +8,7 @@ from missionkit.number_text import beside
 from missionkit.states.contract import Failsafe, Invariant, StateKind
 from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST
 
-POSITION = 0.10  # m, ε_pos
+TASK_POSITION = 0.10  # m, ε_pos
 YAW = 5.0  # deg, ε_yaw
 
 
@@ -16,17 +16,17 @@ def _on_goal(seen: Estimate, _: str | None) -> Verdict:
     if seen.goal is None:
         return Verdict.unknown("the behaviour has no goal yet")
     error = norm(seen.position - seen.goal.position)
-    if error > POSITION or seen.goal.yaw is None:
-        shown, limit = beside(error, POSITION, 2)
+    if error > TASK_POSITION or seen.goal.yaw is None:
+        shown, limit = beside(error, TASK_POSITION, 2)
         far = f"{shown} m from its goal, more than {limit} m"
-        return Verdict.at_most(error, POSITION, far if error > POSITION else "")
+        return Verdict.at_most(error, TASK_POSITION, far if error > TASK_POSITION else "")
     turned = math.degrees(abs(wrap(seen.goal.yaw - seen.yaw)))
     shown, limit = beside(turned, YAW, 1)
     aside = f"turned {shown} deg from its goal's heading, more than {limit} deg"
     return Verdict.at_most(turned, YAW, aside if turned > YAW else "")
 
 
-PUSHED = Failsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)
+LEAVE_WHEN_PUSHED = Failsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)
 """A gust at work: leave it backwards, to where it was approached from."""
 
 TASK = StateKind(
@@ -38,5 +38,5 @@ TASK = StateKind(
     invariant=Invariant(
         "‖e_p‖ ≤ ε_pos ∧ |e_ψ| ≤ ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
     ),
-    failsafes=(PUSHED, LOCK_LOST),
+    failsafes=(LEAVE_WHEN_PUSHED, LOCK_LOST),
 )

@@ -21,7 +21,7 @@ from missionkit.vehicle.camera.frame_source import Camera, NoCamera
 from missionkit.vehicle.command import velocity_correction
 from missionkit.vehicle.command.autopilot_commands import CommandReport
 from missionkit.vehicle.command.command_transaction import CommandOutcome
-from missionkit.vehicle.command.estimate_sharing import NOTHING, Share, Sharing
+from missionkit.vehicle.command.estimate_sharing import SHARE_NOTHING, Share, Sharing
 from missionkit.vehicle.command.setpoint_stream import Streamer
 from missionkit.vehicle.command.velocity_correction import Correction
 from missionkit.vehicle.connected_vehicle import ConnectedVehicle
@@ -72,7 +72,7 @@ class MavsdkVehicle:
         pace: float = 1.0,
         patience: float = ANSWER_TIMEOUT,
         lock: LinkLock | None = None,
-        share: Share = NOTHING,
+        share: Share = SHARE_NOTHING,
         system: int | None = None,
         guard: Patience | None = USUAL,
         relies_on: Iterable[str] = (),
@@ -219,7 +219,7 @@ class MavsdkVehicle:
             self._correction,
             self._now,
             None if own is None else TimedVelocity(known_at, own),
-            observer.moving(velocity_correction.FRESH / self._pace),
+            observer.moving(velocity_correction.COMPARABLE_AGE / self._pace),
         )
         if not isinstance(command.setpoint, Setpoint):
             return command
@@ -293,7 +293,7 @@ class MavsdkVehicle:
             *(link, self._lifecycle, dialect, self.cache, self._clock),
             *(*callbacks, self._pace, idle),
         )
-        if self._share != NOTHING:
+        if self._share != SHARE_NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall
             self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
         self._parts.start()

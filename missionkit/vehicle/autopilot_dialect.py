@@ -22,7 +22,9 @@ AUTOPILOT_ARDUPILOT = 3  # MAV_AUTOPILOT
 AUTOPILOT_PX4 = 12
 
 # POSITION_TARGET_TYPEMASK and ATTITUDE_TARGET_TYPEMASK: the bits set are ignored
-VELOCITY_MASK = 0x5C7  # velocity and yaw rate count
+VELOCITY_MASK = 0x5C7  # type_mask: velocity and yaw rate count
+CMD_ARM, CMD_SET_MODE = 400, 176  # MAV_CMD
+AUTOPILOT_COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
 POSITION_MASK = 0x9F8  # position and yaw count
 ATTITUDE_MASK = 0x07  # attitude and thrust count
 LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
@@ -121,7 +123,7 @@ PX4 = Dialect(
     leash=None,
 )
 
-GUIDED = "guided"  # taking off, holding and following setpoints are one mode of ArduCopter
+GUIDED_MODE = "guided"  # taking off, holding and following setpoints are one mode of ArduCopter
 
 ARDUPILOT = Dialect(
     name="ArduPilot",
@@ -130,7 +132,7 @@ ARDUPILOT = Dialect(
         1: "acro",
         2: "altitude",
         3: "mission",
-        4: GUIDED,
+        4: GUIDED_MODE,
         5: "loiter",
         6: "return",
         7: "circle",
@@ -147,8 +149,8 @@ ARDUPILOT = Dialect(
     hold=(1.0, 4.0, 0.0),  # not BRAKE, which refuses to arm
     offboard=(1.0, 4.0, 0.0),
     land=(1.0, 9.0, 0.0),
-    offboard_word=GUIDED,
-    hold_word=GUIDED,
+    offboard_word=GUIDED_MODE,
+    hold_word=GUIDED_MODE,
     warm=0.0,
     early=False,  # a setpoint would end the take-off
     takeoff_param=None,

@@ -9,11 +9,11 @@ from missionkit.errors import VehicleError
 from missionkit.geometry import Vec3, vec
 from missionkit.messages import Action, AutopilotSetpoint, Command, PositionSetpoint, Wrench
 from missionkit.vehicle.autopilot_dialect import OPTIONAL, Dialect
-from missionkit.vehicle.command.autopilot_commands import OFFBOARD, Commander
+from missionkit.vehicle.command.autopilot_commands import OFFBOARD_MODE, Commander
 from missionkit.vehicle.command.control_authority import ControlAuthority
 from missionkit.vehicle.command.payload import Payload
 from missionkit.vehicle.command.setpoint_encoding import leashed, message
-from missionkit.vehicle.command.setpoint_stream import STALE, STILL, Streamer
+from missionkit.vehicle.command.setpoint_stream import STALE, ZERO_VELOCITY, Streamer
 from missionkit.vehicle.link.clocks import MissionClock, wall
 from missionkit.vehicle.link.connection import Link
 from missionkit.vehicle.link.link_lifecycle import LinkLifecycle
@@ -26,10 +26,10 @@ from missionkit.vehicle.telemetry.flight_phase import FlightPhase
 from missionkit.vehicle.telemetry.message_readings import triple
 from missionkit.vehicle.telemetry.observer import Observer
 
-BACKLOG = 0.3  # s, wall, until what had queued up during a standstill is worked off
+CATCH_UP_TIME = 0.3  # s, wall, until what had queued up during a standstill is worked off
 PLACED = 0.5  # s, wall, for which a reported position counts
-ORIGIN = vec(0.0, 0.0, 0.0)
-GAP = 2.0  # s between two heartbeats: the link was gone
+NO_OFFSET = vec(0.0, 0.0, 0.0)
+HEARTBEAT_GAP = 2.0  # s between two heartbeats: the link was gone
 
 
 class ConnectedVehicle:
@@ -104,7 +104,7 @@ class ConnectedVehicle:
             self._idle()
         elif self.state.mode == self.dialect.offboard_word:
             with suppress(RuntimeError):  # no link, no hold: its failsafe will
-                self._emit(STILL)
+                self._emit(ZERO_VELOCITY)
                 self.commander.carry_out((Action.HOLD, None))
         elif self.authority.aim == self.state.mode:
             self._idle()
@@ -124,7 +124,7 @@ class ConnectedVehicle:
             self._rest(at)
 
     def _act(self, action: Action, height: float | None, at: float) -> None:
-        self.streamer.tell(STILL, at)
+        self.streamer.tell(ZERO_VELOCITY, at)
         if action is Action.TAKE_OFF:
             self.phase.take_off(height)
         elif action is not Action.ARM:
@@ -139,10 +139,10 @@ class ConnectedVehicle:
         if not state.armed or not state.in_air or state.mode == dialect.offboard_word:
             return
         if self.streamer.streaming(wall()) * self._pace >= dialect.warm:
-            self.commander.want((OFFBOARD, None))
+            self.commander.want((OFFBOARD_MODE, None))
 
     def _rest(self, at: float) -> None:
-        self.streamer.tell(STILL, at)
+        self.streamer.tell(ZERO_VELOCITY, at)
         if self.state.mode == "offboard":
             self.commander.want((Action.HOLD, None))
         self.phase.rest()
@@ -173,7 +173,7 @@ class ConnectedVehicle:
         """Whether setpoints had stopped, or the link was gone, before the present heartbeat."""
         silent = (wall() - self.streamer.last) * self._pace > STALE
         steering = self.authority.aim == "offboard"
-        return (silent and steering) or self._lifecycle.gap > GAP
+        return (silent and steering) or self._lifecycle.gap > HEARTBEAT_GAP
 
     def _listens(self) -> bool:
         """Whether a setpoint may be sent: in control, heard from recently, in a suitable mode."""
@@ -182,7 +182,7 @@ class ConnectedVehicle:
             return False
         if self._lifecycle.at(wall()) != "live":
             return False
-        if state.heard < self.streamer.woken + BACKLOG:
+        if state.heard < self.streamer.woken + CATCH_UP_TIME:
             return False  # received messages may have waited while the process was stopped
         if dialect.early:
             return state.mode != "land"  # ignored outside offboard, and needed to enter it
@@ -190,7 +190,7 @@ class ConnectedVehicle:
 
     def _pauses(self) -> bool:
         """Tell the guardian if setpoints stop on purpose; waking up does not count as one."""
-        if self.state.heard < self.streamer.woken + BACKLOG:
+        if self.state.heard < self.streamer.woken + CATCH_UP_TIME:
             return False
         self._idle()
         return True
@@ -199,13 +199,13 @@ class ConnectedVehicle:
         start = self.observer.start
         if isinstance(setpoint, PositionSetpoint):
             setpoint = self._reachable(setpoint, start)
-        name, fields = message(setpoint, wall(), ORIGIN if start is None else start)
+        name, fields = message(setpoint, wall(), NO_OFFSET if start is None else start)
         self.link.send(name, **fields)
 
     def _reachable(self, setpoint: PositionSetpoint, start: Vec3 | None) -> AutopilotSetpoint:
-        """Return what to send for a position; STILL while it is not known where that lies."""
+        """Return what to send for a position; `ZERO_VELOCITY` while its place is not known."""
         placed = self._cache.latest("LOCAL_POSITION_NED", PLACED)
         here = None if placed is None else triple(placed.fields, "x", "y", "z")
         if start is None or here is None:
-            return STILL
+            return ZERO_VELOCITY
         return leashed(setpoint, here - start, self.dialect.leash)

@@ -229,7 +229,7 @@ def test_speed_falls_before_corners_and_the_end():
     ]
     assert speeds[0] == 2.0
     assert speeds[1] == pytest.approx(math.sqrt(0.01 + 1.0))
-    assert speeds[2] == pytest.approx(path_following.SLOWEST)
+    assert speeds[2] == pytest.approx(path_following.CORNER_SPEED)
     assert speeds[3] == 2.0
     assert speeds[4] == pytest.approx(math.sqrt(0.1))
 

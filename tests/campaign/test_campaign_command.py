@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from missionkit import __version__
 from missionkit.campaigns.campaign_loop import conduct
 from missionkit.campaigns.campaign_plan import found
-from missionkit.campaigns.run_journal import JOURNAL, read
+from missionkit.campaigns.run_journal import JOURNAL_FILE, read
 from missionkit.campaigns.run_row import Row
 from missionkit.cli.app import app
 
@@ -147,13 +147,13 @@ def test_kill_9_and_resume_repeats_no_finished_run_and_loses_none(call, tmp_path
             with pytest.raises(subprocess.TimeoutExpired):  # it has not ended
                 process.wait(0.03)
         process.send_signal(signal.SIGKILL)
-    before = (folder / JOURNAL).read_bytes()
+    before = (folder / JOURNAL_FILE).read_bytes()
     done = before.count(b"\n")
     assert 2 <= done < 14
     assert not (folder / "runs.csv").exists()
-    (folder / JOURNAL).write_bytes(before + b'{"number": 13, "seed"')  # killed while writing
+    (folder / JOURNAL_FILE).write_bytes(before + b'{"number": 13, "seed"')  # killed while writing
     assert call("campaign", "--resume", folder).exit_code == 0
-    after = (folder / JOURNAL).read_bytes()
+    after = (folder / JOURNAL_FILE).read_bytes()
     assert after.startswith(before)
     assert after.count(b"\n") == 14
     for name in ("runs.csv", "summary.json"):
@@ -161,8 +161,8 @@ def test_kill_9_and_resume_repeats_no_finished_run_and_loses_none(call, tmp_path
 
 
 def test_resuming_flies_only_the_missing_runs(whole):
-    rows = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
-    (whole / JOURNAL).write_bytes(b"".join(rows[:2] + rows[5:]))
+    rows = (whole / JOURNAL_FILE).read_bytes().splitlines(keepends=True)
+    (whole / JOURNAL_FILE).write_bytes(b"".join(rows[:2] + rows[5:]))
     missing = [Row.model_validate_json(line) for line in rows[2:5]]
     asked = []
 
@@ -190,9 +190,9 @@ def test_a_campaign_can_be_made_longer_but_not_changed(call, whole, tmp_path):
 
 
 def test_a_report_covers_the_runs_flown_so_far(call, whole):
-    rows = (whole / JOURNAL).read_bytes().splitlines(keepends=True)
-    (whole / JOURNAL).write_bytes(b"".join(rows[:3]))
+    rows = (whole / JOURNAL_FILE).read_bytes().splitlines(keepends=True)
+    (whole / JOURNAL_FILE).write_bytes(b"".join(rows[:3]))
     summary = json.loads(call("report", whole, "--json").stdout)
     assert summary["runs"] == 3
-    (whole / JOURNAL).unlink()
+    (whole / JOURNAL_FILE).unlink()
     assert "no run has finished yet" in call("report", whole).stderr

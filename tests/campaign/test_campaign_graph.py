@@ -9,7 +9,7 @@ import pytest
 from campaigns import bombed, hop
 from typer.testing import CliRunner
 
-from missionkit.campaigns.run_journal import JOURNAL
+from missionkit.campaigns.run_journal import JOURNAL_FILE
 from missionkit.cli.app import app
 
 FOLDER = "runs/hop-campaign-seed0"
@@ -95,13 +95,13 @@ def test_a_journal_that_kept_too_little_is_refused(home, flown):
     old.mkdir(exist_ok=True)
     for name in ("campaign.json", "mission.yaml"):
         (old / name).write_bytes((flown / name).read_bytes())
-    rows = [json.loads(line) for line in (flown / JOURNAL).read_text().splitlines()]
+    rows = [json.loads(line) for line in (flown / JOURNAL_FILE).read_text().splitlines()]
     older = [{key: it[key] for key in it if key not in {"ways", "entries"}} for it in rows]
-    (old / JOURNAL).write_text("".join(f"{json.dumps(it)}\n" for it in older))
+    (old / JOURNAL_FILE).write_text("".join(f"{json.dumps(it)}\n" for it in older))
     result = call("graph", "hop.yaml", "--campaign", "old")
     assert result.exit_code == 2
     assert "flown by an older missionkit that recorded too little; fly it again" in result.stderr
-    (old / JOURNAL).write_text("")
+    (old / JOURNAL_FILE).write_text("")
     assert (
         "no run has produced a flight yet" in call("graph", "hop.yaml", "--campaign", "old").stderr
     )

@@ -10,7 +10,7 @@ from missionkit.campaigns.campaign_loop import counted
 from missionkit.campaigns.campaign_plan import Campaign, Rule
 from missionkit.campaigns.statistics import wilson
 from missionkit.campaigns.stopping_rule import (
-    LEAST,
+    LEAST_RUNS,
     decision,
     enough,
     narrow_at,
@@ -50,7 +50,7 @@ def test_an_interval_is_narrow_when_it_is():
     n = narrow_at(flown, 0.1)
     assert n is not None
     assert wilson(sum(flown[:n]), n).width <= 0.1 < wilson(sum(flown[: n - 1]), n - 1).width
-    assert narrow_at([True] * 1000, 0.9) == LEAST
+    assert narrow_at([True] * 1000, 0.9) == LEAST_RUNS
     assert narrow_at(flown[:50], 0.01) is None
 
 

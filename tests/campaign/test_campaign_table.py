@@ -6,7 +6,7 @@ import pytest
 from campaigns import row
 
 from missionkit.campaigns.run_journal import (
-    JOURNAL,
+    JOURNAL_FILE,
     Journal,
     read,
     write,
@@ -29,7 +29,7 @@ def test_rows_come_back_in_order_and_once(tmp_path):
 @pytest.mark.parametrize("cut", [1, 40, 200])
 def test_a_line_cut_short_by_a_kill_is_dropped_and_written_over(tmp_path, cut):
     kept(tmp_path, row(0), row(1))
-    path = tmp_path / JOURNAL
+    path = tmp_path / JOURNAL_FILE
     whole = path.read_bytes()
     path.write_bytes(whole[:-cut])
     assert read(tmp_path) == [row(0)]
@@ -43,7 +43,7 @@ def test_a_journal_is_written_by_one_process_at_a_time(tmp_path):
 
 
 def test_a_line_from_another_vehicle_is_refused(tmp_path):
-    (tmp_path / JOURNAL).write_text('{"number": 1}\n')
+    (tmp_path / JOURNAL_FILE).write_text('{"number": 1}\n')
     with pytest.raises(UsageError, match=r"rows.jsonl:1: not a campaign row"):
         read(tmp_path)
 

@@ -13,7 +13,7 @@ from stepping import CATALOGUE, Tally, Walk, chart_of
 from typing_extensions import override
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.semantics.chart_compiler import NOWHERE
+from missionkit.chart.semantics.chart_compiler import NO_PLACE
 from missionkit.chart.semantics.compiled_chart import GuardContext
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
 from missionkit.messages import Battery, Estimate, Verdict
@@ -59,7 +59,7 @@ class Forgetful(WindowGuard):
 
 
 def says(answer: object, name: str = "x") -> ex.Use[Any]:
-    return ex.Use("says", Says(name=name, answer=answer), NOWHERE)
+    return ex.Use("says", Says(name=name, answer=answer), NO_PLACE)
 
 
 def verdicts(truths: tuple[bool | None, ...]) -> tuple[ex.Expression, ...]:
@@ -80,10 +80,10 @@ def asked(expression: ex.Expression, **named: ex.Expression) -> tuple[Verdict, t
 def test_all_any_and_not_are_kleenes(count):
     for truths in product(TRUTHS, repeat=count):
         parts = verdicts(truths)
-        assert asked(ex.All(parts, NOWHERE))[0].holds is min(truths, key=RANK.get), truths
-        assert asked(ex.Any(parts, NOWHERE))[0].holds is max(truths, key=RANK.get), truths
+        assert asked(ex.All(parts, NO_PLACE))[0].holds is min(truths, key=RANK.get), truths
+        assert asked(ex.Any(parts, NO_PLACE))[0].holds is max(truths, key=RANK.get), truths
         negated = {True: False, False: True, None: None}[truths[0]]
-        assert asked(ex.Not(parts[0], NOWHERE))[0].holds is negated
+        assert asked(ex.Not(parts[0], NO_PLACE))[0].holds is negated
 
 
 def test_the_part_that_decides_explains_the_whole():
@@ -92,7 +92,7 @@ def test_the_part_that_decides_explains_the_whole():
     blind = Verdict.unknown("blind")
     all_of, any_of = (
         lambda *parts, kind=kind: asked(
-            kind(tuple(says(part, f"{n}") for n, part in enumerate(parts)), NOWHERE)
+            kind(tuple(says(part, f"{n}") for n, part in enumerate(parts)), NO_PLACE)
         )[0]
         for kind in (ex.All, ex.Any)
     )
@@ -104,9 +104,9 @@ def test_the_part_that_decides_explains_the_whole():
 
 
 def test_not_turns_the_margin_round():
-    verdict, _ = asked(ex.Not(says(Verdict.below(3.0, 5.0, "near")), NOWHERE))
+    verdict, _ = asked(ex.Not(says(Verdict.below(3.0, 5.0, "near")), NO_PLACE))
     assert verdict == Verdict(False, "near", 3.0, 5.0, -2.0)
-    assert asked(ex.Not(says(Verdict.unknown("blind")), NOWHERE))[0] == Verdict.unknown("blind")
+    assert asked(ex.Not(says(Verdict.unknown("blind")), NO_PLACE))[0] == Verdict.unknown("blind")
 
 
 def latched(enter: float, leave: float, charges: list[float | None]) -> list[Verdict]:
@@ -187,9 +187,9 @@ def test_a_named_guard_in_two_states_has_one_memory():
 def test_guards_that_read_the_same_but_differ_are_kept_apart():
     asker = GuardCompiler({})
     first, second = (
-        ex.Use("tally", Tally(name=name, count=1), NOWHERE) for name in ("a", "a (count 1)")
+        ex.Use("tally", Tally(name=name, count=1), NO_PLACE) for name in ("a", "a (count 1)")
     )
-    near = [ex.Use("says", Says(answer=1.0 + 1e-9 * n), NOWHERE) for n in (0, 1)]
+    near = [ex.Use("says", Says(answer=1.0 + 1e-9 * n), NO_PLACE) for n in (0, 1)]
     for expression in (first, second, *near):
         asker.ask(expression)
     assert asker.name(near[0]) == "says (answer 1)"
@@ -198,11 +198,13 @@ def test_guards_that_read_the_same_but_differ_are_kept_apart():
 
 
 def test_a_named_guard_may_hide_the_plugin_it_is_made_of():
-    named = {"done": ex.Not(ex.Use("done", CATALOGUE.group("guards")["done"](), NOWHERE), NOWHERE)}
-    bare = ex.Use("done", CATALOGUE.group("guards")["done"](), NOWHERE)
-    both = ex.All((ex.Named("done", NOWHERE), ex.Not(bare, NOWHERE)), NOWHERE)
+    named = {
+        "done": ex.Not(ex.Use("done", CATALOGUE.group("guards")["done"](), NO_PLACE), NO_PLACE)
+    }
+    bare = ex.Use("done", CATALOGUE.group("guards")["done"](), NO_PLACE)
+    both = ex.All((ex.Named("done", NO_PLACE), ex.Not(bare, NO_PLACE)), NO_PLACE)
     assert asked(both, **named)[0].holds is True
-    swapped = ex.All((ex.Not(bare, NOWHERE), ex.Named("done", NOWHERE)), NOWHERE)
+    swapped = ex.All((ex.Not(bare, NO_PLACE), ex.Named("done", NO_PLACE)), NO_PLACE)
     assert asked(swapped, **named)[0].holds is True
 
 
@@ -254,7 +256,7 @@ states:
     ],
 )
 def test_a_foreign_guard_that_returns_nonsense_is_unknown_and_reported(answer, failure):
-    verdict, failures = asked(ex.Named("says", NOWHERE), says=says(answer))
+    verdict, failures = asked(ex.Named("says", NO_PLACE), says=says(answer))
     assert verdict.holds is None
     assert failures == (failure,)
 
@@ -262,7 +264,7 @@ def test_a_foreign_guard_that_returns_nonsense_is_unknown_and_reported(answer, f
 def test_numbers_of_numpy_are_taken_for_what_they_are():
     answer = Verdict.below(np.float64(7.0), np.float32(5.0))
     assert answer.holds is not False  # numpy's own
-    verdict, failures = asked(ex.All((says(answer),), NOWHERE))
+    verdict, failures = asked(ex.All((says(answer),), NO_PLACE))
     assert verdict == Verdict(False, "", 7.0, 5.0, -2.0)
     assert verdict.holds is False
     assert failures == ()
@@ -270,7 +272,7 @@ def test_numbers_of_numpy_are_taken_for_what_they_are():
 
 def test_a_memory_that_cannot_advance_stays_as_it_was():
     asker, contain = GuardCompiler({}), Containment()
-    ask = asker.ask(ex.Use("forgetful", Forgetful(), NOWHERE))
+    ask = asker.ask(ex.Use("forgetful", Forgetful(), NO_PLACE))
     (slot,), memory, answers = asker.slots, 0, []
     for _ in range(4):
         question = GuardContext(calm(), [memory], contain)

@@ -10,7 +10,7 @@ from missionkit.chart import plugin_catalogue as module
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.plugin_check import checked
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import FileError, UsageError
 from missionkit.plugin import Plugin
 
@@ -226,6 +226,6 @@ def test_every_kind_of_plugin_is_looked_at_when_it_is_loaded(group, plugin, says
 
 
 def test_all_of_ours_are_what_they_should_be(catalogue: Catalogue):
-    for group in GROUPS:
+    for group in PLUGIN_GROUPS:
         for plugin in catalogue.group(group).values():
             assert checked(plugin, group) is plugin

@@ -9,8 +9,8 @@ import pytest
 from missionkit import __version__, cli
 from missionkit.chart import plugin_catalogue
 from missionkit.chart.plugin_catalogue import builtin
+from missionkit.sim.fault_injection import FAULT_KINDS as FAULTS
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS
-from missionkit.sim.fault_injection import KINDS as FAULTS
 
 
 def test_without_arguments_the_help_is_shown(call):

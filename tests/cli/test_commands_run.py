@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from child import default_signals
 
-from missionkit.api.interrupts import TOGETHER
+from missionkit.api.interrupts import SAME_KEYPRESS
 from missionkit.cli import run_in_simulator as command
 from missionkit.errors import VehicleError
 from missionkit.recorder.record_reader import read
@@ -118,7 +118,7 @@ def interrupted(hop):
             for number, word in enumerate(words):
                 while word not in (said := process.stdout.readline()) and said:
                     pass
-                threading.Event().wait(2.0 * TOGETHER if number else 0.0)
+                threading.Event().wait(2.0 * SAME_KEYPRESS if number else 0.0)
                 process.send_signal(signal.SIGINT)
             out, err = process.communicate(timeout=60)
         return process.returncode, out, err, hop.parent / "runs/hop-seed0"

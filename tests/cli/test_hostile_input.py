@@ -2,7 +2,7 @@
 
 import pytest
 
-from missionkit.sim.fault_injection import KINDS
+from missionkit.sim.fault_injection import FAULT_KINDS
 
 ESC, RTL = "\\e[2J", "\\u202E"
 MAPPED = "map: {file: %s}\n"
@@ -73,7 +73,7 @@ def test_a_wind_that_cannot_be_is_refused(call, hop, wind):
 
 
 @pytest.mark.parametrize("value", ["1e308", "-1e308", "1e7", "nan", "inf"])
-@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.unit])
+@pytest.mark.parametrize("name", [name for name, kind in FAULT_KINDS.items() if kind.unit])
 def test_a_fault_that_cannot_be_is_refused(call, hop, name, value):
     assert f"fault {name} " in refused(call, "run", "hop.yaml", "--fault", f"{name}={value}@3")
 

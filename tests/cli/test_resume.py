@@ -12,7 +12,7 @@ import pytest
 
 from missionkit.cli import run_in_simulator as command
 from missionkit.recorder import checkpoint
-from missionkit.recorder.checkpoint import BEFORE, NEWEST, load
+from missionkit.recorder.checkpoint import BEFORE_NEWEST, NEWEST, load
 from missionkit.recorder.record_reader import read
 from missionkit.recorder.run_folder import held
 from missionkit.rehearsal import Kept
@@ -143,7 +143,7 @@ def test_a_damaged_checkpoint_is_reported_and_the_previous_one_used(call, killed
 def test_without_a_sound_checkpoint_nothing_is_flown(call, killed):
     folder = killed()
     (folder / NEWEST).write_text("")
-    (folder / BEFORE).unlink()
+    (folder / BEFORE_NEWEST).unlink()
     result = call("run", "--resume", str(folder))
     assert result.exit_code == 2
     assert result.stderr == f"{folder / NEWEST}: this checkpoint cannot be used: " + (

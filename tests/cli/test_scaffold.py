@@ -12,7 +12,7 @@ import pytest
 
 from missionkit.chart.load import load, load_model
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.scaffold import KINDS, behavior_files, guard_files, mission_files, new
+from missionkit.cli.scaffold import SCAFFOLDS, behavior_files, guard_files, mission_files, new
 from missionkit.errors import UsageError
 from missionkit.sim.world import World
 
@@ -73,7 +73,7 @@ def test_a_new_mission_is_valid_with_its_world(tmp_path):
     assert load_model(world_path, World).world == "first-flight"
 
 
-@pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.parametrize("kind", list(SCAFFOLDS))
 def test_nothing_is_written_over(tmp_path, kind):
     paths = new(kind, "thing", tmp_path)
     paths[-1].write_text("mine")

@@ -8,7 +8,7 @@ from lagging import fly
 
 from missionkit.control.controller import Control
 from missionkit.geometry import norm, vec
-from missionkit.goal_pose import SLACK
+from missionkit.goal_pose import HOVER_SLACK
 from missionkit.messages import Guidance, HalfSpace, Mode
 
 MODES = (Mode.GPS, Mode.VISUAL, Mode.TRAJECTORY)
@@ -28,7 +28,9 @@ def overshoot(track, goal):
 @pytest.mark.parametrize("goal", [vec(40, 0, 0), vec(4, 3, 0), vec(1, 0, 0), vec(20, 20, -6)])
 def test_arrives_without_overshoot(mode, goal):
     way = goal / norm(goal)
-    before = HalfSpace(goal + SLACK * way, -way) if mode is Mode.VISUAL else None  # as servo says
+    before = (
+        HalfSpace(goal + HOVER_SLACK * way, -way) if mode is Mode.VISUAL else None
+    )  # as servo says
     top = 1.0 if mode is Mode.VISUAL else 5.0
     wait = norm(goal) / top + 8.0
     track = fly(Control(), lambda t: Guidance(goal, top), wait + 9.0, lambda t: mode, bound=before)

@@ -11,7 +11,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.compiled_chart import Transition
 from missionkit.cli.app import app
-from missionkit.engine.flight_loop import REFUSED, FlightEnd
+from missionkit.engine.flight_loop import ARMING_TIMEOUT, FlightEnd
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
 from missionkit.plugin_containment import Containment
@@ -56,7 +56,7 @@ def test_an_empty_battery_is_not_taken_off_with():
     assert any(
         record.step_note.startswith("not taking off: failsafe battery") for record in records
     )
-    assert REFUSED < result.flown.duration < REFUSED + 10.0
+    assert ARMING_TIMEOUT < result.flown.duration < ARMING_TIMEOUT + 10.0
 
 
 def test_anyway_takes_off_all_the_same():

@@ -18,13 +18,13 @@ from missionkit.engine.flight_loop import (
 )
 from missionkit.engine.flight_state import FlightState
 from missionkit.engine.resume.resumption import (
-    CALM,
     HEARTBEAT_WAIT,
-    SETTLING,
+    SETTLING_TIMEOUT,
+    SOUND_AFTER,
     Resumption,
 )
 from missionkit.errors import VehicleError
-from missionkit.estimation.error_state_ekf.realignment import SPAN
+from missionkit.estimation.error_state_ekf.realignment import SAMPLE_TIME
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.rehearsal import Again, Kept, Stage, rehearse
@@ -107,7 +107,7 @@ def test_nothing_is_commanded_before_a_heartbeat_has_come_and_the_estimate_is_so
     vehicle = Listening(ready.vehicle)
     done, records = resumed(ready, vehicle, saved(ready))
     heard = next(seen.now for seen in vehicle.observed if seen.status is not None)
-    assert vehicle.sent[0][0] == records[0].now > max(heard, AT + 1.0 + CALM)
+    assert vehicle.sent[0][0] == records[0].now > max(heard, AT + 1.0 + SOUND_AFTER)
     assert (done.end, done.aborted) == (FlightEnd.LANDED, False)
     assert records[0].state == "up"
     assert records[0].problems[0].startswith("resumed after 2.")
@@ -116,7 +116,7 @@ def test_nothing_is_commanded_before_a_heartbeat_has_come_and_the_estimate_is_so
 
 @pytest.mark.parametrize(
     ("loss", "waited"),
-    [("gnss_lost@3.5", SPAN + CALM), (f"gnss_lost@{AT}", SETTLING)],
+    [("gnss_lost@3.5", SAMPLE_TIME + SOUND_AFTER), (f"gnss_lost@{AT}", SETTLING_TIMEOUT)],
     ids=["long", "just"],
 )
 def test_fixes_are_waited_for_only_where_there_were_some(loss, waited):

@@ -10,8 +10,8 @@ from filterpy.kalman import KalmanFilter
 
 from missionkit.estimation.optical_flow import filterpy_axis
 from missionkit.estimation.optical_flow.axis_filter import (
-    POSITION,
-    VELOCITY,
+    AXIS_POSITION,
+    AXIS_VELOCITY,
     predict,
     run,
     settled,
@@ -34,7 +34,7 @@ def textbook(dt, variance, noise, part):
 
 
 @pytest.mark.parametrize(("variance", "noise"), PRINTED)
-@pytest.mark.parametrize("part", [POSITION, VELOCITY])
+@pytest.mark.parametrize("part", [AXIS_POSITION, AXIS_VELOCITY])
 def test_every_step_is_filterpy_s(rng, variance, noise, part):
     kf = textbook(DT, variance, noise, part)
     kf.x, kf.P = np.array([[1.0], [-0.3]]), np.array([[0.2, 0.05], [0.05, 0.4]])
@@ -58,7 +58,7 @@ def test_a_whole_flight_is_its_steps(rng):
     for n in range(300):
         predict(mu, S, us[n], DT, VARIANCE)
         if not 40 <= n < 60:
-            update(mu, S, zs[n], NOISE, VELOCITY)
+            update(mu, S, zs[n], NOISE, AXIS_VELOCITY)
         assert np.array_equal(out[n], mu)
 
 
@@ -126,7 +126,7 @@ def test_what_is_not_a_number_changes_nothing(bad):
     before = mu.copy(), S.copy()
     assert not predict(mu, S, bad, DT, VARIANCE)
     assert not predict(mu, S, 0.0, bad, VARIANCE)
-    assert not update(mu, S, bad, NOISE, VELOCITY)
+    assert not update(mu, S, bad, NOISE, AXIS_VELOCITY)
     assert np.array_equal(mu, before[0])
     assert np.array_equal(S, before[1])
 
@@ -134,7 +134,7 @@ def test_what_is_not_a_number_changes_nothing(bad):
 @pytest.mark.parametrize("noise", [math.nan, math.inf, -0.1])
 def test_an_invalid_variance_changes_nothing(noise):
     mu, S = np.array([1.0, 2.0]), np.eye(2)
-    assert not update(mu, S, 0.0, noise, VELOCITY)
+    assert not update(mu, S, 0.0, noise, AXIS_VELOCITY)
     assert not predict(mu, S, 0.0, -DT, VARIANCE)
     assert np.array_equal(mu, [1.0, 2.0])
     assert np.array_equal(S, np.eye(2))
@@ -142,7 +142,7 @@ def test_an_invalid_variance_changes_nothing(noise):
 
 def test_certainty_cannot_be_corrected_by_certainty():
     mu, S = np.array([1.0, 2.0]), np.zeros((2, 2))
-    assert not update(mu, S, 0.0, 0.0, VELOCITY)
+    assert not update(mu, S, 0.0, 0.0, AXIS_VELOCITY)
     assert np.array_equal(mu, [1.0, 2.0])
 
 
@@ -151,7 +151,7 @@ def rng():
     return np.random.default_rng(5)
 
 
-@pytest.mark.parametrize("part", [POSITION, VELOCITY])
+@pytest.mark.parametrize("part", [AXIS_POSITION, AXIS_VELOCITY])
 def test_the_choice_of_filterpy_is_the_kernels_to_the_last_digits(rng, part):
     mu, S = np.array([1.0, -0.3]), np.array([[0.2, 0.05], [0.05, 0.4]])
     theirs, P = mu.copy(), S.copy()
@@ -170,13 +170,13 @@ def test_filterpy_never_gets_nan_or_infinity(bad):
     mu, S = np.array([1.0, -0.3]), np.eye(2)
     assert not filterpy_axis.predict(mu, S, bad, DT, VARIANCE)
     assert not filterpy_axis.predict(mu, S, 0.0, -DT, VARIANCE)
-    assert not filterpy_axis.update(mu, S, bad, NOISE, VELOCITY)
-    assert not filterpy_axis.update(mu, S, 0.0, -NOISE, VELOCITY)
+    assert not filterpy_axis.update(mu, S, bad, NOISE, AXIS_VELOCITY)
+    assert not filterpy_axis.update(mu, S, 0.0, -NOISE, AXIS_VELOCITY)
     assert mu.tolist() == [1.0, -0.3]
     assert S.tolist() == np.eye(2).tolist()
 
 
 def test_what_filterpy_makes_of_a_broken_covariance_does_not_count():
     mu, S = np.array([1.0, -0.3]), np.array([[math.nan, 0.0], [0.0, 1.0]])
-    assert not filterpy_axis.update(mu, S, 0.0, NOISE, VELOCITY)
+    assert not filterpy_axis.update(mu, S, 0.0, NOISE, AXIS_VELOCITY)
     assert mu.tolist() == [1.0, -0.3]

@@ -16,7 +16,7 @@ from missionkit.estimation.error_state_ekf import (
     update,
 )
 from missionkit.estimation.error_state_ekf.measurement_log import row
-from missionkit.geometry import conjugate, exp, log, multiply, normalised, skew, vec
+from missionkit.geometry import GRAVITY, conjugate, exp, log, multiply, normalised, skew, vec
 
 TARGETS = 2
 N = state_layout.D_LANDMARKS + 3 * TARGETS
@@ -111,7 +111,7 @@ def test_motion_is_that_of_a_falling_and_of_a_thrusting_body():
     np.testing.assert_allclose(x[:6], [0, 0, 0.5 * 9.80665, 0, 0, 9.80665], rtol=1e-12)
     x = np.zeros(16)
     x[6:10] = exp(vec(0, 0, np.pi / 2))
-    u = np.array([0, 2.0, 0, -state_layout.GRAVITY, 0, 0, 0, 0])
+    u = np.array([0, 2.0, 0, -GRAVITY, 0, 0, 0, 0])
     for _ in range(100):
         process_model.move(x, u, 0.01)
     np.testing.assert_allclose(x[:6], [0, 1, 0, 0, 2, 0], atol=1e-9)  # forward is east
@@ -171,7 +171,7 @@ def test_agrees_with_filterpy_where_all_is_linear():
     peer.P, peer.Q, peer.R = np.diag([4.0, 1.0]), np.diag([0, q * dt]), np.array([[sd**2]])
     x, P = np.zeros(16), np.zeros((15, 15))
     x[6], P[2, 2], P[5, 5] = 1.0, 4.0, 1.0
-    u = np.array([dt, 0, 0, -state_layout.GRAVITY, 0, 0, 0, 0])
+    u = np.array([dt, 0, 0, -GRAVITY, 0, 0, 0, 0])
     for k in range(50):
         peer.predict()
         peer.update(np.array([[0.1 * k]]))

@@ -75,6 +75,6 @@ def test_the_mean_lies_between_the_distances_and_follows_the_newest(distances):
 
 
 def test_what_is_not_a_number_is_far_away():
-    assert mahalanobis.distance(math.inf, 3) == mahalanobis.LARGEST
-    assert mahalanobis.distance(math.nan, 3) == mahalanobis.LARGEST
+    assert mahalanobis.distance(math.inf, 3) == mahalanobis.LARGEST_COUNTED
+    assert mahalanobis.distance(math.nan, 3) == mahalanobis.LARGEST_COUNTED
     assert mahalanobis.distance(12.0, 3) == pytest.approx(2.0)

@@ -7,7 +7,7 @@ import pytest
 
 from missionkit.estimation.error_state_ekf import replay_buffer, state_layout
 from missionkit.estimation.error_state_ekf.measurement_log import row
-from missionkit.geometry import vec
+from missionkit.geometry import GRAVITY, vec
 
 NOISE = np.square([0.02, 0.0015, 3e-4, 2e-5, 0.01, 2.0, 0.5])
 GATES = np.array([0.0, 15.1, 18.4, 21.1])
@@ -25,7 +25,7 @@ def flight():
     rng = np.random.default_rng(3)
     imu = np.zeros((TICKS * STEP, 8))
     imu[:, 0] = 0.01 * np.arange(1, TICKS * STEP + 1)
-    imu[:, 1:7] = rng.normal(size=(len(imu), 6)) * 0.3 + [0, 0, -state_layout.GRAVITY, 0, 0, 0]
+    imu[:, 1:7] = rng.normal(size=(len(imu), 6)) * 0.3 + [0, 0, -GRAVITY, 0, 0, 0]
     kinds = [
         state_layout.FIX,
         state_layout.FIX_VELOCITY,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from missionkit.geometry import norm, vec
 from missionkit.planning.boundary_following import BoundaryProgress
-from missionkit.planning.potential_field import BLIND, PotentialField
+from missionkit.planning.potential_field import BLIND_SPEED, PotentialField
 from missionkit.planning.scan_memory import FieldMemory
 
 FIELD = PotentialField()
@@ -111,7 +111,7 @@ def test_a_scan_counts_until_it_is_too_old():
     push, memory = FIELD.step(memory, estimate(0.4, seen.position, CRUISE, None), GOAL, CRUISE)
     assert push[0] < 0.0
     push, _ = FIELD.step(memory, estimate(0.6, seen.position, CRUISE, None), GOAL, CRUISE)
-    np.testing.assert_allclose(CRUISE + push, (BLIND, 0.0, 0.0))
+    np.testing.assert_allclose(CRUISE + push, (BLIND_SPEED, 0.0, 0.0))
 
 
 def test_a_column_is_avoided_level_and_what_is_far_below_is_not():

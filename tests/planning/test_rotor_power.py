@@ -9,11 +9,11 @@ import pytest
 from pydantic import ValidationError
 from scipy.optimize import brentq
 
+from missionkit.geometry import GRAVITY
 from missionkit.messages import Action, Command, Setpoint
 from missionkit.perception.camera_section import Camera
 from missionkit.planning.rotor_power import (
-    AIR,
-    GRAVITY,
+    AIR_DENSITY,
     RotorPower,
     flight_powers,
     glauert,
@@ -28,7 +28,7 @@ from missionkit.sim.world import World
 MASS, DRAG = 1.2, 0.0118
 ROTOR = RotorPower().model()
 THRUST = 0.25 * MASS * GRAVITY
-HOVER = math.sqrt(THRUST / (2.0 * AIR * ROTOR.area))
+HOVER = math.sqrt(THRUST / (2.0 * AIR_DENSITY * ROTOR.area))
 
 
 def powers(*velocities):

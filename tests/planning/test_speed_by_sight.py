@@ -17,7 +17,7 @@ from missionkit.planning.obstacle_braking import (
     backed_off,
     stopping_distance,
 )
-from missionkit.planning.potential_field import BLIND, PotentialField
+from missionkit.planning.potential_field import BLIND_SPEED, PotentialField
 
 FIELD = PotentialField()
 GOAL, HERE = vec(60, 0, -3), vec(0, 0, -3)
@@ -62,7 +62,7 @@ def test_a_silent_scanner_leaves_what_holds_a_place_and_the_climb():
     memory, _ = looked(FIELD, NOTHING)
     later = estimate(0.6, HERE, HERE * 0.0, None)
     np.testing.assert_allclose(FIELD.brake(memory, later, vec(3, 4, -1)), (0.3, 0.4, -1.0))
-    assert norm(FIELD.brake(memory, later, vec(3, 4, 0))) == pytest.approx(BLIND)
+    assert norm(FIELD.brake(memory, later, vec(3, 4, 0))) == pytest.approx(BLIND_SPEED)
 
 
 TRUNK = np.array([[0.5, 0.0, -3.0]])

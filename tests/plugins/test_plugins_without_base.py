@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from rehearsed import flown, short_stage
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.errors import FileError, UsageError
 from missionkit.plugin import Plugin
@@ -51,7 +51,7 @@ def flight(catalogue):
     return flown(short_stage(MISSION, catalogue=catalogue))
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("group", PLUGIN_GROUPS)
 def test_a_file_adds_plugins_of_every_group(group, catalogue):
     added = catalogue.group(group).keys() - builtin().group(group).keys()
     assert added == FOUND[group]

@@ -11,7 +11,14 @@ import pytest
 
 from missionkit.errors import UsageError
 from missionkit.recorder import checkpoint
-from missionkit.recorder.checkpoint import BEFORE, HEADER, KIND, NEWEST, Checkpoints, load
+from missionkit.recorder.checkpoint import (
+    BEFORE_NEWEST,
+    CHECKPOINT_PREFIX,
+    HEADER,
+    NEWEST,
+    Checkpoints,
+    load,
+)
 
 ROWS = np.arange(30.0).reshape(10, 3)
 
@@ -34,7 +41,7 @@ def test_the_newest_is_read_with_its_rows(tmp_path):
     assert (found.value, found.name, found.wrong) == ({"rows": 7}, NEWEST, ())
     np.testing.assert_array_equal(found.journals["truth"], ROWS[:7])
     assert {path.name for path in tmp_path.iterdir()} == {
-        *(NEWEST, BEFORE, "checkpoint-truth.rows")
+        *(NEWEST, BEFORE_NEWEST, "checkpoint-truth.rows")
     }
 
 
@@ -51,7 +58,7 @@ def changed(text):
 
 
 def renewed(text):
-    return text.replace(HEADER, f"{KIND}999")
+    return text.replace(HEADER, f"{CHECKPOINT_PREFIX}999")
 
 
 @pytest.mark.parametrize("damage", [cut, emptied, changed, renewed])
@@ -61,7 +68,7 @@ def test_a_damaged_one_is_named_and_the_one_before_is_used(tmp_path, damage):
     assert damage(text) != text
     (tmp_path / NEWEST).write_text(damage(text))
     found = load(tmp_path)
-    assert (found.value, found.name) == ({"rows": 2}, BEFORE)
+    assert (found.value, found.name) == ({"rows": 2}, BEFORE_NEWEST)
     np.testing.assert_array_equal(found.journals["truth"], ROWS[:2])
     (wrong,) = found.wrong
     assert wrong.startswith(f"{tmp_path / NEWEST}: this checkpoint cannot be used: ")
@@ -98,7 +105,7 @@ def test_changed_rows_are_reported_and_the_previous_checkpoint_used(tmp_path):
     data[3 * 3 * 8] ^= 1  # of the fourth row, which the checkpoint before does not stand on
     path.write_bytes(data)
     found = load(tmp_path)
-    assert (found.value, found.name) == ({"rows": 2}, BEFORE)
+    assert (found.value, found.name) == ({"rows": 2}, BEFORE_NEWEST)
     assert found.wrong == (
         f"{tmp_path / NEWEST}: this checkpoint cannot be used: "
         "checkpoint-truth.rows, which it builds on, was truncated or changed",

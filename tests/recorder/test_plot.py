@@ -13,7 +13,7 @@ from recorder.made_up import poles
 from missionkit.geometry import vec
 from missionkit.messages import Fired, Goal
 from missionkit.recorder import flight_track as tracks
-from missionkit.recorder.plot import STYLE, draw, picture
+from missionkit.recorder.plot import PLOT_STYLE, draw, picture
 from missionkit.recorder.plot_close_up import reach, rounded
 from missionkit.recorder.plot_ground import Flown, draw_goals
 from missionkit.recorder.plot_guards import labels
@@ -49,7 +49,7 @@ def words(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def style():
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         yield
 
 

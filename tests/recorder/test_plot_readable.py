@@ -12,8 +12,8 @@ from matplotlib.text import Text
 from recorder.made_up import flight, poles
 
 from missionkit.recorder import plot_guards, plot_list, plot_states
-from missionkit.recorder.palette import MOST_STYLES, OTHER, styles
-from missionkit.recorder.plot import STYLE, picture
+from missionkit.recorder.palette import MOST_STYLES, OTHER_STYLE, styles
+from missionkit.recorder.plot import PLOT_STYLE, picture
 from missionkit.recorder.plot_labels import overlapping
 from missionkit.recorder.scenery import Fence
 
@@ -31,7 +31,7 @@ def page(request):
     transitions, count, north, east = SIZES[states]
     scenery = poles(count, north, east)
     track = flight(states, transitions, scenery)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         figure = picture(track, scenery, "orchard: success", "flown as planned, " * 20)
         figure.draw_without_rendering()
         yield figure, track, scenery
@@ -124,24 +124,27 @@ def test_lists_that_are_cut_say_in_their_last_line_what_is_left_out_and_where_it
     figure, track, _ = page
     count = len(track.transitions)
     last = max(panel(figure, "Transitions").texts, key=lambda it: it.get_position()[1]).get_text()
-    if count > plot_list.MOST + 2:
-        first, end = plot_list.MOST - plot_list.LAST + 1, count - plot_list.LAST
+    if count > plot_list.MOST_LISTED + 2:
+        first, end = (
+            plot_list.MOST_LISTED - plot_list.LAST_LISTED + 1,
+            count - plot_list.LAST_LISTED,
+        )
         assert last == (
-            f"{count - plot_list.MOST} of {count} are left out, {first} to {end}: "
+            f"{count - plot_list.MOST_LISTED} of {count} are left out, {first} to {end}: "
             "see transitions in summary.json"
         )
     else:
         assert "left out" not in last
-    more = len(track.guards) - plot_guards.MOST
+    more = len(track.guards) - plot_guards.MOST_GUARDS
     said = f"and {more} more, which changed least: see /guards in flight.mcap"
     assert (said in texts(figure)) is (more > 0)
 
 
 def test_more_states_than_rows_are_counted():
     scenery = poles(30, 100.0, 100.0)
-    states = plot_states.MOST + 6
+    states = plot_states.MOST_STATE_ROWS + 6
     track = flight(states, states + 3, scenery)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         shown = texts(picture(track, scenery, "t"))
     said = "and 6 more states, visited more briefly: see states in summary.json"
     assert said in shown
@@ -149,7 +152,7 @@ def test_more_states_than_rows_are_counted():
 
 def test_a_far_fence_is_written_where_it_is_not_seen_whole():
     scenery = poles(2, 50.0, 20.0)._replace(fences=(Fence((-500.0, 500.0), (-400.0, 400.0)),))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PLOT_STYLE):
         figure = picture(flight(6, 8, scenery), scenery, "t")
     ground = panel(figure, "Map")
     assert ground.get_ylim()[1] < 200.0
@@ -161,4 +164,4 @@ def test_styles_stay_apart_and_neighbours_differ_in_colour():
     looks = list(styles(map(str, range(MOST_STYLES + 2))).values())
     assert len({str(it) for it in looks[:MOST_STYLES]}) == MOST_STYLES
     assert all(a.colour != b.colour for a, b in pairwise(looks[:MOST_STYLES]))
-    assert looks[MOST_STYLES:] == [OTHER, OTHER]
+    assert looks[MOST_STYLES:] == [OTHER_STYLE, OTHER_STYLE]

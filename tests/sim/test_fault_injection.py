@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from missionkit.errors import UsageError
-from missionkit.sim.fault_injection import KINDS, Fault, parse_fault
+from missionkit.sim.fault_injection import FAULT_KINDS, Fault, parse_fault
 from missionkit.sim.world import Marker, Wind, World
 
 Make = Callable[..., Any]
@@ -62,7 +62,7 @@ def test_window_in_time_and_after_a_state() -> None:
 
 
 def test_every_kind_says_what_it_does() -> None:
-    assert all(kind.effect for kind in KINDS.values())
+    assert all(kind.effect for kind in FAULT_KINDS.values())
 
 
 def frames_of(flight: Any, since: float = 0.0) -> list[Any]:

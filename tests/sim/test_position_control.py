@@ -11,8 +11,8 @@ from missionkit.errors import VehicleError
 from missionkit.geometry import IDENTITY, from_euler, norm, to_euler, vec
 from missionkit.messages import Action, AttitudeSetpoint, Command, PositionSetpoint, Setpoint
 from missionkit.sim.position_control import (
-    CLIMB,
-    SPEED,
+    CLIMB_SPEED,
+    CRUISE_SPEED,
     YAW_RATE,
     velocity_for,
 )
@@ -51,7 +51,7 @@ def test_far_away_is_flown_to_at_a_limited_speed() -> None:
     state = np.zeros(17)
     state[6:10] = from_euler(0.0, 0.0, -2.0)
     command = velocity_for(PositionSetpoint(vec(300.0, 400.0, 50.0), 1.0), state)
-    assert command.velocity == pytest.approx([0.6 * SPEED, 0.8 * SPEED, CLIMB])
+    assert command.velocity == pytest.approx([0.6 * CRUISE_SPEED, 0.8 * CRUISE_SPEED, CLIMB_SPEED])
     assert command.yaw_rate == YAW_RATE
 
 

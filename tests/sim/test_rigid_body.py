@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from missionkit.geometry import from_euler
+from missionkit.geometry import GRAVITY, from_euler
 from missionkit.sim.kernel_layout import (
     CRASHED,
-    GRAVITY,
     ON_GROUND,
     SIZE,
     Body,

@@ -8,22 +8,22 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from missionkit.sitl.command_protocol import HANDLERS
 from missionkit.sitl.control_socket import REQUESTS
-from missionkit.sitl.flight_modes import DIALECTS, Flight
+from missionkit.sitl.flight_modes import MODE_TABLES, Flight
 from missionkit.sitl.parameter_protocol import TABLES
-from missionkit.sitl.stream_scheduler import BUILDERS, MISSING, RATES
+from missionkit.sitl.stream_scheduler import DEFAULT_RATES, MESSAGE_BUILDERS, MISSING_MESSAGES
 from missionkit.sitl.wire_faults import WIRE
 
 PAGE = document("docs/reference/sitl.md")
 
 
 def rate(dialect: str, number: int) -> str:
-    if number in RATES[dialect]:
-        return f"{RATES[dialect][number]:g}"
-    return "—" if number in MISSING[dialect] else "asked"
+    if number in DEFAULT_RATES[dialect]:
+        return f"{DEFAULT_RATES[dialect][number]:g}"
+    return "—" if number in MISSING_MESSAGES[dialect] else "asked"
 
 
 def test_messages_are_those_of_the_page() -> None:
-    names = sorted((mavlink.mavlink_map[number].msgname, number) for number in BUILDERS)
+    names = sorted((mavlink.mavlink_map[number].msgname, number) for number in MESSAGE_BUILDERS)
     assert table(PAGE, "Messages") == [
         [f"`{name}`", rate("px4", number), rate("ardupilot", number)] for name, number in names
     ]
@@ -38,7 +38,7 @@ def test_commands_are_those_of_the_page() -> None:
 def test_modes_are_those_of_the_page() -> None:
     rows = {row[2]: row[:2] for row in table(PAGE, "Modes")}
     assert set(rows) == set(Flight)
-    for column, dialect in enumerate(DIALECTS.values()):
+    for column, dialect in enumerate(MODE_TABLES.values()):
         for flight, row in rows.items():
             names = [mode.name for mode in dialect.modes if mode.does == flight]
             assert row[column].replace("—", "").split() == names

@@ -8,12 +8,12 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from missionkit.errors import UsageError
-from missionkit.sitl.flight_modes import DIALECTS
-from missionkit.sitl.wire_faults import BODY, WIRE, read_fault
+from missionkit.sitl.flight_modes import MODE_TABLES
+from missionkit.sitl.wire_faults import BODY_FAULTS, WIRE, read_fault
 
 Make = Callable[..., Any]
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)
-PX4 = DIALECTS["px4"]
+PX4 = MODE_TABLES["px4"]
 
 
 def talking(station: Make, *faults: str) -> Any:
@@ -211,6 +211,6 @@ def test_mistakes_in_faults_are_reported(text: str, hint: str) -> None:
         read_fault(text, PX4)
 
 
-@pytest.mark.parametrize("name", [*WIRE, *BODY])
+@pytest.mark.parametrize("name", [*WIRE, *BODY_FAULTS])
 def test_every_fault_can_be_named_alone(name: str) -> None:
     assert read_fault(name, PX4).name == name

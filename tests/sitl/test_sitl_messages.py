@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from missionkit.sim.world import Cylinder, World
-from missionkit.sitl.stream_scheduler import BUILDERS, RATES
+from missionkit.sitl.stream_scheduler import DEFAULT_RATES, MESSAGE_BUILDERS
 from missionkit.sitl.wire_faults import read_fault
 
 Make = Callable[..., Any]
@@ -30,7 +30,7 @@ def test_only_heartbeats_go_to_a_silent_port(station: Make) -> None:
     assert {message.get_type() for message in px4.seen} == {"HEARTBEAT"}
     px4.send(HEARTBEAT)
     px4.run(3.0)
-    assert {message.get_msgId() for message in px4.seen} == set(RATES["px4"])
+    assert {message.get_msgId() for message in px4.seen} == set(DEFAULT_RATES["px4"])
 
 
 def test_ardupilot_sends_nothing_unless_requested(station: Make) -> None:
@@ -53,12 +53,12 @@ def test_px4_does_not_know_the_old_groups_of_streams(station: Make) -> None:
 
 def test_every_message_is_read_back_by_pymavlink(either: Any) -> None:
     either.take_off()
-    for number in BUILDERS:
+    for number in MESSAGE_BUILDERS:
         either.command(512, number)
     either.run(1.0, either.velocity(1, 0, 0))
     kinds = {message.get_type() for message in either.seen}
     assert not [kind for kind in kinds if kind.startswith("UNKNOWN") or kind == "BAD_DATA"]
-    assert len(kinds) >= len(BUILDERS) - 6
+    assert len(kinds) >= len(MESSAGE_BUILDERS) - 6
     for message in either.seen:
         again = either._mav.parse_buffer(message.get_msgbuf())
         assert [m.to_dict() for m in again] == [message.to_dict()] or "nan" in str(message)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from sitl_station import EXACT
 
-from missionkit.geometry import from_euler, yaw_of
-from missionkit.sim.kernel_layout import GRAVITY
+from missionkit.geometry import GRAVITY, from_euler, yaw_of
 from missionkit.sitl.setpoint_tracking import (
     SetpointTarget,
     TrackingLimits,

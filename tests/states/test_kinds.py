@@ -10,14 +10,14 @@ from samples import calm
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import from_euler, vec
 from missionkit.messages import Goal, Mode, Target
-from missionkit.states import KINDS
+from missionkit.states import STATE_KINDS
 
 PAPER = ("idle", "gps", "visual", "search", "task", "return", "land")
 
 
 def test_every_kind_is_known_by_its_name_and_has_a_summary():
-    assert set(KINDS) == {*PAPER, "hover", "custom", "logic"}
-    for name, kind in KINDS.items():
+    assert set(STATE_KINDS) == {*PAPER, "hover", "custom", "logic"}
+    for name, kind in STATE_KINDS.items():
         assert kind.name == name
         assert kind.summary.endswith(".")
 
@@ -25,24 +25,24 @@ def test_every_kind_is_known_by_its_name_and_has_a_summary():
 def test_contracts_name_only_what_exists():
     catalogue = builtin()
     behaviors = catalogue.group("behaviors")
-    for kind in KINDS.values():
-        assert set(kind.must_reach) <= set(KINDS)
+    for kind in STATE_KINDS.values():
+        assert set(kind.must_reach) <= set(STATE_KINDS)
         assert kind.default_behavior is None or kind.default_behavior in behaviors
-        assert kind.invariant is None or kind.invariant.to_kind in KINDS
+        assert kind.invariant is None or kind.invariant.to_kind in STATE_KINDS
         for failsafe in kind.failsafes:
-            assert failsafe.to_kind in KINDS
+            assert failsafe.to_kind in STATE_KINDS
             target = {"target": "t"} if failsafe.of_target else {}
             guard = catalogue.group("guards")[failsafe.use]
             assert guard(**failsafe.parameters, **target).kind == failsafe.use
 
 
 def test_every_flying_kind_must_be_able_to_land():
-    for kind in KINDS.values():
+    for kind in STATE_KINDS.values():
         assert not kind.flying or kind.name == "land" or "land" in kind.must_reach
 
 
 def test_modes_are_those_of_the_paper():
-    assert {name: kind.mode for name, kind in KINDS.items()} == {
+    assert {name: kind.mode for name, kind in STATE_KINDS.items()} == {
         **dict.fromkeys(("idle", "land", "logic"), Mode.NONE),
         **dict.fromkeys(("gps", "return", "hover"), Mode.GPS),
         **dict.fromkeys(("visual", "task"), Mode.VISUAL),
@@ -57,7 +57,7 @@ def test_default_failsafes_are_those_of_the_paper():
     """
     said = {
         name: [(one.use, one.parameters.get("longer_than"), one.to_kind) for one in kind.failsafes]
-        for name, kind in KINDS.items()
+        for name, kind in STATE_KINDS.items()
         if kind.failsafes
     }
     lost, far = ("target_lost", 2.0, "search"), ("goal_unreachable", None, "hover")
@@ -71,7 +71,7 @@ def test_default_failsafes_are_those_of_the_paper():
 
 
 def holds(kind: str, target: str | None = "t", **changes) -> bool | None:
-    return KINDS[kind].invariant.check(calm(now=10.0, **changes), target).holds
+    return STATE_KINDS[kind].invariant.check(calm(now=10.0, **changes), target).holds
 
 
 def target(seen_at: float | None) -> dict[str, Target]:
@@ -120,5 +120,5 @@ def test_a_task_whose_goal_has_no_heading_is_judged_by_its_place():
 
 def test_a_distance_just_above_its_limit_is_not_written_as_the_limit():
     seen = calm(position=vec(0, 0.1004, -5), goal=Goal(vec(0, 0, -5), None, 10.0))
-    verdict = KINDS["task"].invariant.check(seen, None)
+    verdict = STATE_KINDS["task"].invariant.check(seen, None)
     assert verdict.why == "0.1004 m from its goal, more than 0.1 m"

@@ -5,15 +5,15 @@ from vehicle.state_tables import state_table
 
 from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
 from missionkit.vehicle.command.control_authority import (
+    AUTHORITY_TRANSITIONS,
     GIVEN_UP,
     MISSION_STATES,
-    TRANSITIONS,
     ControlAuthority,
     ends,
 )
 from missionkit.vehicle.link.heartbeat_check import HeartbeatState
 from missionkit.vehicle.link.message_cache import Message
-from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
+from missionkit.vehicle.telemetry.autopilot_state import UNKNOWN_WHEREABOUTS, Whereabouts
 
 ACTIVE, CRITICAL = 4, 5  # MAV_STATE
 PX4_MODES = {word: number for number, word in PX4.modes.items()}
@@ -45,7 +45,7 @@ class Desk:
     """An authority with everything it tells, and the truth it asks for."""
 
     def __init__(self, dialect=PX4):
-        self.sent_events, self.notes, self.where, self.unheard = [], [], NOWHERE, False
+        self.sent_events, self.notes, self.where, self.unheard = [], [], UNKNOWN_WHEREABOUTS, False
         self.dialect = dialect
         self.authority = ControlAuthority(
             dialect,
@@ -85,7 +85,7 @@ def test_every_trigger_in_every_state(trigger, state):
 
 
 def test_the_table_is_complete():
-    assert TABLE.keys() == {row[0] for row in TRANSITIONS}
+    assert TABLE.keys() == {row[0] for row in AUTHORITY_TRANSITIONS}
     assert tuple(STATES) == (*MISSION_STATES, *GIVEN_UP)
 
 
@@ -123,14 +123,14 @@ def test_leaving_offboard_unrequested_is_a_takeover(mode):
         ("take_off", "hold", Whereabouts(on_ground=False, height=4.1), True),
         ("take_off", "hold", Whereabouts(on_ground=False, height=1.3), False),
         ("take_off", "hold", Whereabouts(on_ground=True, height=4.1), False),
-        ("take_off", "hold", NOWHERE, False),
+        ("take_off", "hold", UNKNOWN_WHEREABOUTS, False),
         ("land", "hold", GROUND, True),
         ("land", "hold", Whereabouts(on_ground=False, height=0.2), False),
-        ("land", "hold", NOWHERE, False),
+        ("land", "hold", UNKNOWN_WHEREABOUTS, False),
         ("return", "land", Whereabouts(on_ground=False, height=9.0, from_home=1.0), True),
         ("return", "land", Whereabouts(on_ground=False, height=9.0, from_home=9.0), False),
         ("return", "hold", GROUND, True),
-        ("return", "hold", NOWHERE, False),
+        ("return", "hold", UNKNOWN_WHEREABOUTS, False),
         ("land", "position", GROUND, False),
     ],
 )
@@ -271,7 +271,7 @@ def test_link_loss_counts_from_the_first_doubt(unheard):
         ("offboard", True, AIR, True),
         ("hold", True, AIR, False),
         ("offboard", False, AIR, False),
-        ("offboard", False, NOWHERE, False),
+        ("offboard", False, UNKNOWN_WHEREABOUTS, False),
         ("offboard", False, GROUND, True),
     ],
 )

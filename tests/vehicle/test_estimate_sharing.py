@@ -18,7 +18,7 @@ from missionkit.vehicle.autopilot_dialect import (
     PX4,
 )
 from missionkit.vehicle.command.estimate_sharing import (
-    NOTHING,
+    SHARE_NOTHING,
     Share,
     Sharing,
     pose_fields,
@@ -69,7 +69,7 @@ def test_the_pose_says_how_sure_the_height_is_and_how_often_the_position_was_res
 
 
 def test_nothing_is_shared_unless_wanted():
-    assert Station(NOTHING).tick(seen()) == []
+    assert Station(SHARE_NOTHING).tick(seen()) == []
 
 
 def test_both_messages_carry_the_time_of_their_data():

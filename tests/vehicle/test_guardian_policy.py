@@ -3,7 +3,7 @@
 import pytest
 
 from missionkit.vehicle.guardian import policy
-from missionkit.vehicle.guardian.policy import NEVER, GuardianState, Phase
+from missionkit.vehicle.guardian.policy import NEVER_YET, GuardianState, Phase
 
 STEERED = GuardianState(Phase.STEERED, last_setpoint_at=10.0, ours=True)
 STATES = {
@@ -99,4 +99,4 @@ def test_a_mission_that_wakes_up_is_refused_until_a_person_gives_control_back():
 
 
 def test_setpoints_from_before_the_process_took_control_count_for_nothing():
-    assert policy.given(STEERED).last_setpoint_at == NEVER
+    assert policy.given(STEERED).last_setpoint_at == NEVER_YET

@@ -9,7 +9,7 @@ from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.vehicle.autopilot_dialect import PX4
 from missionkit.vehicle.command.setpoint_encoding import leashed, message, sound
 from missionkit.vehicle.command.setpoint_stream import (
-    STILL,
+    ZERO_VELOCITY,
     Streamer,
     TimedSetpoint,
     due,
@@ -51,7 +51,7 @@ def test_a_velocity_does_not_depend_on_the_origin():
     assert (fields["vx"], fields["vz"], fields["yaw_rate"], fields["x"]) == (2.0, -1.0, 0.1, 0.0)
 
 
-@pytest.mark.parametrize("setpoint", [PLACE, LEAN, FAST, STILL])
+@pytest.mark.parametrize("setpoint", [PLACE, LEAN, FAST, ZERO_VELOCITY])
 def test_every_field_is_one_of_the_message_and_finite(setpoint):
     name, fields = message(setpoint, 5e6, START)
     kind = getattr(mavlink, f"MAVLink_{name.lower()}_message")
@@ -82,14 +82,14 @@ def test_setpoints_that_cannot_be_flown_are_sent_as_zero_velocity(bad):
     streamer.tell(bad, 10.0)
     streamer.once()
     assert not sound(bad)
-    assert sent == [STILL]
+    assert sent == [ZERO_VELOCITY]
 
 
 @pytest.mark.parametrize("setpoint", [PLACE, LEAN])
 @pytest.mark.parametrize(("age", "still"), [(0.49, False), (0.51, True), (1.49, True)])
 def test_a_stale_one_becomes_zero_velocity_and_then_silence(setpoint, age, still):
     assert sound(setpoint)
-    assert due(TimedSetpoint(setpoint, 10.0), 10.0 + age) is (STILL if still else setpoint)
+    assert due(TimedSetpoint(setpoint, 10.0), 10.0 + age) is (ZERO_VELOCITY if still else setpoint)
     assert due(TimedSetpoint(setpoint, 10.0), 11.6) is None
 
 

@@ -5,7 +5,7 @@ import pytest
 from missionkit.geometry import vec
 from missionkit.messages import Setpoint
 from missionkit.vehicle.command.setpoint_stream import (
-    STILL,
+    ZERO_VELOCITY,
     Streamer,
     TimedSetpoint,
     due,
@@ -36,7 +36,14 @@ class Bench:
 
 @pytest.mark.parametrize(
     ("age", "sent"),
-    [(0.0, NORTH), (0.49, NORTH), (0.51, STILL), (1.49, STILL), (1.51, None), (60.0, None)],
+    [
+        (0.0, NORTH),
+        (0.49, NORTH),
+        (0.51, ZERO_VELOCITY),
+        (1.49, ZERO_VELOCITY),
+        (1.51, None),
+        (60.0, None),
+    ],
 )
 def test_the_age_of_a_command_decides_the_setpoint(age, sent):
     assert due(TimedSetpoint(NORTH, 10.0), 10.0 + age) is sent
@@ -47,7 +54,7 @@ def test_nothing_is_sent_before_the_first_command():
 
 
 def test_faster_than_real_time_a_command_ages_faster():
-    assert due(TimedSetpoint(NORTH, 10.0), 10.2, pace=5.0) is STILL
+    assert due(TimedSetpoint(NORTH, 10.0), 10.2, pace=5.0) is ZERO_VELOCITY
     assert due(TimedSetpoint(NORTH, 10.0), 10.09, pace=5.0) is NORTH
 
 
@@ -56,7 +63,7 @@ def test_a_loop_that_hangs_brakes_at_half_a_second_and_then_is_silent():
     bench.streamer.tell(NORTH, bench.now)
     bench.run(5.0)
     moving = [at for at, setpoint in bench.sent if setpoint is NORTH]
-    still = [at for at, setpoint in bench.sent if setpoint is STILL]
+    still = [at for at, setpoint in bench.sent if setpoint is ZERO_VELOCITY]
     assert max(moving) <= 0.5
     assert 0.5 < min(still) <= 0.56
     assert max(still) <= 1.5

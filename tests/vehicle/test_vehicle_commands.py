@@ -7,7 +7,7 @@ import pytest
 
 from missionkit.messages import Action
 from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
-from missionkit.vehicle.command.autopilot_commands import OFFBOARD, Commander
+from missionkit.vehicle.command.autopilot_commands import OFFBOARD_MODE, Commander
 from missionkit.vehicle.command.command_transaction import CommandOutcome
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
@@ -110,7 +110,7 @@ def test_arming_is_not_even_tried_when_holding_is_refused():
     assert ids(autopilot) == [176]
 
 
-@pytest.mark.parametrize("action", [*Action, OFFBOARD])
+@pytest.mark.parametrize("action", [*Action, OFFBOARD_MODE])
 @pytest.mark.parametrize("dialect", [PX4, ARDUPILOT])
 def test_nothing_ever_forces_arming_or_disarming(action, dialect):
     commander, autopilot, _ = desk(dialect)
@@ -161,7 +161,7 @@ def test_silence_means_unknown_after_a_few_repetitions():
 
 def test_the_pilot_is_not_overruled():
     commander, autopilot, _ = desk(ours=False)
-    for wish in ((Action.LAND, None), (Action.ARM, None), (OFFBOARD, None)):
+    for wish in ((Action.LAND, None), (Action.ARM, None), (OFFBOARD_MODE, None)):
         assert commander.carry_out(wish).outcome is CommandOutcome.ABANDONED
     assert autopilot.received == []
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from missionkit.geometry import vec
 from missionkit.messages import Setpoint
 from missionkit.vehicle.command.velocity_correction import (
-    FRESH,
-    LARGEST,
+    COMPARABLE_AGE,
+    LARGEST_CORRECTION,
     Correction,
     corrected,
     step,
@@ -71,8 +71,10 @@ def test_acceleration_is_not_a_difference_at_any_telemetry_delay() -> None:
     [
         pytest.param(nothing, biased, id="no target is seen"),
         pytest.param(still, nothing, id="the stream is lost"),
-        pytest.param(still, lambda now: TimedVelocity(now - 2 * FRESH, BIAS), id="old"),
-        pytest.param(still, lambda now: TimedVelocity(now + 2 * FRESH, BIAS), id="from the future"),
+        pytest.param(still, lambda now: TimedVelocity(now - 2 * COMPARABLE_AGE, BIAS), id="old"),
+        pytest.param(
+            still, lambda now: TimedVelocity(now + 2 * COMPARABLE_AGE, BIAS), id="from the future"
+        ),
         pytest.param(
             still, lambda now: TimedVelocity(now, vec(math.nan, 0.0, 0.0)), id="not a number"
         ),
@@ -87,7 +89,7 @@ def test_it_fades_out_when_there_is_nothing_to_compare(own, said) -> None:
 
 def test_it_is_bounded_and_keeps_its_direction() -> None:
     wild = run(60, still, lambda now: TimedVelocity(now, vec(30.0, 40.0, 0.0)))
-    assert np.linalg.norm(wild.offset) <= LARGEST + 1e-9
+    assert np.linalg.norm(wild.offset) <= LARGEST_CORRECTION + 1e-9
     assert wild.offset / np.linalg.norm(wild.offset) == pytest.approx([0.6, 0.8, 0.0])
 
 
@@ -97,7 +99,7 @@ def test_any_input_gives_a_finite_and_bounded_result(ticks) -> None:
     for now, own, said in ticks:
         correction = step(correction, now, own, said)
         assert np.isfinite(correction.offset).all()
-        assert np.linalg.norm(correction.offset) <= LARGEST + 1e-9
+        assert np.linalg.norm(correction.offset) <= LARGEST_CORRECTION + 1e-9
 
 
 def test_the_setpoint_turns_as_before() -> None:

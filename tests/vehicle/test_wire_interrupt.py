@@ -11,7 +11,7 @@ from child import default_signals
 from vehicle.flying import command, sitl, until
 from vehicle.on_a_mission import AHEAD, stay
 
-from missionkit.api.interrupts import TOGETHER
+from missionkit.api.interrupts import SAME_KEYPRESS
 
 PATIENCE = 90.0  # s, wall
 
@@ -57,7 +57,7 @@ def test_the_second_one_stops_the_program_and_leaves_the_vehicle_holding(number,
         process.send_signal(number)
         until(lambda: "21" in {it["which"][:2] for it in autopilot.notes("command", since)})
         assert process.poll() is None
-        threading.Event().wait(2.0 * TOGETHER)
+        threading.Event().wait(2.0 * SAME_KEYPRESS)
         process.send_signal(number)
         text, _ = process.communicate(timeout=PATIENCE)
         assert process.returncode == 3, text

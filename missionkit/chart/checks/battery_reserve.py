@@ -12,15 +12,15 @@ from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.errors import Level, Problem
 from missionkit.number_text import beside, rounded_up
 
-MARGIN = 2.0  # head wind, detours and flying harder than hovering
-SLOWEST = 0.5  # m/s, for a return that says no speed
+ENERGY_MARGIN = 2.0  # head wind, detours and flying harder than hovering
+RETURN_SPEED = 0.5  # m/s, for a return that says no speed
 
 
 def problems_of(chart: AnalysedChart, endurance: float) -> Iterator[Problem]:
     """Yield a warning for each battery failsafe that acts too late for the way home.
 
     The way home is straight from the goal that is farthest, at the speed of the state of kind
-    return, then down; at `MARGIN` times the power of hovering.
+    return, then down; at `ENERGY_MARGIN` times the power of hovering.
 
     Args:
         chart: the mission's.
@@ -36,14 +36,14 @@ def problems_of(chart: AnalysedChart, endurance: float) -> Iterator[Problem]:
         if floor is None or kind != "return":
             continue
         seconds = _way_home(chart, failsafe, leg, control.limits.descent)
-        needed = MARGIN * seconds / endurance
+        needed = ENERGY_MARGIN * seconds / endurance
         if needed > floor:
             shown, limit = beside(100.0 * needed, 100.0 * floor, 0)
             yield Problem(
                 failsafe.place("when"),
                 f"failsafe {failsafe.name!r}: from the goal of {leg.state!r}, "
                 f"{_distance(leg):.0f} m away, the way home takes {seconds:.0f} s; with a margin "
-                f"of {MARGIN:g} that needs {shown} % of the battery, but it waits "
+                f"of {ENERGY_MARGIN:g} that needs {shown} % of the battery, but it waits "
                 f"until {limit} %",
                 Level.WARNING,
                 "energy",
@@ -58,7 +58,7 @@ def _distance(leg: PlannedLeg) -> float:
 def _way_home(chart: AnalysedChart, failsafe: Failsafe, leg: PlannedLeg, descent: float) -> float:
     behavior = chart.tree.states[failsafe.to].state.behavior
     plugin = None if behavior is None else behavior.plugin
-    speed = max(float(getattr(plugin, "speed", SLOWEST)), SLOWEST)
+    speed = max(float(getattr(plugin, "speed", RETURN_SPEED)), RETURN_SPEED)
     height = max(-leg.end[2], float(getattr(plugin, "height", None) or 0.0))
     return _distance(leg) / speed + height / descent
 

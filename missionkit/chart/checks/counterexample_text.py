@@ -6,15 +6,15 @@ import math
 
 from missionkit.messages.region import Boxes, Interval, Quantity
 
-SHOWN = 4  # quantities in a sentence
+QUANTITIES_SHOWN = 4  # quantities in a sentence
 
 
 def example(boxes: Boxes) -> str:
     """Return a situation as words: "battery 0.15"; empty if any situation will do."""
     best = min(boxes, key=lambda box: (None in box.values(), len(box)), default={})
     parts = [_said(quantity, span) for quantity, span in best.items()]
-    rest = len(parts) - SHOWN
-    return ", ".join(parts[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(parts) - QUANTITIES_SHOWN
+    return ", ".join(parts[:QUANTITIES_SHOWN]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def at(boxes: Boxes) -> str:

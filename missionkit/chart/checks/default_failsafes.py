@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.nearest_state import OTHER, FoundState, Nearest
+from missionkit.chart.model.nearest_state import OTHER_TARGET, FoundState, Nearest
 from missionkit.chart.model.state_contracts import due, nearest_in
 from missionkit.chart.model.state_definitions import State
 from missionkit.chart.plugin_catalogue import Catalogue
@@ -57,7 +57,7 @@ def _nowhere(name: str, kind: str, nearest: Nearest) -> str:
 
 
 def _doubt(found: FoundState, nearest: Nearest) -> str:
-    if found.targets == OTHER:
+    if found.targets == OTHER_TARGET:
         works = nearest.every[found.name].state.behavior
         targets = () if works is None else works.plugin.targets()
         return f"leads to {found.name!r}, which works on another target, {', '.join(targets)}"

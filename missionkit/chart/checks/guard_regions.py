@@ -12,7 +12,7 @@ from typing import NamedTuple, cast
 
 from missionkit.chart.checks.interval_boxes import (
     EVERYWHERE,
-    NOWHERE,
+    NO_BOXES,
     clipped,
     intersection,
     outside,
@@ -25,8 +25,8 @@ from missionkit.chart.model.traversal import actions_of
 from missionkit.chart.model.variables import Variable, is_number
 from missionkit.errors import Place
 from missionkit.guards.mdp_policy import MdpPolicy
-from missionkit.guards.state_progress import DONE
-from missionkit.messages.region import NO, YES, Box, Boxes, Interval, Quantity, Region
+from missionkit.guards.state_progress import DONE_QUANTITY
+from missionkit.messages.region import ONLY_FALSE, ONLY_TRUE, Box, Boxes, Interval, Quantity, Region
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
 from missionkit.plugin_protocols import GuardProtocol
@@ -43,8 +43,8 @@ class GuardRegion(NamedTuple):
     surely_not: Boxes
 
 
-ALWAYS = GuardRegion(EVERYWHERE, EVERYWHERE, NOWHERE, NOWHERE)
-NEVER = GuardRegion(NOWHERE, NOWHERE, EVERYWHERE, EVERYWHERE)
+ALWAYS_HOLDS = GuardRegion(EVERYWHERE, EVERYWHERE, NO_BOXES, NO_BOXES)
+NEVER_HOLDS = GuardRegion(NO_BOXES, NO_BOXES, EVERYWHERE, EVERYWHERE)
 
 
 class RegionReader:
@@ -60,7 +60,7 @@ class RegionReader:
         """Return where a guard holds in a transition of the state `source`."""
         match guard:
             case None:
-                return ALWAYS
+                return ALWAYS_HOLDS
             case ex.Named(name=name):
                 if name not in self.named:
                     self.named[name] = self.truth(self.guards[name])
@@ -116,17 +116,17 @@ class RegionReader:
         if state.states:
             finals = self.tree.finals(source)
             done = Quantity(f"{source} done", most=1.0, whole=True, at_entry="zero")
-            return _exact(({done: YES},)) if finals else NEVER
+            return _exact(({done: ONLY_TRUE},)) if finals else NEVER_HOLDS
         if state.behavior is not None and state.behavior.kind in NEVER_DONE:
-            return NEVER
-        return _exact(({DONE: YES},))
+            return NEVER_HOLDS
+        return _exact(({DONE_QUANTITY: ONLY_TRUE},))
 
     def _active(self, state: str, source: str) -> GuardRegion:
         if source and (state == source or state in self.tree.around(source)):
-            return ALWAYS
+            return ALWAYS_HOLDS
         if source and not self.tree.together(state, source):
-            return NEVER
-        return _exact(({Quantity(f"in {state}", most=1.0, whole=True): YES},))
+            return NEVER_HOLDS
+        return _exact(({Quantity(f"in {state}", most=1.0, whole=True): ONLY_TRUE},))
 
     def _latch(self, guard: ex.Hysteresis) -> GuardRegion:
         quantity = self.measured(guard.part)
@@ -136,7 +136,7 @@ class RegionReader:
         side = Interval.at_least if grows else Interval.at_most
         begins = clipped(({quantity: side(guard.enter)},))
         if not begins:
-            return NEVER
+            return NEVER_HOLDS
         return _declared(guard, Region(({quantity: side(guard.exit)},), begins))
 
     def measured(self, part: ex.Expression) -> Quantity | None:
@@ -191,13 +191,13 @@ def _declared(guard: ex.Expression, region: Region | None) -> GuardRegion:
     if region is not None and region.surely is None:
         return _exact(region.may)
     known = atom(guard)
-    holds: Box = {known: YES}
-    fails: Box = {known: NO}
+    holds: Box = {known: ONLY_TRUE}
+    fails: Box = {known: ONLY_FALSE}
     if region is None:
         return GuardRegion((holds,), (holds,), (fails,), (fails,))
     most, least = clipped(region.may), clipped(region.surely or ())
     if not most:
-        return NEVER
+        return NEVER_HOLDS
     return GuardRegion(
         intersection((holds,), most, sure=False),
         union([(holds,), least], sure=True),

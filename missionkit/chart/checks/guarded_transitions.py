@@ -15,7 +15,7 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import Failsafe, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place
-from missionkit.guards.state_progress import TIME
+from missionkit.guards.state_progress import TIME_IN_STATE
 from missionkit.messages.region import Boxes, Interval, Quantity
 
 
@@ -102,7 +102,7 @@ class AnalysedChart:
         state = self.tree.states[name].state
         dwell = self.mission.dwell if state.dwell is None else state.dwell
         alone = state.behavior is not None and not state.states
-        clock = TIME if alone else Quantity(f"time in {name}", unit="s", at_entry="zero")
+        clock = TIME_IN_STATE if alone else Quantity(f"time in {name}", unit="s", at_entry="zero")
         for model in state.transitions:
             patient = not (model.emergency or model.event)
             truth = self.reader.truth(model.when, name)

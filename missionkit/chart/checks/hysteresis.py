@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, shortened
-from missionkit.chart.checks.interval_boxes import WHOLE, within
+from missionkit.chart.checks.interval_boxes import ALL_VALUES, within
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.errors import Level, Problem
 from missionkit.messages.region import Interval, Quantity
@@ -38,7 +38,7 @@ def _contrary(chart: AnalysedChart, latch: ex.Hysteresis) -> Iterator[Problem]:
             f"{_range(quantity)}; the latch can never close",
             "use an 'enter' value that can be reached",
         )
-    elif within(quantity, side(latch.exit)) == within(quantity, WHOLE):
+    elif within(quantity, side(latch.exit)) == within(quantity, ALL_VALUES):
         yield _problem(
             latch,
             f"{guard_text!r} is never {'below' if grows else 'above'} {latch.exit:g}: "

@@ -10,7 +10,7 @@ from missionkit.chart.checks.planned_legs import Point3, legs
 from missionkit.errors import Level, Place, Problem
 from missionkit.number_text import beside
 
-FARTHEST = 5_000.0  # m, level, from the take-off point
+FARTHEST_GOAL = 5_000.0  # m, level, from the take-off point
 HIGHEST = 500.0  # m above it
 
 
@@ -36,11 +36,12 @@ def _problems(what: str, point: Point3, place: Place) -> Iterator[Problem]:
             "below-ground",
             f"{down:g} m above the ground is [{north:g}, {east:g}, {-down:g}]",
         )
-    if math.hypot(north, east) > FARTHEST or -down > HIGHEST:
+    if math.hypot(north, east) > FARTHEST_GOAL or -down > HIGHEST:
         yield Problem(
             place,
-            f"{what} is at {where}, {beside(math.hypot(north, east), FARTHEST, 0)[0]} m away and "
-            f"{beside(-down, HIGHEST, 0)[0]} m up: more than {FARTHEST:g} m or {HIGHEST:g} m",
+            f"{what} is at {where}, {beside(math.hypot(north, east), FARTHEST_GOAL, 0)[0]} m away "
+            f"and {beside(-down, HIGHEST, 0)[0]} m up: "
+            f"more than {FARTHEST_GOAL:g} m or {HIGHEST:g} m",
             Level.WARNING,
             "out-of-range",
             "positions are metres from the take-off point, not degrees or millimetres",

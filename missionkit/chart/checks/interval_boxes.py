@@ -13,11 +13,11 @@ from collections.abc import Iterable, Iterator
 from missionkit.messages.region import Box, Boxes, Interval, Quantity
 
 EVERYWHERE: Boxes = ({},)
-NOWHERE: Boxes = ()
+NO_BOXES: Boxes = ()
 MOST_BOXES = 64
 MOST_QUANTITIES = 24  # named by one box
 MOST_PIECES = 256  # of a box, while others are cut out of it
-WHOLE = Interval()
+ALL_VALUES = Interval()
 
 
 def within(quantity: Quantity, interval: Interval) -> Interval | None:
@@ -123,7 +123,7 @@ def outside(box: Box) -> Boxes:
     sides: list[Box] = []
     for quantity, interval in box.items():
         if interval is not None:
-            sides += [{quantity: side} for side in _sides(quantity, WHOLE, interval)]
+            sides += [{quantity: side} for side in _sides(quantity, ALL_VALUES, interval)]
     return tuple(sides)
 
 
@@ -157,12 +157,12 @@ def difference(box: Box, other: Box) -> list[Box]:
 
 def _unnamed(quantity: Quantity, there: Interval | None) -> Iterator[Interval | None]:
     """Yield what any or no value of a quantity leaves beside `there`."""
-    everything = within(quantity, WHOLE)
+    everything = within(quantity, ALL_VALUES)
     if there is None:
         yield everything
         return
     yield None
-    yield from _sides(quantity, WHOLE, there)
+    yield from _sides(quantity, ALL_VALUES, there)
 
 
 def remains(boxes: Boxes, cut: Boxes) -> Boxes | None:

@@ -23,10 +23,10 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.chart_compiler import PLUGIN_FAILURE_TOLERANCE
 from missionkit.errors import Level, Problem
 from missionkit.guards.converged import ON_TARGET
-from missionkit.guards.state_progress import TIME
-from missionkit.messages.region import YES, Box, Boxes, Quantity
+from missionkit.guards.state_progress import TIME_IN_STATE
+from missionkit.messages.region import ONLY_TRUE, Box, Boxes, Quantity
 
-SHOWN = 5  # states in a message
+STATES_SHOWN = 5  # states in a message
 
 
 class Escape(NamedTuple):
@@ -65,8 +65,8 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         stuck = [escape for escape in stuck if chart.tree.place(escape.state).file]
         if not stuck:
             continue
-        named = ", ".join(repr(escape.state) for escape in stuck[:SHOWN])
-        more = f" and {len(stuck) - SHOWN} more" if len(stuck) > SHOWN else ""
+        named = ", ".join(repr(escape.state) for escape in stuck[:STATES_SHOWN])
+        more = f" and {len(stuck) - STATES_SHOWN} more" if len(stuck) > STATES_SHOWN else ""
         yield Problem(
             place,
             f"{danger.says}: no failsafe or timer is guaranteed to lead from {named}{more} to a "
@@ -203,7 +203,7 @@ def _sure(chart: AnalysedChart, name: str, danger: Box) -> dict[str, list[Out]]:
         inside = any(way.source in (each, *chart.tree.around(each)) for each in to)
         if not way.eventless or not to or inside:
             continue
-        situation = {**danger, way.clock: FOR_EVER, TIME: FOR_EVER}
+        situation = {**danger, way.clock: FOR_EVER, TIME_IN_STATE: FOR_EVER}
         if covered((situation,), way.surely):
             lasting = _threshold(way.truth.surely, situation) + way.model.for_
             after = max(lasting, way.soonest)
@@ -243,7 +243,7 @@ def _may(
     fixed: Box = {quantity: span for quantity, span in danger.items() if span != FOR_EVER}
     for name in names:
         if _sees(chart, name):
-            fixed = {**fixed, ON_TARGET: YES}
+            fixed = {**fixed, ON_TARGET: ONLY_TRUE}
         for way in chart.ways[name]:
             if way.soonest <= within and way.may:
                 possible = _without(way.truth.may, rising)

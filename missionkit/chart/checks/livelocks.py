@@ -15,7 +15,7 @@ from missionkit.errors import Level, Problem
 from missionkit.messages.region import Box, Boxes, Interval, Quantity
 
 LONGEST_LOOP = 8  # transitions in a circle
-MOST_STEPS = 20_000  # of the search in one mission: pairs of boxes that are met
+MOST_BOXES_MET = 20_000  # of the search in one mission: pairs of boxes that are met
 MOST_ABOVE = 16  # boxes of ways above one that are cut out of its own
 Step = tuple[GuardedTransition, Boxes]
 Circle = tuple[GuardedTransition, ...]
@@ -120,7 +120,7 @@ class _Search:
         self.chart = chart
         self.steps = steps
         self.follows = follows
-        self.budget = MOST_STEPS
+        self.budget = MOST_BOXES_MET
         self.regions: dict[int, Boxes] = {}
 
     def region(self, place: int) -> Boxes:

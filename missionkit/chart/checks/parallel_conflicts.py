@@ -10,12 +10,12 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTr
 from missionkit.chart.checks.interval_boxes import intersection
 from missionkit.errors import Level, Place, Problem
 
-MOST_COMPARED = 10_000  # pairs in one mission
+MOST_PAIRS = 10_000  # pairs in one mission
 
 
 def overlaps(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield transitions that leave a parallel state for different places and hold together."""
-    left = MOST_COMPARED
+    left = MOST_PAIRS
     reported: set[Place] = set()
     for name, (_, state, _) in chart.tree.states.items():
         if not state.parallel:

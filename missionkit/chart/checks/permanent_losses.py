@@ -14,7 +14,7 @@ from missionkit.guards.estimate_quality import FIX_AGE, POSITION_SD
 from missionkit.guards.link_loss import SILENCE
 from missionkit.guards.plugin_failure import FAILING
 from missionkit.guards.target_visibility import time_since_seen, time_without
-from missionkit.messages.region import NO, YES, Box, Interval, Quantity
+from missionkit.messages.region import ONLY_FALSE, ONLY_TRUE, Box, Interval, Quantity
 
 FOR_EVER = Interval.at_least(1e9)  # of whatever grows while something is lost
 
@@ -33,20 +33,23 @@ def losses(chart: AnalysedChart) -> Iterator[Loss]:
     failsafe = "failsafes: [{{name: {}, when: {{use: {}}}, to: ...}}]".format
     yield Loss("link", "link lost", {SILENCE: FOR_EVER}, failsafe("link", "link_lost"))
     yield Loss(
-        "battery", "battery empty", {CHARGE: NO}, failsafe("battery", "battery_below, floor: 0.2")
+        "battery",
+        "battery empty",
+        {CHARGE: ONLY_FALSE},
+        failsafe("battery", "battery_below, floor: 0.2"),
     )
     lost: Box = {POSITION_SD: FOR_EVER, FIX_AGE: FOR_EVER}
     yield Loss("position", "position lost", lost, failsafe("lost", "estimate_bad"))
     if chart.mission.perception and chart.mission.camera.use != "none":
         yield Loss("camera", "camera lost", _blind(chart), failsafe("camera", "camera_silent"))
-    yield Loss("plug-in", "a plug-in fails", {FAILING: YES}, "")
+    yield Loss("plug-in", "a plug-in fails", {FAILING: ONLY_TRUE}, "")
 
 
 def _blind(chart: AnalysedChart) -> Box:
     box: dict[Quantity, Interval | None] = {MISSED: FOR_EVER, GOAL_AGE: FOR_EVER}
     for detector in chart.mission.perception:
         target = str(getattr(detector.plugin, "target", ""))
-        box[confidence_of(target)] = NO
+        box[confidence_of(target)] = ONLY_FALSE
         box[time_since_seen(target)] = FOR_EVER
         box[time_without(target)] = FOR_EVER
     return box

@@ -12,7 +12,7 @@ from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Place
 
 MOST_STARTS = 8  # goals that one state may be entered from
-MOST_STEPS = 20_000  # entries of states, in one mission
+MOST_ENTRIES = 20_000  # entries of states, in one mission
 Point3 = tuple[float, float, float]  # m, NED
 
 
@@ -30,7 +30,7 @@ def legs(chart: AnalysedChart) -> Iterator[PlannedLeg]:
     """Yield each leg, from the take-off on; states without a goal pass on where they began."""
     starts: dict[str, list[tuple[Point3, str]]] = {}
     waiting = deque((to, (0.0, 0.0, 0.0), "") for to in chart.mission.initial.to)
-    left = MOST_STEPS
+    left = MOST_ENTRIES
     while waiting and left > 0:
         to, start, before = waiting.popleft()
         left -= len(chart.tree.entered(to))

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from missionkit.chart.checks.guard_regions import NEVER_DONE
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered
+from missionkit.chart.checks.permanent_losses import FOR_EVER
 from missionkit.errors import Level, Problem
 from missionkit.guards.battery import CHARGE
-from missionkit.guards.state_progress import DONE, TIME
-from missionkit.messages.region import NO, Box, Interval
-
-FOR_EVER = Interval.at_least(1e9)  # s
+from missionkit.guards.state_progress import DONE_QUANTITY, TIME_IN_STATE
+from missionkit.messages.region import ONLY_FALSE, Box
 
 
 def unreachable(chart: AnalysedChart) -> Iterator[Problem]:
@@ -124,7 +123,7 @@ def _leaves(way: GuardedTransition, name: str) -> bool:
 
 def _counts(way: GuardedTransition) -> bool:
     """Say whether a way is an exit and not a failsafe of its kind of state, but for a timer."""
-    return way.written or _surely_some_time(way, {TIME: FOR_EVER})
+    return way.written or _surely_some_time(way, {TIME_IN_STATE: FOR_EVER})
 
 
 def _surely_some_time(way: GuardedTransition, situation: Box) -> bool:
@@ -133,14 +132,16 @@ def _surely_some_time(way: GuardedTransition, situation: Box) -> bool:
 
 
 def _ends_some_time(chart: AnalysedChart, name: str, exits: list[GuardedTransition]) -> bool:
-    empty: Box = {TIME: FOR_EVER, CHARGE: NO}
-    if any(covered(({CHARGE: NO},), failsafe.surely) for failsafe in chart.failsafes):
+    empty: Box = {TIME_IN_STATE: FOR_EVER, CHARGE: ONLY_FALSE}
+    if any(covered(({CHARGE: ONLY_FALSE},), failsafe.surely) for failsafe in chart.failsafes):
         return True
     behavior = chart.tree.states[name].state.behavior
     finishes = behavior is not None and behavior.kind not in NEVER_DONE
     ways = [*exits, *(way for way in chart.out_of(name) if not way.written)]
     return any(
-        _surely_some_time(way, empty) or (finishes and _reads(way, DONE)) or _inner_end(way)
+        _surely_some_time(way, empty)
+        or (finishes and _reads(way, DONE_QUANTITY))
+        or _inner_end(way)
         for way in ways
     )
 

@@ -9,10 +9,10 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart, Guarded, 
 from missionkit.chart.checks.interval_boxes import covered, intersection
 from missionkit.chart.semantics.actions_and_events import matches
 from missionkit.errors import Level, Problem
-from missionkit.guards.state_progress import TIME
+from missionkit.guards.state_progress import TIME_IN_STATE
 
 MOST_COMPARED = 60_000  # pairs of transitions in one mission
-NEAR = 200  # earlier transitions of a state that one is compared with
+MOST_EARLIER = 200  # earlier transitions of a state that one is compared with
 
 
 def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
@@ -28,7 +28,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             if way.model.for_ and way.model.after is not None:
                 yield from _idle_timer(way)
             yield from _waits_for_dwell(way)
-            before = _before(ways, at_)[-NEAR:]
+            before = _before(ways, at_)[-MOST_EARLIER:]
             left -= len(before)
             if left < 0:
                 yield _not_compared(way)
@@ -178,7 +178,9 @@ def _overlaps(way: GuardedTransition, before: Sequence[GuardedTransition]) -> It
 
 
 def _asked(way: GuardedTransition) -> frozenset[object]:
-    return frozenset(quantity for box in way.truth.may for quantity in box if quantity != TIME)
+    return frozenset(
+        quantity for box in way.truth.may for quantity in box if quantity != TIME_IN_STATE
+    )
 
 
 def _not_compared(way: GuardedTransition) -> Problem:
@@ -194,7 +196,7 @@ def _not_compared(way: GuardedTransition) -> Problem:
 
 def failsafes(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield every failsafe that can never act, because of its guard or of one above it."""
-    for at_, late in enumerate(chart.failsafes[:NEAR]):
+    for at_, late in enumerate(chart.failsafes[:MOST_EARLIER]):
         name = late.model.name
         if not late.may:
             yield Problem(

@@ -10,7 +10,7 @@ from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import Point3
 from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Level, Problem
-from missionkit.goal_pose import SLACK
+from missionkit.goal_pose import HOVER_SLACK
 from missionkit.number_text import rounded_up
 from missionkit.planning.potential_field import PotentialField
 
@@ -59,7 +59,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         reach = reach_of(state)
         if reach is None or state.behavior is None or not state.behavior.place.file:
             continue
-        least, room = reach.least, radius + SLACK
+        least, room = reach.least, radius + HOVER_SLACK
         if least >= room:
             continue
         where = (
@@ -72,7 +72,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         why = (
             f"the vehicle's own radius is {radius:g} m"
             if touches
-            else f"its own radius is {radius:g} m, and it stops within {SLACK:g} m"
+            else f"its own radius is {radius:g} m, and it stops within {HOVER_SLACK:g} m"
         )
         depth = reach.far[0] - reach.near[0]
         more = f" ('standoff' less 'depth': {depth:g})" if depth else ""

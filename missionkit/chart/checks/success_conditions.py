@@ -16,7 +16,9 @@ from missionkit.errors import Level, Place, Problem
 from missionkit.number_text import beside_short, rounded_down
 from missionkit.planning.potential_field import PotentialField
 
-NEVER, EMPTY, UNKEPT = "success-never-met", "success-says-nothing", "clearance-not-kept"
+NEVER_MET = "success-never-met"
+SAYS_NOTHING = "success-says-nothing"
+CLEARANCE_NOT_KEPT = "clearance-not-kept"
 MOST_CLEARANCE = 100.0  # m
 
 
@@ -41,11 +43,11 @@ def _unreached(chart: AnalysedChart, one: Success, alive: set[str]) -> Iterator[
     if state not in alive and chart.tree.states[state].state.history is None:
         says = f"it requires a visit to {state!r}, which can never be reached"
         remedy = "add a transition that leads there, or name another state"
-        yield _problem(one.place("visit"), says, Level.ERROR, NEVER, remedy)
+        yield _problem(one.place("visit"), says, Level.ERROR, NEVER_MET, remedy)
     elif one.target is None and state in chart.mission.initial.to:
         says = f"every flight visits {state!r}: it begins there"
         remedy = "name a state that the mission has to get to"
-        yield _problem(one.place("visit"), says, Level.WARNING, EMPTY, remedy)
+        yield _problem(one.place("visit"), says, Level.WARNING, SAYS_NOTHING, remedy)
 
 
 def _unfinished(chart: AnalysedChart, one: Success, alive: set[str]) -> Iterator[Problem]:
@@ -62,7 +64,7 @@ def _unfinished(chart: AnalysedChart, one: Success, alive: set[str]) -> Iterator
     remedy = (
         "name a state whose behaviour ends by itself, or require a 'visit' to the state after it"
     )
-    yield _problem(one.place("done"), says, Level.ERROR, NEVER, remedy)
+    yield _problem(one.place("done"), says, Level.ERROR, NEVER_MET, remedy)
 
 
 def _endless(state: State) -> str:
@@ -78,13 +80,13 @@ def _goal(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
     if one.target not in looked_for(chart):
         says = f"it needs the marker of {one.target!r}, which 'perception' does not list"
         remedy = f"perception: [{{use: aruco, target: {one.target}, id: ..., size: ...}}]"
-        yield _problem(place, says, Level.ERROR, NEVER, remedy)
+        yield _problem(place, says, Level.ERROR, NEVER_MET, remedy)
         return
     farthest = math.dist(target.position, (0.0, 0.0, 0.0))
     if one.position >= farthest + math.hypot(*one.standoff):
         says = f"the take-off point is already within {one.position:g} m of {one.target!r}"
         remedy = "a smaller 'position', in metres"
-        yield _problem(one.place("position"), says, Level.WARNING, EMPTY, remedy)
+        yield _problem(one.place("position"), says, Level.WARNING, SAYS_NOTHING, remedy)
     yield from _not_aimed_at(chart, one, place)
 
 
@@ -101,7 +103,7 @@ def _not_aimed_at(chart: AnalysedChart, one: Success, place: Place) -> Iterator[
     if not misses:
         says = f"no state goes to {one.target!r}"
         remedy = f"a behaviour with 'target: {one.target}', or another target here"
-        yield _problem(place, says, Level.WARNING, NEVER, remedy)
+        yield _problem(place, says, Level.WARNING, NEVER_MET, remedy)
         return
     (least, within), kind = min(misses)
     if least > one.position + within:
@@ -111,7 +113,7 @@ def _not_aimed_at(chart: AnalysedChart, one: Success, place: Place) -> Iterator[
             f"but the nearest behaviour, {kind!r}, goes {shown} m away from that"
         )
         remedy = "the 'standoff' of the behaviour that goes there"
-        yield _problem(place, says, Level.WARNING, NEVER, remedy)
+        yield _problem(place, says, Level.WARNING, NEVER_MET, remedy)
 
 
 def _ends(chart: AnalysedChart, state: State, target: str) -> tuple[Point3, Point3, float] | None:
@@ -149,7 +151,9 @@ def _clearance(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
         return
     if required > MOST_CLEARANCE:
         says = f"it requires {required:g} m from every obstacle: more than {MOST_CLEARANCE:g} m"
-        yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, "give it in metres")
+        yield _problem(
+            one.place("clearance"), says, Level.WARNING, CLEARANCE_NOT_KEPT, "give it in metres"
+        )
         return
     nearest = min(_kept(chart), default=None)
     if nearest is not None and required > nearest[0]:
@@ -157,7 +161,7 @@ def _clearance(chart: AnalysedChart, one: Success) -> Iterator[Problem]:
         shown, limit = beside_short(kept, required, 2)
         says = f"it requires {limit} m from every obstacle, but {what} {shown} m"
         remedy = f"a clearance of at most {rounded_down(kept, 2)}, or a behaviour that keeps more"
-        yield _problem(one.place("clearance"), says, Level.WARNING, UNKEPT, remedy)
+        yield _problem(one.place("clearance"), says, Level.WARNING, CLEARANCE_NOT_KEPT, remedy)
 
 
 def _kept(chart: AnalysedChart) -> Iterator[tuple[float, str]]:

@@ -52,5 +52,5 @@ class Overlay:
     lines: tuple[str, ...] = ()
 
 
-NOTHING = Overlay()
+NO_OVERLAY = Overlay()
 NO_NOTE = Note()

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-SWEEPS = 24
+ORDERING_SWEEPS = 24
 GAP_X = 26.0  # px between neighbours
 GAP_Y = 28.0  # px between layers
 LOOP = 14.0  # px, half the width of a loop where it turns behind its label
@@ -172,7 +172,7 @@ def _ordered(graph: _Graph) -> list[list[int]]:
         layers[rank].append(vertex)
     near = _neighbours(graph)
     position = {v: at / len(layer) for layer in layers for at, v in enumerate(layer)}
-    for sweep in range(SWEEPS):
+    for sweep in range(ORDERING_SWEEPS):
         downwards = sweep % 2 == 0
         for layer in layers if downwards else reversed(layers):
             beside = {
@@ -191,7 +191,7 @@ def _columns(graph: _Graph, layers: list[list[int]]) -> list[float]:
     for layer in layers:
         for vertex, x in zip(layer, _spread(graph, layer, [0.0] * len(layer)), strict=True):
             xs[vertex] = x
-    for sweep in range(SWEEPS):
+    for sweep in range(ORDERING_SWEEPS):
         for layer in layers if sweep % 2 == 0 else reversed(layers):
             wanted = [_mean([xs[n] for n in near[v]], xs[v]) for v in layer]
             for vertex, x in zip(layer, _spread(graph, layer, wanted), strict=True):

@@ -6,13 +6,13 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from missionkit.chart.drawing.chart_overlay import NO_NOTE, NOTHING, Overlay
+from missionkit.chart.drawing.chart_overlay import NO_NOTE, NO_OVERLAY, Overlay
 from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.model.guard_expressions import text
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import Failsafe, Start, State, Transition
 
-COLOURS = {
+KIND_COLOURS = {
     "idle": "#e5e7eb",
     "gps": "#cfe3fb",
     "visual": "#d3f0d8",
@@ -23,7 +23,7 @@ COLOURS = {
     "hover": "#fbd5d5",
 }
 OTHER_COLOUR = "#f1f1f1"
-MARGIN = "    "
+LINE_INDENT = "    "
 
 
 def transition_text(transition: Transition) -> str:
@@ -66,10 +66,10 @@ def shape_text(state: State) -> str:
 
 def colour(state: State) -> str:
     """Return the colour of a state's kind."""
-    return COLOURS.get(state.kind, OTHER_COLOUR)
+    return KIND_COLOURS.get(state.kind, OTHER_COLOUR)
 
 
-def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHING) -> str:
+def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NO_OVERLAY) -> str:
     """Return the mission as a Mermaid state diagram; what is marked has numbers and a red border.
 
     Mermaid cannot colour, dash or widen the arrows of a state diagram: notes stand in words only.
@@ -81,8 +81,8 @@ def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHIN
     """
     ids = _ids(mission.by_name())
     first = ids[mission.initial.to[0]]
-    lines = ["stateDiagram-v2", *_starts(mission.initial, ids, MARGIN)]
-    lines += _drawn(mission.states, _Marked(ids, marks, overlay), MARGIN)
+    lines = ["stateDiagram-v2", *_starts(mission.initial, ids, LINE_INDENT)]
+    lines += _drawn(mission.states, _Marked(ids, marks, overlay), LINE_INDENT)
     lines += _moves(overlay, ids)
     failsafes = [
         _with(failsafe_text(each), overlay.failsafes.get(each.name, NO_NOTE).lines)
@@ -92,7 +92,9 @@ def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHIN
     lines += _note(f"right of {first}", "problems:", marks.lines)
     for name, state, _ in mission.walk():
         border = "#c81e1e,stroke-width:3px" if name in marks.states else "#555"
-        lines.append(f"{MARGIN}style {ids[name]} fill:{colour(state)},stroke:{border},color:#111")
+        lines.append(
+            f"{LINE_INDENT}style {ids[name]} fill:{colour(state)},stroke:{border},color:#111"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -110,15 +112,15 @@ def _moves(overlay: Overlay, ids: Mapping[str, str]) -> Iterator[str]:
     for move in overlay.moves:
         to = "[*]" if move.ends else ids[move.to]
         label_text = _escaped(_with(move.to if move.ends else move.text, move.note.lines))
-        yield f"{MARGIN}{ids[move.source]} --> {to} : {label_text}"
+        yield f"{LINE_INDENT}{ids[move.source]} --> {to} : {label_text}"
 
 
 def _note(where: str, heading: str, lines: Iterable[str]) -> Iterator[str]:
     label_text = [_escaped(" ".join(line.split())) for line in lines]
     if label_text:
-        yield f"{MARGIN}note {where}"
-        yield from (f"{MARGIN}{MARGIN}{line}" for line in (heading, *label_text))
-        yield f"{MARGIN}end note"
+        yield f"{LINE_INDENT}note {where}"
+        yield from (f"{LINE_INDENT}{LINE_INDENT}{line}" for line in (heading, *label_text))
+        yield f"{LINE_INDENT}end note"
 
 
 def _starts(start: Start | None, ids: Mapping[str, str], margin: str) -> Iterator[str]:
@@ -137,8 +139,8 @@ def _drawn(states: Mapping[str, State], marked: _Marked, margin: str) -> Iterato
         yield f'{margin}state "{label}" as {ids[name]}'
         if state.states:
             yield f"{margin}state {ids[name]} {{"
-            yield from _starts(state.initial, ids, margin + MARGIN)
-            yield from _regions(state, marked, margin + MARGIN)
+            yield from _starts(state.initial, ids, margin + LINE_INDENT)
+            yield from _regions(state, marked, margin + LINE_INDENT)
             yield f"{margin}}}"
         else:
             yield f"{margin}{ids[name]} : {_escaped(f'{state.kind}, {state_text(state)}')}"

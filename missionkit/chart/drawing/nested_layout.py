@@ -22,8 +22,8 @@ from missionkit.chart.drawing.layered_layout import (
 
 PAD = 16.0  # px between what is inside a state and its border
 HEAD = 6.0  # px around its heading
-DOT = LayoutBox(12.0, 12.0)
-BARE = LayoutBox(8.0, 0.0)  # an arrow without a label, a port
+DOT_BOX = LayoutBox(12.0, 12.0)
+BARE_BOX = LayoutBox(8.0, 0.0)  # an arrow without a label, a port
 Parents = Mapping[str, str | None]
 
 
@@ -188,9 +188,13 @@ class _Nested:
         port = level.node(("port", crossing.arrow))
         order = -level.depth if crossing.at_source else level.depth
         if crossing.on_top:
-            return _Piece(crossing.arrow, LayoutLink(port, state, BARE), order, crossing.at_source)
+            return _Piece(
+                crossing.arrow, LayoutLink(port, state, BARE_BOX), order, crossing.at_source
+            )
         level.low.add(port)
-        return _Piece(crossing.arrow, LayoutLink(state, port, BARE), order, not crossing.at_source)
+        return _Piece(
+            crossing.arrow, LayoutLink(state, port, BARE_BOX), order, not crossing.at_source
+        )
 
     def cross(self, level: _Level, piece: _Piece, node: int, *, at_source: bool, top: bool) -> None:
         """Let an arrow cross the border of a state that is not its end."""
@@ -217,8 +221,8 @@ class _Nested:
     def box(self, key: object) -> LayoutBox:
         """Return the size of a state, a beginning or a port."""
         if isinstance(key, str):
-            return self.sizes[key] if key else DOT
-        return BARE
+            return self.sizes[key] if key else DOT_BOX
+        return BARE_BOX
 
     def drawing(self) -> Drawing:
         """Return everything in the coordinates of the whole."""

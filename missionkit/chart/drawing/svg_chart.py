@@ -10,7 +10,7 @@ from typing import NamedTuple
 from missionkit.chart.drawing import svg_shapes
 from missionkit.chart.drawing.chart_overlay import (
     NO_NOTE,
-    NOTHING,
+    NO_OVERLAY,
     Note,
     Overlay,
 )
@@ -28,14 +28,14 @@ from missionkit.chart.drawing.nested_layout import (
     nested,
 )
 from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
-from missionkit.chart.drawing.svg_shapes import LINE, MARGIN
+from missionkit.chart.drawing.svg_shapes import LINE, PICTURE_MARGIN
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import State
 
-TOP = 66.0  # title
+TITLE_HEIGHT = 66.0  # title
 LABEL_WIDTH = 26  # characters
-HEADING = 48.0  # px for name and behaviour
-END = "end:"  # before the name of an end: no state is called so
+HEADING_HEIGHT = 48.0  # px for name and behaviour
+END_PREFIX = "end:"  # before the name of an end: no state is called so
 
 
 class Shown(NamedTuple):
@@ -43,7 +43,7 @@ class Shown(NamedTuple):
 
     mission: Mission
     marks: Marks = UNMARKED
-    overlay: Overlay = NOTHING
+    overlay: Overlay = NO_OVERLAY
 
     def note(self, name: str) -> Note:
         """Return what stands at a state."""
@@ -61,7 +61,7 @@ class Way(NamedTuple):
 
 
 def svg(
-    mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NOTHING, key: str = ""
+    mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NO_OVERLAY, key: str = ""
 ) -> str:
     """Return the mission as an SVG document: states coloured by kind, guards on the arrows.
 
@@ -76,14 +76,20 @@ def svg(
     parents = {name: parent for name, _, parent in mission.walk()}
     sizes = {name: _size_of(name, state, shown) for name, state, _ in mission.walk()}
     for end in overlay.ends:
-        parents[END + end.name] = None
-        sizes[END + end.name] = _boxed(end.name, end.lines)
+        parents[END_PREFIX + end.name] = None
+        sizes[END_PREFIX + end.name] = _boxed(end.name, end.lines)
     drawn = nested(sizes, parents, [way.arrow for way in ways])
     strips = list(_strips(shown))
     wide = max([drawn.width, 560.0, *(svg_shapes.strip_width(lines) for _, lines in strips)])
-    below = list(svg_shapes.stacked(strips, TOP + drawn.height + 30, wide))
-    height = TOP + drawn.height + 30 + sum(svg_shapes.strip_height(it) for _, it in strips) + MARGIN
-    size = f"{wide + 2 * MARGIN:.0f}", f"{height:.0f}"
+    below = list(svg_shapes.stacked(strips, TITLE_HEIGHT + drawn.height + 30, wide))
+    height = (
+        TITLE_HEIGHT
+        + drawn.height
+        + 30
+        + sum(svg_shapes.strip_height(it) for _, it in strips)
+        + PICTURE_MARGIN
+    )
+    size = f"{wide + 2 * PICTURE_MARGIN:.0f}", f"{height:.0f}"
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img" '
@@ -92,7 +98,8 @@ def svg(
             svg_shapes.preamble(key),
             f'<rect width="{size[0]}" height="{size[1]}" fill="#fff"/>',
             *_title(mission),
-            f'<g transform="translate({MARGIN + (wide - drawn.width) / 2:.1f} {TOP:.1f})">',
+            f'<g transform="translate({PICTURE_MARGIN + (wide - drawn.width) / 2:.1f} '
+            f'{TITLE_HEIGHT:.1f})">',
             *_groups(shown, drawn),
             *(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="#1f2937"/>' for x, y in drawn.dots),
             *_arrows(drawn, ways, key),
@@ -125,7 +132,7 @@ def _ways(shown: Shown) -> Iterator[Way]:
             lines = ["the first time"]
             yield from (Way(Arrow(name, to, _size(lines)), lines) for to in state.default.to)
     for move in overlay.moves:
-        to, style = (END + move.to, "") if move.ends else (move.to, "dashed")
+        to, style = (END_PREFIX + move.to, "") if move.ends else (move.to, "dashed")
         lines, note = _wrapped(move.text), move.note
         arrow = Arrow(move.source, to, _size([*lines, *note.lines]))
         yield Way(arrow, lines, note.lines, style, note.weight)
@@ -148,7 +155,7 @@ def _size_of(name: str, state: State, shown: Shown) -> LayoutBox:
 
 def _boxed(name: str, lines: Sequence[str]) -> LayoutBox:
     wide = max(svg_shapes.width(line, 6.6) + 24 for line in lines)
-    height = HEADING + LINE * (len(lines) - 1)
+    height = HEADING_HEIGHT + LINE * (len(lines) - 1)
     return LayoutBox(max(96.0, svg_shapes.width(name, 9) + 28, wide), height)
 
 
@@ -159,9 +166,9 @@ def _does(name: str, state: State) -> str:
 
 
 def _title(mission: Mission) -> Iterator[str]:
-    yield f'<text class="title" x="{MARGIN}" y="32">{escape(mission.name)}</text>'
+    yield f'<text class="title" x="{PICTURE_MARGIN}" y="32">{escape(mission.name)}</text>'
     summary = shorten(mission.summary, 90, placeholder=" …")
-    yield f'<text class="small" x="{MARGIN}" y="50">{escape(summary)}</text>'
+    yield f'<text class="small" x="{PICTURE_MARGIN}" y="50">{escape(summary)}</text>'
 
 
 def _arrows(drawn: Drawing, ways: Sequence[Way], key: str) -> Iterator[str]:
@@ -221,7 +228,7 @@ def _states(shown: Shown, drawn: Drawing) -> Iterator[str]:
 
 def _ends(overlay: Overlay, drawn: Drawing) -> Iterator[str]:
     for name, lines, tone in overlay.ends:
-        place = drawn.states[END + name]
+        place = drawn.states[END_PREFIX + name]
         yield svg_shapes.rectangle(place, f"box {tone}", 22)
         top = place.y - place.box.height / 2
         yield svg_shapes.text(name, place.x, top + 21, "name")

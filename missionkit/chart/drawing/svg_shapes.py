@@ -10,26 +10,26 @@ from textwrap import wrap
 from missionkit.chart.drawing.layered_layout import Point
 from missionkit.chart.drawing.nested_layout import Rectangle
 
-MARGIN = 24.0
+PICTURE_MARGIN = 24.0
 LINE = 15.0
 LIST_WIDTH = 110  # characters
-RED, INK, PALE = "#c81e1e", "#4b5563", "#b6bdc8"
+RED, ARROW_INK, PALE = "#c81e1e", "#4b5563", "#b6bdc8"
 HEAVIEST = 4.0  # px that a weight of 1 adds to an arrow
-TIPS = {"arrow": (INK, 8), "heavy": (INK, 13), "red": (RED, 8), "pale": (PALE, 8)}
-_STYLE = (
+TIPS = {"arrow": (ARROW_INK, 8), "heavy": (ARROW_INK, 13), "red": (RED, 8), "pale": (PALE, 8)}
+_STYLE_SHEET = (
     "text{font-family:Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#1f2937}",
     ".title{font-size:19px;font-weight:bold}",
     ".name{font-size:15px;font-weight:bold}",
     ".small{font-size:12px}",
     ".note{font-size:12px;font-weight:bold}",
-    f".box{{stroke:{INK};stroke-width:1.4}}",
+    f".box{{stroke:{ARROW_INK};stroke-width:1.4}}",
     ".around{fill-opacity:.35}",
     ".region{stroke-dasharray:6 4}",
     f".box.pale{{stroke:{PALE};fill-opacity:.25}}",
     ".good{fill:#d9f2e6;stroke:#007a59}",
     ".fair{fill:#fdf1cf;stroke:#9a6b00}",
     ".bad{fill:#fbdcd3;stroke:#b34d00}",
-    f".arrow{{fill:none;stroke:{INK};stroke-width:1.4}}",
+    f".arrow{{fill:none;stroke:{ARROW_INK};stroke-width:1.4}}",
     f".arrow.pale{{stroke:{PALE}}}",
     ".arrow.dashed{stroke-dasharray:7 5}",
     ".strip{fill:#fdf2f2;stroke:#d08a8a}",
@@ -43,7 +43,7 @@ _STYLE = (
 
 def preamble(key: str) -> str:
     """Return the style of a picture, which holds inside it alone, and the tips of its arrows."""
-    style = "".join(f".chart {rule}" for rule in _STYLE)
+    style = "".join(f".chart {rule}" for rule in _STYLE_SHEET)
     return f"<style>{style}</style><defs>{''.join(_tip(key, name) for name in TIPS)}</defs>"
 
 
@@ -141,12 +141,12 @@ def stacked(strips: Sequence[tuple[str, Sequence[str]]], y: float, wide: float) 
     for style, lines in strips:
         height = strip_height(lines)
         yield (
-            f'<rect class="{style}" x="{MARGIN}" y="{y:.1f}" width="{wide:.1f}" '
+            f'<rect class="{style}" x="{PICTURE_MARGIN}" y="{y:.1f}" width="{wide:.1f}" '
             f'height="{height - 14:.1f}" rx="8"/>'
         )
         for at, line in enumerate(lines):
             indent = 12 + 16 * line.startswith(" ")
             top = y + 20 + LINE * at
             words = escape(line.strip())
-            yield f'<text class="small" x="{MARGIN + indent}" y="{top:.1f}">{words}</text>'
+            yield f'<text class="small" x="{PICTURE_MARGIN + indent}" y="{top:.1f}">{words}</text>'
         y += height

@@ -15,7 +15,7 @@ from missionkit.chart.text.located_data import Table, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
-ORDERS = ("arm", "disarm", "hold", "land", "return")
+VEHICLE_ORDERS = ("arm", "disarm", "hold", "land", "return")
 OPERATIONS = ("set", "add", "copy", "toggle")
 
 
@@ -86,7 +86,7 @@ class ActionField:
             "log": (Log, text),
             "raise": (Raise, text),
             "assign": (Assign, {**assign, "additionalProperties": value}),
-            "vehicle": (Order, {"enum": list(ORDERS)}),
+            "vehicle": (Order, {"enum": list(VEHICLE_ORDERS)}),
         }
         return {"oneOf": [_schema(key, kind, form) for key, (kind, form) in forms.items()]}
 
@@ -121,9 +121,9 @@ def _raise(value: object, data: Table, _: Scope) -> Raise:
 
 def _order(value: object, data: Table, _: Scope) -> Order:
     word = _text("vehicle", value)
-    if word not in ORDERS:
+    if word not in VEHICLE_ORDERS:
         unknown = f"unknown action of the vehicle {word!r}"
-        raise sentences(sentence(unknown, "vehicle", word=word, known=ORDERS))
+        raise sentences(sentence(unknown, "vehicle", word=word, known=VEHICLE_ORDERS))
     return Order(word, data.place)
 
 

@@ -27,7 +27,7 @@ from missionkit.chart.text.mistake import (
 )
 from missionkit.units import Number
 
-FORMS = ("use", "all", "any", "not", "hysteresis", "variable", "in")
+GUARD_FORMS = ("use", "all", "any", "not", "hysteresis", "variable", "in")
 
 
 class ConditionField:
@@ -73,10 +73,10 @@ def parse(data: object, scope: Scope) -> ex.Expression:
         return _word(data, scope)
     if not isinstance(data, Table):
         raise sentences(sentence(f"expected a guard, got {shown(data)}"))
-    forms = [form for form in FORMS if form in data]
+    forms = [form for form in GUARD_FORMS if form in data]
     if len(forms) != 1:
         got = ", ".join(forms or data) or "nothing"
-        raise sentences(sentence(f"expected one of {', '.join(FORMS)}, got {got}"))
+        raise sentences(sentence(f"expected one of {', '.join(GUARD_FORMS)}, got {got}"))
     match forms[0]:
         case "use":
             return resolve(data, "guards", scope)

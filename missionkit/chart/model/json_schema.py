@@ -15,12 +15,12 @@ from pydantic import BaseModel
 from missionkit.chart.model.guard_expressions import COMPARISONS
 from missionkit.chart.model.key_descriptions import described
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.model_base import NAMED
-from missionkit.chart.model.plugin_references import NONE, needs_parameters
-from missionkit.chart.model.state_definitions import GROUP_KIND, SHAPES
+from missionkit.chart.model.model_base import NAMES_KEY
+from missionkit.chart.model.plugin_references import NO_PLUGIN, needs_parameters
+from missionkit.chart.model.state_definitions import GROUP_KIND, SHAPE_KEYS
 from missionkit.chart.plugin_catalogue import Catalogue, Plugins
-from missionkit.chart.plugin_groups import GROUPS
-from missionkit.chart.text.parameter_expansion import PATTERN
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
+from missionkit.chart.text.parameter_expansion import PARAMETER_PATTERN
 
 Schema = dict[str, Any]
 Names = Mapping[str, Collection[str]]
@@ -28,7 +28,7 @@ NO_NAMES: Names = {}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _PARAMETER = "#/$defs/parameter"
 _META = ("description", "default", "unit")
-_NAMED = frozenset({"properties", "patternProperties", "$defs"})
+_BY_NAME = frozenset({"properties", "patternProperties", "$defs"})
 DEFAULTED = frozenset({"controllers"})  # groups whose `use` the kind of vehicle may say
 _SCALARS = frozenset({"number", "integer", "boolean"})
 
@@ -43,7 +43,7 @@ def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
     """
     schema = Mission.model_json_schema()
     definitions: Schema = schema.pop("$defs", {})
-    for group in GROUPS:
+    for group in PLUGIN_GROUPS:
         for kind, plugin in sorted(catalogue.group(group).items()):
             used = plugin.model_json_schema()
             definitions |= used.pop("$defs", {})
@@ -55,7 +55,7 @@ def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
     finished: Schema = _mapped(whole, lambda node: _resolved(node, catalogue, names))
     finished["$defs"]["parameter"] = {
         "type": "string",
-        "pattern": PATTERN,
+        "pattern": PARAMETER_PATTERN,
         "description": "$name: the value of a parameter",
     }
     return {"$schema": DIALECT, **described(finished, Mission.__name__)}
@@ -82,14 +82,14 @@ def _use(kind: str, schema: Schema, *, needed: bool) -> Schema:
 def _target(key: str, field: Schema) -> Schema:
     """Mark a parameter that names a target."""
     named = key in {"target", "of"} and field.get("type") == "string"
-    return {**field, NAMED: "target"} if named else field
+    return {**field, NAMES_KEY: "target"} if named else field
 
 
 def _any_plugin(group: str, plugins: Plugins) -> Schema:
     bare = sorted(kind for kind, plugin in plugins.items() if not needs_parameters(plugin))
     uses = [{"$ref": f"#/$defs/{group}.{kind}"} for kind in sorted(plugins)]
     words = [{"const": kind} for kind in bare]
-    return {"description": f"a {GROUPS[group].word}", "anyOf": [*words, *uses]}
+    return {"description": f"a {PLUGIN_GROUPS[group].word}", "anyOf": [*words, *uses]}
 
 
 def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:
@@ -101,7 +101,7 @@ def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:
         **state,
         "properties": {"include": include, "with": given, **state["properties"]},
         "required": [],
-        "anyOf": [{"required": [key]} for key in ("include", "kind", *SHAPES)],
+        "anyOf": [{"required": [key]} for key in ("include", "kind", *SHAPE_KEYS)],
         "if": {
             "required": ["kind"],
             "properties": {"kind": {"enum": without}, "states": False, "include": False},
@@ -114,7 +114,11 @@ def _guard(plugins: Schema) -> Schema:
     guard = {"$ref": "#/$defs/guards"}
     several = {"type": "array", "items": guard, "minItems": 1}
     number = {"type": "number"}
-    named = {"type": "string", NAMED: "guard", "description": "a guard of the section `guards:`"}
+    named = {
+        "type": "string",
+        NAMES_KEY: "guard",
+        "description": "a guard of the section `guards:`",
+    }
     forms = [
         _mapping("holds when all hold", {"all": several}),
         _mapping("holds when at least one holds", {"any": several}),
@@ -123,7 +127,7 @@ def _guard(plugins: Schema) -> Schema:
             "a latch on the guard's value",
             {"hysteresis": guard, "enter": number, "exit": number},
         ),
-        _mapping("holds while a state is active", {"in": {"type": "string", NAMED: "state"}}),
+        _mapping("holds while a state is active", {"in": {"type": "string", NAMES_KEY: "state"}}),
         *(_comparison(word) for word in COMPARISONS),
     ]
     return {**plugins, "anyOf": [*plugins["anyOf"], named, *forms]}
@@ -152,7 +156,7 @@ def _mapped(node: Any, change: Callable[[Schema], Schema]) -> Any:
         return node
     inner = {}
     for key, value in node.items():
-        if key in _NAMED and isinstance(value, dict):
+        if key in _BY_NAME and isinstance(value, dict):
             inner[key] = {name: _mapped(each, change) for name, each in value.items()}
         else:
             inner[key] = value if key in _META else _mapped(value, change)
@@ -178,8 +182,8 @@ def _resolved(node: Schema, catalogue: Catalogue, names: Names) -> Schema:
         described = {kind: each.summary for kind, each in sorted(catalogue.kinds.items())}
         says = "; ".join(f"{kind}: {summary}" for kind, summary in described.items())
         return {"type": "string", "enum": list(described), "description": says}
-    named = names.get(str(node.get(NAMED)), ())
-    node = {key: value for key, value in node.items() if key != NAMED}
+    named = names.get(str(node.get(NAMES_KEY)), ())
+    node = {key: value for key, value in node.items() if key != NAMES_KEY}
     return _or_parameter(_plain({**node, "enum": sorted(named)} if named else node))
 
 
@@ -187,7 +191,7 @@ def _plugin_field(node: Mapping[str, Any]) -> Schema:
     kept = {key: node[key] for key in _META if key in node}
     reference = {"$ref": f"#/$defs/{node['x-plugin']}"}
     if node.get("x-optional"):
-        return {**kept, "anyOf": [{"const": NONE}, reference]}
+        return {**kept, "anyOf": [{"const": NO_PLUGIN}, reference]}
     return {**kept, **reference}
 
 

@@ -26,11 +26,11 @@ from typing_extensions import override
 
 from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.chart.text.located_data import NOWHERE, Table
+from missionkit.chart.text.located_data import FILE_START, Table
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
-NAMED = "x-name"  # in a schema, marks a text that names something of the mission
+NAMES_KEY = "x-name"  # in a schema, marks a text that names something of the mission
 HERE = Path()
 HOME = "home"  # the place of arming, a target that every mission has
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
@@ -115,7 +115,7 @@ class MissionPart(BaseModel):
     def place(self, key: str | None = None) -> Place:
         """Return the place of this part in its file, or of the value of one of its keys."""
         if self._source is None:
-            return NOWHERE
+            return FILE_START
         return self._source.place if key is None else self._source.place_of(key)
 
     @model_validator(mode="wrap")
@@ -197,7 +197,7 @@ class Known:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         """Mark it, so that the names of one mission can be filled in."""
-        return {**handler(schema), NAMED: self.what}
+        return {**handler(schema), NAMES_KEY: self.what}
 
 
 def _patterned(pattern: str, what: str) -> Any:
@@ -210,10 +210,10 @@ def _patterned(pattern: str, what: str) -> Any:
 
 
 _LETTERS = "name: a letter, then letters, digits, '-' and '_'"
-_SCHEMA = Field(json_schema_extra={"pattern": NAME_PATTERN})
-Name = Annotated[str, _patterned(NAME_PATTERN, _LETTERS), _SCHEMA]
-NodeName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
-GuardName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _SCHEMA]
+_NAME_FIELD = Field(json_schema_extra={"pattern": NAME_PATTERN})
+Name = Annotated[str, _patterned(NAME_PATTERN, _LETTERS), _NAME_FIELD]
+NodeName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _NAME_FIELD]
+GuardName = Annotated[str, _patterned(INNER_PATTERN, _LETTERS), _NAME_FIELD]
 Event = Annotated[
     str,
     _patterned(EVENT_PATTERN, "event: words joined by '.', or '*'"),

@@ -8,7 +8,7 @@ from graphlib import CycleError, TopologicalSorter
 from missionkit.chart.model.guard_expressions import Expression, names_in
 from missionkit.errors import Problem
 
-MAX_DEPTH = 64
+MAX_GUARD_DEPTH = 64
 MAX_CIRCLES = 10
 
 
@@ -38,7 +38,9 @@ def _too_deep(
     depth: dict[str, int] = {}
     for name in order:
         depth[name] = 1 + max((depth[needed] for needed in needs.get(name, ())), default=0)
-        if depth[name] > MAX_DEPTH:
+        if depth[name] > MAX_GUARD_DEPTH:
             place = guards[name].place
-            yield Problem(place, f"guard {name!r} is defined through more than {MAX_DEPTH} others")
+            yield Problem(
+                place, f"guard {name!r} is defined through more than {MAX_GUARD_DEPTH} others"
+            )
             return

@@ -22,15 +22,15 @@ from missionkit.chart.model.traversal import actions_of
 from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 
 OWN_EVENTS = ("done.state.", "error.")  # what the chart says to itself
-SAME, NONE, OTHER = 0, 1, 2  # target of one state beside that of another
-HOLD = "hold"
+SAME_TARGET, NO_TARGET, OTHER_TARGET = 0, 1, 2  # target of one state beside that of another
+HOLD_KIND = "hold"
 
 
 class FoundState(NamedTuple):
     """A state that a contract's transition may lead to."""
 
     name: str
-    targets: int  # SAME, NONE, OTHER
+    targets: int  # SAME_TARGET, NO_TARGET, OTHER_TARGET
     alone: bool  # no other state of its kind is as near
 
 
@@ -86,7 +86,7 @@ class Nearest:
             return True
         if into and all(self.from_outside(way) and self._flies(source) for source, way in into):
             return True
-        holds = state.behavior is not None and state.behavior.kind == HOLD
+        holds = state.behavior is not None and state.behavior.kind == HOLD_KIND
         out = [way for way in state.transitions if way.to is not None]
         return holds and bool(out) and all(map(self.from_outside, out))
 
@@ -153,8 +153,8 @@ class Nearest:
     def _targets(self, one: str, other: str) -> int:
         here, there = (self._works_on(name) for name in (one, other))
         if here & there:
-            return SAME
-        return OTHER if here and there else NONE
+            return SAME_TARGET
+        return OTHER_TARGET if here and there else NO_TARGET
 
     def _works_on(self, name: str) -> frozenset[str]:
         behavior = self.every[name].state.behavior

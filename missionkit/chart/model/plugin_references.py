@@ -13,7 +13,7 @@ from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.model_base import HOME, Scope
 from missionkit.chart.model.parameter_files import with_files
 from missionkit.chart.model.validation_problems import plain
-from missionkit.chart.plugin_groups import GROUPS
+from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.chart.text.located_data import Table, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.plugin import Plugin
@@ -25,7 +25,7 @@ from missionkit.plugin_protocols import (
     WindowGuardProtocol,
 )
 
-NONE = "none"
+NO_PLUGIN = "none"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Reference:
     @property
     def says(self) -> str:
         """Description of a valid value, for messages."""
-        return f"a {GROUPS[self.group].word}, {{use: ...}}"
+        return f"a {PLUGIN_GROUPS[self.group].word}, {{use: ...}}"
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
@@ -46,7 +46,7 @@ class Reference:
         """Resolve the plug-in."""
 
         def validate(data: object, info: core_schema.ValidationInfo[Any]) -> Use[Plugin] | None:
-            if self.optional and data == NONE:
+            if self.optional and data == NO_PLUGIN:
                 return None
             return resolve(data, self.group, info.context)
 
@@ -64,13 +64,13 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
 
     Args:
         data: a table with `use` and parameters, or the bare kind as text.
-        group: key of `GROUPS`, such as "guards".
+        group: key of `PLUGIN_GROUPS`, such as "guards".
         scope: names and plug-ins known to the document.
 
     Raises:
         ValidationError: it is none, or its parameters are wrong, in sentences.
     """
-    word, known = GROUPS[group].word, scope.catalogue.group(group)
+    word, known = PLUGIN_GROUPS[group].word, scope.catalogue.group(group)
     if not isinstance(data, dict):
         if not isinstance(data, str):
             raise sentences(sentence(f"expected a {word}, {{use: ...}}, got {shown(data)}"))

@@ -17,11 +17,10 @@ from missionkit.chart.model.nearest_state import Nearest
 from missionkit.chart.model.placed_states import Placed, firsts
 from missionkit.chart.model.state_definitions import State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.errors import Place, Problem
+from missionkit.errors import NO_PLACE, Problem
 from missionkit.states.contract import Failsafe
 from missionkit.states.shared_failsafes import HOVER
 
-NOWHERE = Place("", 0, 0)
 HOVER_FOR = 20.0  # s before a vehicle whose goal is out of reach goes home
 HOME_KINDS = ("return", "land")
 
@@ -125,7 +124,7 @@ def _transition(
     return Transition.model_construct(
         {"to", "when", "name", "emergency"},
         to=(to,),
-        when=ex.Use(failsafe.use, guard, NOWHERE),
+        when=ex.Use(failsafe.use, guard, NO_PLACE),
         name=failsafe.name,
         emergency=failsafe.emergency,
     )
@@ -160,7 +159,7 @@ def _hover(away: str) -> State:
         {"kind", "behavior", "transitions"},
         kind=HOVER,
         summary="Added by the default failsafes.",
-        behavior=ex.Use("hold", Hold(), NOWHERE),
+        behavior=ex.Use("hold", Hold(), NO_PLACE),
         transitions=(Transition.model_construct({"to", "after"}, to=(away,), after=HOVER_FOR),),
     )
 

@@ -17,7 +17,7 @@ from missionkit.chart.model.actions import Action
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.guard_parser import Condition
 from missionkit.chart.model.model_base import (
-    NAMED,
+    NAMES_KEY,
     Event,
     KindName,
     MissionPart,
@@ -40,7 +40,7 @@ from missionkit.units import Seconds
 
 Actions = Annotated[tuple[Action, ...], Field(strict=False)]
 GROUP_KIND = "logic"
-SHAPES = ("states", "parallel", "final", "history")
+SHAPE_KEYS = ("states", "parallel", "final", "history")
 
 
 def _listed(data: object) -> object:
@@ -57,15 +57,15 @@ _ONE_OR_MORE: dict[str, list[dict[str, Any]]] = {
         {"type": "array", "items": {"type": "string"}, "minItems": 1},
     ]
 }
-_STATE = {"type": "string", NAMED: "state"}
-_STATES: dict[str, list[dict[str, Any]]] = {
-    "anyOf": [_STATE, {"type": "array", "items": _STATE, "minItems": 1}]
+_STATE_NAME = {"type": "string", NAMES_KEY: "state"}
+_STATE_NAMES: dict[str, list[dict[str, Any]]] = {
+    "anyOf": [_STATE_NAME, {"type": "array", "items": _STATE_NAME, "minItems": 1}]
 }
 StateNames = Annotated[
     tuple[StateName, ...],
     Field(strict=False, min_length=1),
     BeforeValidator(_listed),
-    WithJsonSchema(_STATES),
+    WithJsonSchema(_STATE_NAMES),
 ]
 Events = Annotated[
     tuple[Event, ...],
@@ -147,7 +147,7 @@ class Start(MissionPart):
         return data
 
 
-Begins = Annotated[Start, Short("the name of a state", tuple(_STATES["anyOf"]))]
+Begins = Annotated[Start, Short("the name of a state", tuple(_STATE_NAMES["anyOf"]))]
 
 
 class State(MissionPart):
@@ -176,7 +176,7 @@ class State(MissionPart):
     def _defaults(cls, data: object, info: ValidationInfo) -> object:
         if not isinstance(data, Table):
             return data
-        if "kind" not in data and any(shape in data for shape in SHAPES):
+        if "kind" not in data and any(shape in data for shape in SHAPE_KEYS):
             data = data.extended("kind", Text(GROUP_KIND, data.place), data.place)
         if "behavior" in data or "states" in data:
             return data

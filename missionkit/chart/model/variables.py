@@ -15,7 +15,7 @@ from missionkit.units import Number
 
 Value = bool | int | float | str
 Values = Mapping[str, Value]
-LARGEST = 2**53  # whole numbers beyond are not exact as floating point
+LARGEST_WHOLE_NUMBER = 2**53  # whole numbers beyond are not exact as floating point
 
 
 class Variable(MissionPart):
@@ -50,7 +50,7 @@ class Variable(MissionPart):
             return alike(value, self.initial)
         if isinstance(self.initial, int) and not isinstance(value, int):
             return False
-        if isinstance(value, int) and abs(value) > LARGEST:
+        if isinstance(value, int) and abs(value) > LARGEST_WHOLE_NUMBER:
             return False
         low = -math.inf if self.min is None else self.min
         high = math.inf if self.max is None else self.max

@@ -12,7 +12,7 @@ from missionkit.chart.model.placed_states import Placed
 from missionkit.chart.model.state_definitions import Start, Transition
 from missionkit.chart.prose.phrases import action, listed
 
-FAILSAFE = "by the failsafe"
+BY_FAILSAFE = "by the failsafe"
 Clauses = Mapping[str, Sequence[str]]  # name of a state or variable -> clauses
 
 
@@ -29,7 +29,7 @@ def entrances(mission: Mission) -> Clauses:
 
 
 def _led(how: str, names: Sequence[str]) -> str:
-    plural = "s" if how == FAILSAFE and len(names) > 1 else ""
+    plural = "s" if how == BY_FAILSAFE and len(names) > 1 else ""
     return f"{how}{plural} {listed(names)}".rstrip()
 
 
@@ -48,7 +48,7 @@ def _entrances(mission: Mission) -> Iterator[tuple[str, str, str]]:
         if state.invariant.exit is not None:
             yield state.invariant.exit, "by the broken invariant of", name
     for failsafe in mission.failsafes:
-        yield failsafe.to, FAILSAFE, failsafe.name
+        yield failsafe.to, BY_FAILSAFE, failsafe.name
 
 
 def changes(mission: Mission) -> Clauses:

@@ -25,7 +25,7 @@ LANDED = (
     "and it lands undamaged where it meant to, stays inside its fence, knows its position, and is "
     "not ordered down by the pilot, a default failsafe or the time limit"
 )
-BUILT_IN = (
+BUILT_IN_TEXT = (
     "Two are built in and come last: if the vehicle touches the ground outside take-off and "
     "landing, it lands; if a plug-in keeps failing for 3 s, it goes home, or lands after 6 s."
 )
@@ -98,7 +98,7 @@ def _failsafes(chart: ExplainedChart) -> Iterator[Sentences]:
         yield sentence(
             "None: only what the states themselves say, and the default failsafes below."
         )
-        yield sentence(BUILT_IN)
+        yield sentence(BUILT_IN_TEXT)
         return
     where = listed(name for name, placed in chart.full.by_name().items() if chart.flies(placed))
     yield sentence(
@@ -106,7 +106,7 @@ def _failsafes(chart: ExplainedChart) -> Iterator[Sentences]:
         f"every state that flies: {where}."
     )
     yield from (item(_failsafe(each)) for each in chart.written.failsafes)
-    yield sentence(BUILT_IN)
+    yield sentence(BUILT_IN_TEXT)
 
 
 def _failsafe(failsafe: Failsafe) -> str:

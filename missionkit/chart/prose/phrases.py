@@ -8,8 +8,8 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
 from missionkit.chart.model.state_definitions import Transition
 
-DONE = "done"
-OWN = "its behaviour is done"
+DONE_GUARD = "done"
+OWN_DONE = "its behaviour is done"
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
@@ -22,14 +22,14 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f" {last} ".join([", ".join(every[:-1]), every[-1]] if len(every) > 1 else every)
 
 
-def guard(expression: ex.Expression, done: str = OWN) -> str:
+def guard(expression: ex.Expression, done: str = OWN_DONE) -> str:
     """Return a guard as a clause, "near and sure hold"; `done` is what the guard `done` means."""
     match expression:
         case ex.All(parts=parts) | ex.Any(parts=parts):
             return _joined(expression, parts, done)
         case ex.Not(part=part):
             return _negated(part, done)
-        case ex.Use(kind=kind) if kind == DONE:
+        case ex.Use(kind=kind) if kind == DONE_GUARD:
             return done
         case ex.In() | ex.Finished() | ex.Variable():
             return _of_chart(expression)
@@ -61,7 +61,7 @@ def _negated(part: ex.Expression, done: str) -> str:
 def _is_noun(expression: ex.Expression) -> bool:
     """Say whether a guard is a name, of which one says that it holds."""
     if isinstance(expression, ex.Use):
-        return expression.kind != DONE
+        return expression.kind != DONE_GUARD
     return isinstance(expression, ex.Named | ex.Hysteresis)
 
 
@@ -72,10 +72,10 @@ def _of_chart(expression: ex.In | ex.Finished | ex.Variable) -> str:
         case ex.Finished(state=state):
             return f"{state} is done"
         case ex.Variable(name=name, op=op, value=operand):
-            return f"{name} {_COMPARED[op]} {value(operand)}"
+            return f"{name} {_COMPARISON_WORDS[op]} {value(operand)}"
 
 
-_COMPARED = {
+_COMPARISON_WORDS = {
     "equals": "equals",
     "below": "is below",
     "above": "is above",
@@ -84,7 +84,7 @@ _COMPARED = {
 }
 
 
-def reason(transition: Transition, done: str = OWN) -> str:
+def reason(transition: Transition, done: str = OWN_DONE) -> str:
     """Say when a transition is taken: "when near holds, for 2 s without a break"."""
     parts = []
     if transition.event:
@@ -96,7 +96,7 @@ def reason(transition: Transition, done: str = OWN) -> str:
     return listed(parts)
 
 
-def held(when: ex.Expression, seconds: float, done: str = OWN) -> str:
+def held(when: ex.Expression, seconds: float, done: str = OWN_DONE) -> str:
     """Say that a guard must hold, and how long.
 
     Args:

@@ -14,7 +14,7 @@ from missionkit.chart.model.placed_states import Placed
 from missionkit.chart.model.state_definitions import GROUP_KIND, State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.incoming_references import Clauses
-from missionkit.chart.prose.phrases import OWN, actions, guard, listed, reason
+from missionkit.chart.prose.phrases import OWN_DONE, actions, guard, listed, reason
 
 DEMANDS = {  # what the formulas of the kinds' invariants say
     "gps_target ≠ ∅": "the position of its target is known",
@@ -213,7 +213,7 @@ def _ways(chart: ExplainedChart, placed: Placed, depth: int) -> Iterator[Sentenc
 def _done(state: State) -> str:
     """Say what `done` means in a state."""
     if not state.states:
-        return OWN
+        return OWN_DONE
     return "all its regions are done" if state.parallel else "a final state inside it is active"
 
 

@@ -13,7 +13,7 @@ from missionkit.chart.model.state_definitions import State as StateModel
 from missionkit.chart.model.state_definitions import Transition as TransitionModel
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.compiled_chart import (
-    ROOT,
+    ROOT_STATE,
     Chart,
     DefaultEntry,
     GuardFunction,
@@ -23,9 +23,8 @@ from missionkit.chart.semantics.compiled_chart import (
     Transition,
 )
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
-from missionkit.errors import Place
+from missionkit.errors import NO_PLACE
 
-NOWHERE = Place("", 0, 0)
 PLUGIN_FAILURE_TOLERANCE = 3.0  # s a plug-in may misbehave before the vehicle goes home
 STUCK_FOR_GOOD = 6.0  # s before it lands
 
@@ -53,7 +52,7 @@ class _Compiler:
         self.count = 0
 
     def chart(self) -> Chart:
-        states = {ROOT: self._root()}
+        states = {ROOT_STATE: self._root()}
         for order, placed in enumerate(self.placed.values(), 1):
             states[placed.name] = self._state(placed, order)
         land = self.firsts.get("land", "")
@@ -75,7 +74,7 @@ class _Compiler:
 
     def _root(self) -> State:
         return State(
-            name=ROOT,
+            name=ROOT_STATE,
             kind=self.catalogue.kinds[GROUP_KIND],
             behavior=None,
             target=None,
@@ -91,7 +90,7 @@ class _Compiler:
         behavior = None if state.behavior is None else state.behavior.plugin
         targets = () if behavior is None else behavior.targets()
         promise = state.invariant.holds
-        ancestors = (*around(self.placed, parent), ROOT)
+        ancestors = (*around(self.placed, parent), ROOT_STATE)
         return State(
             name=name,
             kind=kind,
@@ -106,7 +105,7 @@ class _Compiler:
             promise=None if promise is None else self.asker.ask(promise),
             shape=_shape(state),
             order=order,
-            parent=parent or ROOT,
+            parent=parent or ROOT_STATE,
             ancestors=ancestors,
             children=tuple(state.states),
             initial=_start(state.initial or state.default),
@@ -147,7 +146,7 @@ class _Compiler:
     def _touched(self, land: str) -> tuple[Transition, ...]:
         """Return what happens when the ground is touched outside landing and take-off."""
         guard: ex.Expression = ex.Use(
-            "ground_touched", self.catalogue.group("guards")["ground_touched"](), NOWHERE
+            "ground_touched", self.catalogue.group("guards")["ground_touched"](), NO_PLACE
         )
         touched = Transition(
             number=self._next(),
@@ -161,7 +160,7 @@ class _Compiler:
     def _stuck(self, land: str) -> tuple[Transition, ...]:
         """Return what happens when plug-ins keep failing, after the mission's own failsafes."""
         plugin = self.catalogue.group("guards")["plugin_failed"]()
-        guard: ex.Expression = ex.Use("plugin_failed", plugin, NOWHERE)
+        guard: ex.Expression = ex.Use("plugin_failed", plugin, NO_PLACE)
         ask: GuardFunction = self.asker.ask(guard)
         home = self.firsts.get("return", land)
         return tuple(

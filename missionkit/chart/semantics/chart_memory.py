@@ -11,7 +11,7 @@ from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.messages import Action, Fired, Verdict
 
-NOTHING: Mapping[Any, Any] = {}
+EMPTY_MEMORY: Mapping[Any, Any] = {}
 
 
 class ChartMemory(NamedTuple):
@@ -22,9 +22,9 @@ class ChartMemory(NamedTuple):
     windows: tuple[Any, ...]  # what the guards remember
     variables: Values
     pilot: str  # the state whose behaviour commands, empty if none does
-    history: entry_exit_sets.History = NOTHING
-    held: Mapping[int, float] = NOTHING  # transition -> since when its guard has held, s
-    violated: Mapping[str, float] = NOTHING  # state -> since when its invariant is broken, s
+    history: entry_exit_sets.History = EMPTY_MEMORY
+    held: Mapping[int, float] = EMPTY_MEMORY  # transition -> since when its guard has held, s
+    violated: Mapping[str, float] = EMPTY_MEMORY  # state -> since when its invariant is broken, s
     started: bool = False  # the initial states' entry was carried out
     ended: bool = False  # a final state of the whole chart is active
 

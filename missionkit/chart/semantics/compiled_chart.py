@@ -18,7 +18,7 @@ from missionkit.plugin_protocols import BehaviorProtocol
 from missionkit.states.contract import StateKind
 
 NO_VALUES: Values = {}
-ROOT = ""  # the name of the state around all others, which is never left
+ROOT_STATE = ""  # the name of the state around all others, which is never left
 
 
 class GuardContext:
@@ -89,7 +89,7 @@ class DefaultEntry(NamedTuple):
     outputs: tuple[Output, ...] = ()
 
 
-NOWHERE = DefaultEntry()
+NO_DEFAULT_ENTRY = DefaultEntry()
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ class Transition:
     number: int  # unique in the chart
     to: tuple[str, ...]  # none: targetless, only its outputs
     text: str  # what the record calls it: "when converged for 1.0 s"
-    source: str = ROOT
+    source: str = ROOT_STATE
     ask: GuardFunction | None = None
     hold: float = 0.0  # s the guard must have held
     after: float | None = None  # s since entry
@@ -130,10 +130,10 @@ class State:
     promise: GuardFunction | None = None  # what the mission demands besides the kind's invariant
     shape: Shape = Shape.ATOMIC
     order: int = 0  # in the document
-    parent: str = ROOT
+    parent: str = ROOT_STATE
     ancestors: tuple[str, ...] = ()  # from the parent up to and with the root
     children: tuple[str, ...] = ()
-    initial: DefaultEntry = NOWHERE  # of a compound state, or a history's default
+    initial: DefaultEntry = NO_DEFAULT_ENTRY  # of a compound state, or a history's default
     remembered: bool = False  # a history may lead back here
 
 

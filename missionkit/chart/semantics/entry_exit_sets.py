@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from missionkit.chart.semantics.compiled_chart import (
     HISTORY,
     LEAVES,
-    ROOT,
+    ROOT_STATE,
     Chart,
     Output,
     Shape,
@@ -77,7 +77,7 @@ def move(
 
 def beginning(chart: Chart) -> Move:
     """Return the entry of the initial configuration."""
-    return move(chart, (), (Transition(-1, chart.states[ROOT].initial.to, "start"),), {})
+    return move(chart, (), (Transition(-1, chart.states[ROOT_STATE].initial.to, "start"),), {})
 
 
 def without_conflicts(
@@ -153,7 +153,7 @@ class _Walk:
         kept = [name for name in active if name not in exiting]
         following = sorted({*kept, *entered}, key=lambda name: self.states[name].order)
         entries = self._entries(kept, entered)
-        ended = any(entry.events == (f"done.state.{ROOT}",) for entry in entries)
+        ended = any(entry.events == (f"done.state.{ROOT_STATE}",) for entry in entries)
         leaving = [self.states[name] for name in exited]
         speaking = any(state.exit for state in leaving) or any(way.outputs for way in chosen)
         return Move(
@@ -190,10 +190,10 @@ class _Walk:
         ):
             return source
         for name in self.states[source].ancestors:
-            compound = name == ROOT or self.states[name].shape is Shape.COMPOUND
+            compound = name == ROOT_STATE or self.states[name].shape is Shape.COMPOUND
             if compound and all(self._inside(target, name) for target in targets):
                 return name
-        return ROOT
+        return ROOT_STATE
 
     def _inside(self, name: str, around: str) -> bool:
         return around in self.states[name].ancestors
@@ -270,7 +270,7 @@ class _Walk:
 
     def _add_ancestors(self, name: str, domain: str | None, *, back: bool = False) -> None:
         for around in self.states[name].ancestors:
-            if around in (domain, ROOT):
+            if around in (domain, ROOT_STATE):
                 return
             self.entering[around] = None
             if back:
@@ -301,8 +301,8 @@ class _Walk:
     def _done(self, state: State, active: set[str]) -> tuple[str, ...]:
         if state.shape is not Shape.FINAL:
             return ()
-        if state.parent == ROOT:
-            return (f"done.state.{ROOT}",)
+        if state.parent == ROOT_STATE:
+            return (f"done.state.{ROOT_STATE}",)
         around = self.states[self.states[state.parent].parent]
         events = [f"done.state.{state.parent}"]
         if around.shape is Shape.PARALLEL and finished(self.chart, around.name, active):

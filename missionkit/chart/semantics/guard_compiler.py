@@ -11,7 +11,7 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.variables import is_number
 from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
-from missionkit.errors import Place
+from missionkit.errors import NO_PLACE
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import is_foreign
@@ -23,9 +23,8 @@ from missionkit.plugin_protocols import (
 )
 
 Check = Callable[[Estimate], Verdict]
-NOWHERE = Place("", 0, 0)
-YES, NO = Verdict(holds=True), Verdict(holds=False)
-_COMPARED: dict[str, Callable[[float, float], bool]] = {
+TRUE_VERDICT, FALSE_VERDICT = Verdict(holds=True), Verdict(holds=False)
+_COMPARE: dict[str, Callable[[float, float], bool]] = {
     "equals": operator.eq,
     "below": operator.lt,
     "above": operator.gt,
@@ -124,7 +123,7 @@ class GuardCompiler:
     ) -> GuardFunction:
         """Compile what the guard reads first: its memory then stands in a later slot."""
         names = [it.name for it in guard.named_inputs() if it.what == "guard"]
-        parts = {each: self.ask(ex.Named(each, NOWHERE)) for each in dict.fromkeys(names)}
+        parts = {each: self.ask(ex.Named(each, NO_PLACE)) for each in dict.fromkeys(names)}
         advance = _advancing(name, guard, foreign=foreign)
         slot = self._slot(GuardMemory(name, guard.begin, advance, guard.resumed))
         check = guard.check
@@ -278,17 +277,19 @@ def of_chart(expression: ex.Variable | ex.In | ex.Finished) -> GuardFunction:
     """Return the closure that answers a guard about the chart."""
     match expression:
         case ex.Variable(name=name, op="equals", value=value) if not is_number(value):
-            return lambda question: YES if question.variables[name] == value else NO
+            return lambda question: (
+                TRUE_VERDICT if question.variables[name] == value else FALSE_VERDICT
+            )
         case ex.Variable(name=name, op=op, value=value):
             return _compared(name, op, float(value))
         case ex.In(state=state):
-            return lambda question: YES if state in question.active else NO
+            return lambda question: TRUE_VERDICT if state in question.active else FALSE_VERDICT
         case ex.Finished(groups=groups):
             return _finished(groups)
 
 
 def _compared(name: str, op: str, threshold: float) -> GuardFunction:
-    compare = _COMPARED[op]
+    compare = _COMPARE[op]
     sign = -1.0 if op in {"below", "at_most"} else 1.0
 
     def ask(question: GuardContext) -> Verdict:
@@ -304,6 +305,6 @@ def _finished(groups: tuple[tuple[str, ...], ...]) -> GuardFunction:
     def ask(question: GuardContext) -> Verdict:
         active = question.active
         done = all(any(name in active for name in group) for group in groups)
-        return YES if done else NO
+        return TRUE_VERDICT if done else FALSE_VERDICT
 
     return ask

@@ -13,7 +13,7 @@ from missionkit.chart.semantics import entry_exit_sets
 from missionkit.chart.semantics.actions_and_events import assigned, in_words, matches
 from missionkit.chart.semantics.chart_memory import ChartMemory, Decision
 from missionkit.chart.semantics.compiled_chart import (
-    ROOT,
+    ROOT_STATE,
     Chart,
     GuardContext,
     Output,
@@ -120,7 +120,7 @@ class Macrostep:
         self.memory = self.memory._replace(started=True, ended=move.ended)
         self.moves.append(move)
         self.pilot_entered = True
-        outputs_text = self._carried_out(self.chart.states[ROOT].initial.outputs)
+        outputs_text = self._carried_out(self.chart.states[ROOT_STATE].initial.outputs)
         for entry in move.entries:
             outputs_text += self._carried_out(entry.outputs)
             self.internal += entry.events
@@ -199,7 +199,7 @@ class Macrostep:
                 outputs_text += self._carried_out(entry.outputs)
                 self.internal += entry.events
         for way in chosen:
-            shown = way if way.source != ROOT else replace(way, source=source)
+            shown = way if way.source != ROOT_STATE else replace(way, source=source)
             self.fired.append(self._explained(shown, outputs_text))
             outputs_text = []
         self.stale = True

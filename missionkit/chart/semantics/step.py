@@ -13,7 +13,7 @@ from typing import Any
 
 from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, begin
 from missionkit.chart.semantics.compiled_chart import (
-    ROOT,
+    ROOT_STATE,
     Chart,
     Configuration,
     GuardContext,
@@ -161,7 +161,7 @@ def _invariants(
 def _escape(state: State, to: str) -> Transition:
     text = f"invariant broken for {state.tolerated:g} s"
     reads = (f"I({state.name})",)
-    return Transition(-1, (to,), text, source=state.name or ROOT, reads=reads)
+    return Transition(-1, (to,), text, source=state.name or ROOT_STATE, reads=reads)
 
 
 def _reason(verdict: Verdict) -> str:

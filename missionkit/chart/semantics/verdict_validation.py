@@ -9,7 +9,7 @@ from missionkit.chart.semantics.compiled_chart import GuardContext
 from missionkit.messages import Verdict
 
 TRUTHS = frozenset((bool, type(None)))
-_NUMBERS = frozenset((float, type(None)))
+_NUMBER_TYPES = frozenset((float, type(None)))
 
 
 def is_sound(verdict: Verdict) -> bool:
@@ -56,7 +56,7 @@ def trusted(name: str, boxed: tuple[object] | None, question: GuardContext) -> V
 def _native(answer: Verdict) -> bool:
     """Say whether a verdict is made of Python's own types already, as nearly all are."""
     holds, why, *numbers = map(type, answer)
-    return holds is bool and why is str and _NUMBERS.issuperset(numbers)
+    return holds is bool and why is str and _NUMBER_TYPES.issuperset(numbers)
 
 
 def _plain(answer: Verdict) -> Verdict | None:

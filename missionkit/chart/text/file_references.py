@@ -6,7 +6,7 @@ from pathlib import Path
 
 from missionkit.chart.text.regular_file import irregular
 
-MISSING = "no such file beside the mission"
+NO_SUCH_FILE = "no such file beside the mission"
 
 
 def unfit(root: Path, path: Path) -> str:
@@ -23,4 +23,4 @@ def unfit(root: Path, path: Path) -> str:
         return "not the name of a file that can be read"
     if not inside:
         return "outside the folder of the mission"
-    return "" if there else f"it is {other}, not a file" if other else MISSING
+    return "" if there else f"it is {other}, not a file" if other else NO_SUCH_FILE

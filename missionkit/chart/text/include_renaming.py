@@ -12,7 +12,7 @@ from typing import Any
 
 from missionkit.chart.text.located_data import Row, Table, Text
 
-DONE = "done.state."
+DONE_EVENT = "done.state."
 READING = ("matrix", "rows")  # parameters of guards that read others
 Change = Callable[[Any], Any]
 
@@ -91,9 +91,9 @@ class Renaming:
         return _each(data, self._event) if isinstance(data, Row) else self._event(data)
 
     def _event(self, data: Any) -> Any:
-        if isinstance(data, Text) and data.startswith(DONE):
-            name = self._state_name(Text(data.removeprefix(DONE), data.place))
-            return Text(DONE + name, data.place)
+        if isinstance(data, Text) and data.startswith(DONE_EVENT):
+            name = self._state_name(Text(data.removeprefix(DONE_EVENT), data.place))
+            return Text(DONE_EVENT + name, data.place)
         return data
 
     def _actions(self, data: Any) -> Any:

@@ -29,8 +29,8 @@ from missionkit.errors import FileError, Place, Problem
 
 KEY, WITH = "include", "with"
 SECTIONS = ("guards", "variables")
-NOTHING = "logic"  # the kind of a state whose file cannot be used
-MAX_DEPTH = 8
+PLACEHOLDER_KIND = "logic"  # the kind of a state whose file cannot be used
+MAX_INCLUDE_DEPTH = 8
 MAX_FILES = 100
 
 
@@ -101,7 +101,7 @@ class _Work:
         path = self._path(state, around.files)
         document = None if path is None else self._read(path, state, here)
         if path is None or document is None:
-            return _with(_without(state, (KEY, WITH)), "kind", state.get("kind", NOTHING))
+            return _with(_without(state, (KEY, WITH)), "kind", state.get("kind", PLACEHOLDER_KIND))
         inner = self._filled(document, state)
         states = self.states(inner.get("states"), _Around((*around.files, path), here))
         return self._joined(name, state, _with(inner, "states", states))
@@ -112,8 +112,8 @@ class _Work:
         path = chain[-1].parent / str(written)
         if not wrong and path in chain:
             wrong = "it includes itself"
-        if not wrong and (len(chain) > MAX_DEPTH or len(self.files) >= MAX_FILES):
-            wrong = f"more than {MAX_DEPTH} files deep or {MAX_FILES} in all"
+        if not wrong and (len(chain) > MAX_INCLUDE_DEPTH or len(self.files) >= MAX_FILES):
+            wrong = f"more than {MAX_INCLUDE_DEPTH} files deep or {MAX_FILES} in all"
         wrong = wrong or unfit(self.root, path)
         if wrong:
             message = f"include {shown(written)}: {wrong}"

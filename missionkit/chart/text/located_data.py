@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from missionkit.errors import Place
 
-NOWHERE = Place("", 1, 1)
+FILE_START = Place("", 1, 1)
 
 
 class Text(str):
@@ -92,7 +92,7 @@ class Row(list[Any]):
 
 def place_of(data: object) -> Place:
     """Return where a mapping, list or text stands; other data does not know."""
-    return data.place if isinstance(data, (Table, Row, Text)) else NOWHERE
+    return data.place if isinstance(data, (Table, Row, Text)) else FILE_START
 
 
 def place_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:

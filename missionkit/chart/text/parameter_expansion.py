@@ -17,8 +17,8 @@ from missionkit.chart.text.yaml_reader import Document, read
 from missionkit.errors import FileError, Place, Problem, nearest
 
 SECTION = "params"
-PATTERN = r"^\$[A-Za-z_][A-Za-z0-9_-]*$"
-_REFERENCE = re.compile(PATTERN)
+PARAMETER_PATTERN = r"^\$[A-Za-z_][A-Za-z0-9_-]*$"
+_REFERENCE = re.compile(PARAMETER_PATTERN)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-KINDS: Mapping[Callable[[int], bool], str] = {
+FILE_TYPES: Mapping[Callable[[int], bool], str] = {
     stat.S_ISDIR: "a folder",
     stat.S_ISFIFO: "a pipe",
     stat.S_ISSOCK: "a socket",
@@ -50,4 +50,4 @@ def read_bytes(path: Path, most: int) -> bytes:
 def _kind(mode: int) -> str:
     if stat.S_ISREG(mode):
         return ""
-    return next((name for is_it, name in KINDS.items() if is_it(mode)), "something else")
+    return next((name for is_it, name in FILE_TYPES.items() if is_it(mode)), "something else")

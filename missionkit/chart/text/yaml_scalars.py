@@ -16,7 +16,8 @@ _CONSTANTS: dict[str, Scalar] = {
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
-LEAST, MOST = 1e-12, 1e9  # of a number that is not whole; the squares of both are harmless
+LEAST_FRACTION, MOST_FRACTION = 1e-12, 1e9
+"""Of a number that is not whole; the squares of both are harmless."""
 _NUMERIC_START = frozenset("+-.0123456789")
 
 
@@ -31,7 +32,7 @@ def resolve(text: str) -> Scalar:
         return _CONSTANTS[text]
     if text[0] not in _NUMERIC_START:
         return text
-    for pattern, convert in _NUMBERS:
+    for pattern, convert in _NUMBER_FORMS:
         if pattern.fullmatch(text):
             return convert(text)
     return text
@@ -51,14 +52,15 @@ def _finite(text: str) -> float:
         number = math.inf
     if math.isinf(number):
         raise ValueError(f"{text} is not a finite number")
-    if number and not LEAST <= abs(number) <= MOST:
+    if number and not LEAST_FRACTION <= abs(number) <= MOST_FRACTION:
         raise ValueError(
-            f"{text} is out of range: expected 0, or a size from {LEAST:g} to {MOST:g}"
+            f"{text} is out of range: expected 0, or a size from {LEAST_FRACTION:g} "
+            f"to {MOST_FRACTION:g}"
         )
     return number
 
 
-_NUMBERS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (
+_NUMBER_FORMS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (
     (re.compile(r"[-+]?[0-9]+"), _integer),
     (re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"), _finite),
     (re.compile(r"0o[0-7]+"), lambda text: _integer(text[2:], 8)),

@@ -8,7 +8,7 @@ from missionkit.chart.model.variables import Value, Values
 from missionkit.chart.semantics.chart_memory import ChartMemory, begin
 from missionkit.chart.semantics.compiled_chart import (
     HISTORY,
-    ROOT,
+    ROOT_STATE,
     Chart,
     GuardMemory,
     Shape,
@@ -59,18 +59,18 @@ def stands(chart: Chart, saved: ChartMemory) -> bool:
         return False
     ordered = sorted(set(saved.active), key=lambda name: chart.states[name].order)
     return tuple(ordered) == saved.active and all(
-        _legal(chart, name, saved.active) for name in (ROOT, *saved.active)
+        _legal(chart, name, saved.active) for name in (ROOT_STATE, *saved.active)
     )
 
 
 def _legal(chart: Chart, name: str, active: tuple[str, ...]) -> bool:
     state = chart.states[name]
     inside = sum(child in active for child in state.children)
-    if name != ROOT and state.parent not in (ROOT, *active):
+    if name != ROOT_STATE and state.parent not in (ROOT_STATE, *active):
         return False
     if state.shape is Shape.PARALLEL:
         return inside == sum(chart.states[it].shape not in HISTORY for it in state.children)
-    if name == ROOT or state.shape is Shape.COMPOUND:
+    if name == ROOT_STATE or state.shape is Shape.COMPOUND:
         return inside == 1
     return state.shape not in HISTORY
 

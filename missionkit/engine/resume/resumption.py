@@ -13,9 +13,9 @@ from missionkit.plugin_containment import Containment
 from missionkit.ports import Vehicle
 
 HEARTBEAT_WAIT = 2.0  # s to wait for a heartbeat
-SETTLING = 10.0  # s to wait, in the air, until the estimate is sound again
-LATELY = 2.0  # s before the end in which a fix was taken
-CALM = 1.0  # s without a refused measurement: it is
+SETTLING_TIMEOUT = 10.0  # s to wait, in the air, until the estimate is sound again
+FIX_TAKEN_WITHIN = 2.0  # s before the end in which a fix was taken
+SOUND_AFTER = 1.0  # s without a refused measurement: it is
 
 
 class Resumption(NamedTuple):
@@ -61,7 +61,7 @@ def _enough(before: FlightMemory, heard: FlightMemory, *, waited: float, calm: f
     status = heard.senses.status
     if status is None or status.at <= before.now:
         return waited >= HEARTBEAT_WAIT
-    return not status.in_air or calm >= CALM or waited >= SETTLING
+    return not status.in_air or calm >= SOUND_AFTER or waited >= SETTLING_TIMEOUT
 
 
 def _sound(plan: PreparedMission, before: FlightMemory, heard: FlightMemory) -> bool:
@@ -71,6 +71,6 @@ def _sound(plan: PreparedMission, before: FlightMemory, heard: FlightMemory) -> 
     """
     health = plan.navigator.read(heard.senses.navigation).health
     last = plan.navigator.read(before.senses.navigation).health.gnss_at
-    without = last is None or before.now - last > LATELY
+    without = last is None or before.now - last > FIX_TAKEN_WITHIN
     fixed = without or (health.gnss_at is not None and health.gnss_at > before.now)
     return not health.aligned or (fixed and not health.diverged and not health.rejected)

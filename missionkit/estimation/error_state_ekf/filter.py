@@ -34,7 +34,7 @@ from missionkit.estimation.error_state_ekf.state_layout import (
 )
 from missionkit.estimation.linear_algebra import multiply
 from missionkit.estimation.navigator import NavState
-from missionkit.frames import STILL, FrameTree, Timed, held
+from missionkit.frames import NO_MOTION, FrameTree, Timed, held
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3
 from missionkit.messages import Observation, Sighting
 
@@ -110,7 +110,9 @@ class ErrorStateEkf:
         """
         track = () if known.past is None else map(replay_buffer.timed, known.past.track)
         jumps = known.corrections
-        poses = [Timed(p.at, (held(jumps, p.at) or STILL).inverse() @ p.transform) for p in track]
+        poses = [
+            Timed(p.at, (held(jumps, p.at) or NO_MOTION).inverse() @ p.transform) for p in track
+        ]
         tree = FrameTree().stepping("odom", "world", jumps).moving("base", "odom", poses)
         tree = tree.fixed("camera", "base", self._mount)
         for name, target in self.read(known).targets.items():
@@ -151,7 +153,7 @@ class ErrorStateEkf:
         s, again = self._settings, gap > self._settings.longest_gap
         new = measurement_log.resting(observation)
         before = initialization.begin() if again else known.heard
-        heard = initialization.gathered(before, new, realignment.SPAN)
+        heard = initialization.gathered(before, new, realignment.SAMPLE_TIME)
         last = known.last if len(new.imu) == 0 else new.imu[-1]
         known = known._replace(heard=heard, last=last, missing=known.missing + gap * again)
         since = float(last[0] - past.times[-1])

@@ -12,7 +12,7 @@ from missionkit.estimation.error_state_ekf.initialization import RestSamples
 from missionkit.estimation.error_state_ekf.innovation_monitor import InnovationMonitor
 from missionkit.estimation.error_state_ekf.replay_buffer import ReplayBuffer
 from missionkit.estimation.error_state_ekf.target_attitude import TargetAttitude
-from missionkit.frames import ALWAYS, STILL, Timed
+from missionkit.frames import FROM_THE_START, NO_MOTION, Timed
 from missionkit.geometry import Mat, Vec3
 
 
@@ -48,6 +48,6 @@ def begin(targets: int) -> FilterMemory:
         past=None,
         monitor=innovation_monitor.begin(),
         tracks=(TargetTrack(),) * targets,
-        corrections=(Timed(ALWAYS, STILL),),
+        corrections=(Timed(FROM_THE_START, NO_MOTION),),
         broken=False,
     )

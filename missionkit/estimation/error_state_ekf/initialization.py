@@ -13,10 +13,9 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     D_ANGLE,
     D_GYRO_BIAS,
     D_LANDMARKS,
-    GRAVITY,
     LANDMARKS,
 )
-from missionkit.geometry import Mat, Quat, Vec3, from_euler, rotate, skew, to_matrix
+from missionkit.geometry import GRAVITY, Mat, Quat, Vec3, from_euler, rotate, skew, to_matrix
 
 
 class RestSamples(NamedTuple):

@@ -10,17 +10,16 @@ import numpy as np
 from missionkit.estimation.error_state_ekf import state_layout
 from missionkit.estimation.error_state_ekf.initialization import RestSamples
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.estimation.error_state_ekf.state_layout import LARGEST_MEASUREMENT
 from missionkit.geometry import Mat, Transform, Vec3, rotate, vec
 from missionkit.messages import Imu, Observation, Sighting
 
 LEAST_SD, MOST_SD = 1e-3, 900.0
-"""Bounds of a plausible sensor accuracy (m, m/s); squared, below LARGEST."""
-LARGEST = 1e6
-"""No place or sensor reading is larger than this, in SI units."""
-NOWHERE = (math.nan, math.nan, math.nan)
+"""Bounds of a plausible sensor accuracy (m, m/s); squared, below LARGEST_MEASUREMENT."""
+UNKNOWN_PLACE = (math.nan, math.nan, math.nan)
 STANDING_SD = 0.02
 """How still a vehicle stands on the ground (m/s)."""
-AHEAD = 0.05
+CLOCK_TOLERANCE = 0.05
 """Clocks may disagree by this much (s); a measurement from further in the future is refused."""
 
 
@@ -115,7 +114,7 @@ def _variance(sd: Vec3 | float) -> Mat:
 def sound(seen: Sighting) -> bool:
     """Say whether all numbers of a sighting are finite and none is absurdly large."""
     parts = (seen.pose.rotation, seen.pose.translation, (seen.position_sd, seen.angle_sd))
-    return all(abs(value) < LARGEST for part in parts for value in part)
+    return all(abs(value) < LARGEST_MEASUREMENT for part in parts for value in part)
 
 
 def sighted(seen: Sighting, index: int, mount: Transform, bearing_sd: float) -> Vec3:
@@ -133,7 +132,7 @@ def sighted(seen: Sighting, index: int, mount: Transform, bearing_sd: float) -> 
     """
     t = seen.pose.translation
     if not sound(seen):
-        return row(state_layout.SIGHT, seen.at, NOWHERE, np.eye(3), index)
+        return row(state_layout.SIGHT, seen.at, UNKNOWN_PLACE, np.eye(3), index)
     reach = max(float(np.linalg.norm(t)), LEAST_SD)
     u = rotate(mount.rotation, t / reach)
     along = min(max(seen.position_sd, LEAST_SD), MOST_SD)
@@ -148,7 +147,7 @@ def timely(rows: list[Vec3], now: float) -> tuple[list[Vec3], list[Vec3]]:
     good: list[Vec3] = []
     bad: list[Vec3] = []
     for r in rows:
-        (good if r[state_layout.AT] <= now + AHEAD else bad).append(r)
+        (good if r[state_layout.AT] <= now + CLOCK_TOLERANCE else bad).append(r)
     return good, bad
 
 
@@ -169,4 +168,4 @@ def resting(observation: Observation) -> RestSamples:
 
 def _finite(rows: Mat | Sequence[tuple[float, ...]], width: int) -> Mat:
     table = np.array(rows, dtype=np.float64).reshape(-1, width)
-    return table[(np.abs(table) < LARGEST).all(axis=1)]
+    return table[(np.abs(table) < LARGEST_MEASUREMENT).all(axis=1)]

@@ -19,7 +19,6 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     D_LANDMARKS,
     END,
     GAP,
-    GRAVITY,
     GYRO,
     GYRO_BIAS,
 )
@@ -31,7 +30,7 @@ from missionkit.estimation.linear_algebra import (
     to_matrix,
     transpose,
 )
-from missionkit.geometry import Mat, Vec3
+from missionkit.geometry import GRAVITY, Mat, Vec3
 from missionkit.jit import compiled
 
 MAX_ACCEL, MAX_RATE = 500.0, 100.0

@@ -21,17 +21,16 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     D_ANGLE,
     D_GYRO_BIAS,
     D_LANDMARKS,
-    GRAVITY,
     GYRO_BIAS,
     LANDMARKS,
 )
-from missionkit.geometry import Mat, Vec3
+from missionkit.geometry import GRAVITY, Mat, Vec3
 
-SPAN = 1.0
+SAMPLE_TIME = 1.0
 """s of samples that attitude and position are taken from."""
 CALM_RATE = 0.1
-"""rad/s, mean turn rate about each axis over `SPAN`, above which no mean attitude is taken."""
-TILT_SD = 0.2
+"""rad/s, mean turn rate about each axis over `SAMPLE_TIME`, above which no attitude is taken."""
+REALIGNED_TILT_SD = 0.2
 """rad: a steady acceleration of 2 m/s² tilts the specific force so far from the vertical."""
 
 
@@ -47,7 +46,7 @@ def begun(
     """Return where the filter begins again, None while the vehicle is not calm.
 
     Args:
-        heard: the last `SPAN` seconds.
+        heard: the last `SAMPLE_TIME` seconds.
         x: (16 + 3 m,) the state before the gap.
         P: (15 + 3 m, 15 + 3 m) its covariance.
         missing: since that state (s).
@@ -61,7 +60,7 @@ def begun(
     y, S = x.copy(), np.zeros_like(P)
     y[3:6] = 0.0
     y[6:10] = initialization.attitude(force, field, math.radians(s.declination_deg))
-    moved = np.full(3, (s.reset_velocity_sd * SPAN) ** 2)
+    moved = np.full(3, (s.reset_velocity_sd * SAMPLE_TIME) ** 2)
     if len(heard.fixes):
         y[0:3], variance = initialization.placed(heard, s)
         moved += variance
@@ -69,7 +68,7 @@ def begun(
         moved = P.diagonal()[0:3] + (s.reset_velocity_sd * missing) ** 2 + x[3:6] ** 2 * missing**2
     np.fill_diagonal(S[0:3, 0:3], moved)
     np.fill_diagonal(S[3:6, 3:6], s.reset_velocity_sd**2)
-    np.fill_diagonal(S[D_ANGLE:D_ACCEL_BIAS, D_ANGLE:D_ACCEL_BIAS], TILT_SD**2)
+    np.fill_diagonal(S[D_ANGLE:D_ACCEL_BIAS, D_ANGLE:D_ACCEL_BIAS], REALIGNED_TILT_SD**2)
     S[biases, biases] = P[biases, biases]
     S[targets, targets] = P[targets, targets]
     grown = S.diagonal().copy()
@@ -81,7 +80,7 @@ def begun(
 
 
 def _calm(heard: RestSamples, x: Vec3, settings: VisualInertialEkf) -> bool:
-    if len(heard.imu) < 2 or np.ptp(heard.imu[:, 0]) < 0.95 * SPAN:
+    if len(heard.imu) < 2 or np.ptp(heard.imu[:, 0]) < 0.95 * SAMPLE_TIME:
         return False
     force = heard.imu[:, 1:4].mean(axis=0) - x[ACCEL_BIAS:GYRO_BIAS]
     rate = heard.imu[:, 4:7].mean(axis=0) - x[GYRO_BIAS:LANDMARKS]

@@ -15,7 +15,7 @@ from missionkit.estimation.error_state_ekf import replay, state_layout
 from missionkit.frames import Timed, between
 from missionkit.geometry import Mat, Transform, Vec3
 
-BEYOND = 0.02
+EXTRAPOLATION = 0.02
 """How far past the newest pose one is extrapolated (s), about a sample."""
 
 
@@ -140,7 +140,7 @@ def pose_at(past: ReplayBuffer, at: float) -> Transform | None:
 
 def pose_in(track: Mat, at: float) -> Transform | None:
     """Return body to world at `at` (s), None outside a track (n, 8) of time, p and q."""
-    if len(track) < 2 or not track[0, 0] <= at <= track[-1, 0] + BEYOND:
+    if len(track) < 2 or not track[0, 0] <= at <= track[-1, 0] + EXTRAPOLATION:
         return None
     i = min(max(int(track[:, 0].searchsorted(at)), 1), len(track) - 1)
     return between(timed(track[i - 1]), timed(track[i]), at)

@@ -28,7 +28,7 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.state_layout import FIX, FIX_VELOCITY, SIGHT
 from missionkit.geometry import Mat, Vec3, norm
 
-NOTHING = np.zeros((3, 3))
+ZERO_COVARIANCE = np.zeros((3, 3))
 
 
 def agreeing(strays: Mat, count: int, sd: float) -> bool:
@@ -90,7 +90,7 @@ def forget_vehicle(
         velocity_sd = settings.reset_velocity_sd + (misses[1] if len(misses) > 1 else 0.0)
         drift = (velocity_sd, settings.reset_angle_sd, settings.accel_bias_sd)
     at = float(fixes[0][state_layout.AT])
-    return row(state_layout.FORGET_VEHICLE, at, drift, NOTHING, extra=sd + misses[0])
+    return row(state_layout.FORGET_VEHICLE, at, drift, ZERO_COVARIANCE, extra=sd + misses[0])
 
 
 def forget_target(sighting: Vec3) -> Vec3:
@@ -101,4 +101,4 @@ def forget_target(sighting: Vec3) -> Vec3:
     z = sighting[state_layout.Z : state_layout.NOISE]
     reach = float(np.linalg.norm(z))
     at, index = float(sighting[state_layout.AT]), int(sighting[state_layout.INDEX])
-    return row(state_layout.FORGET_TARGET, at, z, NOTHING, index, extra=max(reach, 1.0))
+    return row(state_layout.FORGET_TARGET, at, z, ZERO_COVARIANCE, index, extra=max(reach, 1.0))

@@ -13,8 +13,6 @@ POSITION, VELOCITY, QUATERNION, ACCEL_BIAS, GYRO_BIAS, LANDMARKS = 0, 3, 6, 10, 
 D_POSITION, D_VELOCITY, D_ANGLE, D_ACCEL_BIAS, D_GYRO_BIAS, D_LANDMARKS = 0, 3, 6, 9, 12, 15
 """First index of each part of the error state."""
 
-GRAVITY = 9.80665  # m/s², down
-
 # --- inertial intervals (n, 8), each up to its own time ------------------------------------------
 
 END, ACCEL, GYRO, GAP = 0, 1, 4, 7
@@ -34,3 +32,6 @@ KINDS = 10
 
 PENDING, ACCEPTED, REJECTED = 0, 1, 2
 """Outcomes. A measurement is pending until inertial samples reach its time."""
+
+LARGEST_MEASUREMENT = 1e6
+"""No place or sensor reading is larger than this, in SI units."""

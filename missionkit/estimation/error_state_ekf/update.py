@@ -17,6 +17,7 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     D_ANGLE,
     D_LANDMARKS,
     EXTRA,
+    LARGEST_MEASUREMENT,
     NIS,
     NOISE,
     OUTCOME,
@@ -33,9 +34,6 @@ from missionkit.estimation.linear_algebra import (
 )
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
-
-LARGEST = 1e6
-"""No measurement is larger than this, in SI units."""
 
 
 @compiled
@@ -71,7 +69,7 @@ def sane(values: Vec3) -> bool:
     """Say whether all values are finite and none is absurdly large."""
     fine = True
     for v in values:
-        fine = fine and abs(v) < LARGEST
+        fine = fine and abs(v) < LARGEST_MEASUREMENT
     return fine
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 
-POSITION, VELOCITY = 0, 1
-LARGEST = 1e6
+AXIS_POSITION, AXIS_VELOCITY = 0, 1
+LARGEST_INPUT = 1e6
 """No input is larger than this, in SI units."""
 
 
@@ -32,7 +32,7 @@ def predict(mu: Vec3, S: Mat, u: float, dt: float, variance: float) -> bool:
         dt: step (s).
         variance: σ², of the acceleration over such a step (m²/s⁴).
     """
-    if not (abs(u) < LARGEST and 0.0 <= dt < LARGEST):
+    if not (abs(u) < LARGEST_INPUT and 0.0 <= dt < LARGEST_INPUT):
         return False
     mu[0] += dt * mu[1] + 0.5 * dt * dt * u
     mu[1] += dt * u
@@ -62,14 +62,14 @@ def update(mu: Vec3, S: Mat, z: float, noise: float, part: int) -> bool:
         part: 0 for a position, 1 for a velocity.
     """
     s = S[part, part] + noise
-    if not (abs(z) < LARGEST and 0.0 <= noise < math.inf and s > 0.0):
+    if not (abs(z) < LARGEST_INPUT and 0.0 <= noise < math.inf and s > 0.0):
         return False
     r = z - mu[part]
     k0, k1 = S[0, part] / s, S[1, part] / s
     mu[0] += k0 * r
     mu[1] += k1 * r
     a, b, d = S[0, 0], S[0, 1], S[1, 1]
-    if part == VELOCITY:
+    if part == AXIS_VELOCITY:
         keep = 1.0 - k1
         S[0, 0] = max(a - 2.0 * k0 * b + k0 * k0 * s, 0.0)
         S[0, 1] = S[1, 0] = keep * (b - k0 * d) + k0 * k1 * noise
@@ -100,7 +100,7 @@ def run(mu: Vec3, S: Mat, us: Vec3, zs: Vec3, dt: float, variance: float, noise:
     out = np.empty((len(us), 2))
     for i in range(len(us)):
         predict(mu, S, us[i], dt, variance)
-        update(mu, S, zs[i], noise, VELOCITY)
+        update(mu, S, zs[i], noise, AXIS_VELOCITY)
         out[i, 0], out[i, 1] = mu[0], mu[1]
     return out
 

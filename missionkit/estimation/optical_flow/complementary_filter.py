@@ -13,7 +13,6 @@ import numpy as np
 from missionkit.estimation.error_state_ekf.state_layout import (
     ACCEL,
     END,
-    GRAVITY,
     GYRO,
 )
 from missionkit.estimation.linear_algebra import (
@@ -24,10 +23,10 @@ from missionkit.estimation.linear_algebra import (
     to_matrix,
     wrap,
 )
-from missionkit.geometry import Mat, Vec3
+from missionkit.geometry import GRAVITY, Mat, Vec3
 from missionkit.jit import compiled
 
-CALM = 1.5
+REST_TOLERANCE = 1.5
 """Specific force this close to gravity (m/s²) tells which way is up."""
 
 
@@ -50,7 +49,7 @@ def lean(q: Vec3, bias: Vec3, accel: Vec3, gyro: Vec3, dt: float, gains: Vec3) -
     """
     size = math.sqrt(accel[0] * accel[0] + accel[1] * accel[1] + accel[2] * accel[2])
     turn, e = np.empty(3), np.zeros(3)
-    if abs(size - GRAVITY) < CALM:
+    if abs(size - GRAVITY) < REST_TOLERANCE:
         R = to_matrix(q)
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from filterpy import kalman
 
-from missionkit.estimation.optical_flow.axis_filter import LARGEST
+from missionkit.estimation.optical_flow.axis_filter import LARGEST_INPUT
 from missionkit.geometry import Mat, Vec3
 
 
@@ -28,7 +28,7 @@ def predict(mu: Vec3, S: Mat, u: float, dt: float, variance: float) -> bool:
         dt: step (s).
         variance: σ², of the acceleration over such a step (m²/s⁴).
     """
-    if not (abs(u) < LARGEST and 0.0 <= dt < LARGEST):
+    if not (abs(u) < LARGEST_INPUT and 0.0 <= dt < LARGEST_INPUT):
         return False
     A, B = np.array([[1.0, dt], [0.0, 1.0]]), np.array([0.5 * dt * dt, dt])
     return _taken(mu, S, *kalman.predict(mu, S, A, variance * np.outer(B, B), u, B))
@@ -48,7 +48,7 @@ def update(mu: Vec3, S: Mat, z: float, noise: float, part: int) -> bool:
         part: POSITION or VELOCITY.
     """
     s = S[part, part] + noise
-    if not (abs(z) < LARGEST and 0.0 <= noise < math.inf and s > 0.0):
+    if not (abs(z) < LARGEST_INPUT and 0.0 <= noise < math.inf and s > 0.0):
         return False
     H = np.eye(2)[part : part + 1]
     return _taken(mu, S, *kalman.update(mu, S, np.array([z]), np.array([[noise]]), H))

@@ -19,24 +19,23 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.process_model import intervals
 from missionkit.estimation.error_state_ekf.state_layout import (
     ACCEL_BIAS,
-    GRAVITY,
     GYRO_BIAS,
     LANDMARKS,
     QUATERNION,
 )
 from missionkit.estimation.navigator import NavState
 from missionkit.estimation.optical_flow import axis_filter, flow_memory, flow_state
-from missionkit.estimation.optical_flow.axis_filter import POSITION, VELOCITY
+from missionkit.estimation.optical_flow.axis_filter import AXIS_POSITION, AXIS_VELOCITY
 from missionkit.estimation.optical_flow.complementary_filter import carry, steer
 from missionkit.estimation.optical_flow.flow_memory import (
-    EAST,
-    NORTH,
-    UP,
+    AXIS_EAST,
+    AXIS_NORTH,
+    AXIS_UP,
     FlowMemory,
 )
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.optical_flow.flow_velocity import over_ground
-from missionkit.geometry import Mat, Transform, Vec3, norm, to_matrix, vec
+from missionkit.geometry import GRAVITY, Mat, Transform, Vec3, norm, to_matrix, vec
 from missionkit.messages import (
     Baro,
     Imu,
@@ -47,9 +46,9 @@ from missionkit.messages import (
     Sighting,
 )
 
-REST = 1e-4
+REST_VARIANCE = 1e-4
 """Variance (m²/s²) with which a vehicle on the ground stands still."""
-KEEP = 12
+POSES_KEPT = 12
 """Poses kept, one an observation."""
 
 
@@ -154,9 +153,9 @@ class FlowFilter:
         q, bias, mu, S = _copies(known)
         pull, rates = np.empty(3), np.empty(3)
         dt = carry(q, bias, imu, float(known.last[0]), self._gains, pull, rates)
-        for axis, sign in ((NORTH, 1.0), (EAST, 1.0), (UP, -1.0)):
+        for axis, sign in ((AXIS_NORTH, 1.0), (AXIS_EAST, 1.0), (AXIS_UP, -1.0)):
             self._axis.predict(mu[axis], S[axis], sign * pull[axis], dt, s.accel_variance[axis])
-        height = max(float(mu[UP, 0]), 0.0) if known.in_air else 0.0
+        height = max(float(mu[AXIS_UP, 0]), 0.0) if known.in_air else 0.0
         known = known._replace(attitude=q, bias=bias, mu=mu, S=S, last=last)
         return known._replace(reach=known.reach + height * dt), rates
 
@@ -173,10 +172,12 @@ class FlowFilter:
         s, (q, _, mu, S) = self._settings, _copies(known)
         if seen.range is not None:
             height = seen.range.distance * float(to_matrix(q)[2, 2])
-            if self._axis.update(mu[UP], S[UP], height, s.range_sd**2, POSITION):
+            if self._axis.update(mu[AXIS_UP], S[AXIS_UP], height, s.range_sd**2, AXIS_POSITION):
                 known = known._replace(range_at=known.now)
         if seen.baro is not None:
-            self._axis.update(mu[UP], S[UP], seen.baro.height, s.baro_sd**2, POSITION)
+            self._axis.update(
+                mu[AXIS_UP], S[AXIS_UP], seen.baro.height, s.baro_sd**2, AXIS_POSITION
+            )
         return known._replace(mu=mu, S=S)
 
     def _flow(self, known: FlowMemory, flow: OpticalFlow | None, rates: Vec3) -> FlowMemory:
@@ -184,20 +185,22 @@ class FlowFilter:
         if flow is None:
             return known
         s, (q, _, mu, S) = self._settings, _copies(known)
-        height, climb = mu[UP].tolist()
+        height, climb = mu[AXIS_UP].tolist()
         z = np.zeros(2)
         if not (flow.quality >= s.quality and over_ground(flow.flow, rates, height, q, climb, z)):
             return known._replace(refused=known.refused + 1)
         nis = sum(
-            (float(z[axis]) - mu[axis, VELOCITY]) ** 2
-            / (S[axis, VELOCITY, VELOCITY] + s.flow_variance[axis])
-            for axis in (NORTH, EAST)
+            (float(z[axis]) - mu[axis, AXIS_VELOCITY]) ** 2
+            / (S[axis, AXIS_VELOCITY, AXIS_VELOCITY] + s.flow_variance[axis])
+            for axis in (AXIS_NORTH, AXIS_EAST)
         )
         distance = mahalanobis.averaged(
             known.distance, [mahalanobis.distance(float(nis), 2)], known.now
         )
-        for axis in (NORTH, EAST):
-            self._axis.update(mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], VELOCITY)
+        for axis in (AXIS_NORTH, AXIS_EAST):
+            self._axis.update(
+                mu[axis], S[axis], float(z[axis]), s.flow_variance[axis], AXIS_VELOCITY
+            )
         slip = known.slip + flow_state.slipped(known, z, s)
         known = known._replace(mu=mu, S=S, flow_at=known.now, measured=z, refused=0)
         return known._replace(slip=slip, distance=distance)
@@ -221,7 +224,7 @@ def _resumed(
     if mag is not None and 0.5 < norm(mag.field) < 2.0:
         force = fresh[:, 1:4].mean(axis=0)
         q = initialization.attitude(force, mag.field, math.radians(rest.declination_deg))
-    for axis in (NORTH, EAST, UP):
+    for axis in (AXIS_NORTH, AXIS_EAST, AXIS_UP):
         speed = rest.reset_velocity_sd + abs(float(mu[axis, 1]))
         S[axis] = np.diag([S[axis, 0, 0] + (speed * gap) ** 2, speed**2])
         mu[axis, 1] = 0.0
@@ -231,8 +234,8 @@ def _resumed(
 def _rest(known: FlowMemory, axis_of: AxisFilter) -> FlowMemory:
     """Return the memory with all velocities corrected to zero."""
     _, _, mu, S = _copies(known)
-    for axis in (NORTH, EAST, UP):
-        axis_of.update(mu[axis], S[axis], 0.0, REST, VELOCITY)
+    for axis in (AXIS_NORTH, AXIS_EAST, AXIS_UP):
+        axis_of.update(mu[axis], S[axis], 0.0, REST_VARIANCE, AXIS_VELOCITY)
     return known._replace(mu=mu, S=S, flow_at=known.now, refused=0)
 
 
@@ -242,4 +245,4 @@ def _tracked(known: FlowMemory) -> FlowMemory:
     row = np.array([[known.last[0], north, east, -up, *known.attitude]])
     if len(known.track) and row[0, 0] <= known.track[-1, 0]:
         return known
-    return known._replace(track=np.concatenate((known.track[1 - KEEP :], row)))
+    return known._replace(track=np.concatenate((known.track[1 - POSES_KEPT :], row)))

@@ -12,7 +12,7 @@ from missionkit.estimation.error_state_ekf.initialization import RestSamples
 from missionkit.estimation.mahalanobis import MeanDistance
 from missionkit.geometry import IDENTITY, Mat, Quat, Vec3, vec
 
-NORTH, EAST, UP = 0, 1, 2
+AXIS_NORTH, AXIS_EAST, AXIS_UP = 0, 1, 2
 """Axes."""
 
 

@@ -11,16 +11,16 @@ from missionkit.estimation import mahalanobis
 from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
 from missionkit.estimation.navigator import NavState
 from missionkit.estimation.optical_flow.flow_memory import (
-    EAST,
-    NORTH,
-    UP,
+    AXIS_EAST,
+    AXIS_NORTH,
+    AXIS_UP,
     FlowMemory,
 )
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import Mat, Vec3, vec
 from missionkit.messages import Health, Target
 
-LATELY = 1.0
+HEIGHT_BY_RANGE_AGE = 1.0
 """s since the last range for which it still says how high the vehicle is."""
 
 
@@ -69,7 +69,7 @@ def position_sd(known: FlowMemory, rate_bias_sd: float) -> float:
     of b h: it adds b ∫ h dt. A height that is wrong by a share of it makes the velocity wrong by
     the same share: what that has come to while no range was heard is `slip`.
     """
-    worst = max(float(known.S[axis, 0, 0]) for axis in (NORTH, EAST))
+    worst = max(float(known.S[axis, 0, 0]) for axis in (AXIS_NORTH, AXIS_EAST))
     return math.sqrt(worst + (rate_bias_sd * known.reach) ** 2 + known.slip**2)
 
 
@@ -79,12 +79,14 @@ def height_sd(known: FlowMemory, settings: FlowKalman) -> float:
     The barometer's offset drifts: without a range, averaging does not help.
     """
     drift = 0.0 if ranged(known) else settings.baro_sd
-    return math.sqrt(max(float(known.S[UP, 0, 0]), 0.0) + drift**2)
+    return math.sqrt(max(float(known.S[AXIS_UP, 0, 0]), 0.0) + drift**2)
 
 
 def ranged(known: FlowMemory) -> bool:
     """Say whether a range finder has recently measured the height."""
-    return not known.in_air or (known.range_at is not None and known.now - known.range_at <= LATELY)
+    return not known.in_air or (
+        known.range_at is not None and known.now - known.range_at <= HEIGHT_BY_RANGE_AGE
+    )
 
 
 def slipped(known: FlowMemory, velocity: Vec3, settings: FlowKalman) -> float:
@@ -95,11 +97,13 @@ def slipped(known: FlowMemory, velocity: Vec3, settings: FlowKalman) -> float:
         velocity: (2,), m/s, that it says.
         settings: the filter's parameters.
     """
-    height = float(known.mu[UP, 0])
+    height = float(known.mu[AXIS_UP, 0])
     if ranged(known) or not height > 0.0:
         return 0.0
     share = min(1.0, settings.baro_sd / height)
-    return share * math.hypot(*velocity.tolist()) * min(LATELY, known.now - known.flow_at)
+    return (
+        share * math.hypot(*velocity.tolist()) * min(HEIGHT_BY_RANGE_AGE, known.now - known.flow_at)
+    )
 
 
 def diverged(known: FlowMemory, sd: float, settings: FlowKalman) -> bool:
@@ -124,6 +128,6 @@ def diverged(known: FlowMemory, sd: float, settings: FlowKalman) -> bool:
 def _covariance(known: FlowMemory) -> Mat:
     """Return (15, 15) with the parts that the filters have; height's are those of down."""
     P = np.zeros((D_LANDMARKS, D_LANDMARKS))
-    for axis in (NORTH, EAST, UP):
+    for axis in (AXIS_NORTH, AXIS_EAST, AXIS_UP):
         P[axis : axis + 4 : 3, axis : axis + 4 : 3] = known.S[axis]
     return P

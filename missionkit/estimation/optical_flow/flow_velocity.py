@@ -8,7 +8,7 @@ from missionkit.estimation.linear_algebra import to_matrix
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 
-LEAST_COSINE = 0.5
+LEAST_USEFUL_COSINE = 0.5
 """Tilted further than 60 deg, the axis does not meet the ground in any useful place."""
 
 
@@ -43,7 +43,7 @@ def over_ground(flow: Vec3, rates: Vec3, height: float, q: Vec3, climb: float, o
         out: (2,).
     """
     R = to_matrix(q)
-    if R[2, 2] < LEAST_COSINE or not height > 0.0:
+    if R[2, 2] < LEAST_USEFUL_COSINE or not height > 0.0:
         return False
     v = across(flow, rates, height / R[2, 2])
     along = (-climb - R[2, 0] * v[0] - R[2, 1] * v[1]) / R[2, 2]

@@ -19,9 +19,9 @@ from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from missionkit.sim.kernel_layout import HOLD, IMU_EVERY, LAND, RATE
 from missionkit.sim.random_blocks import Normals
 
-READY = 1.0  # s, its sensors have settled
-STILL = 0.002  # m/s, relative velocity of holding clear
-STEADY = math.radians(0.2)  # rad/s
+READY_AFTER = 1.0  # s, its sensors have settled
+HOLDING_SPEED = 0.002  # m/s, relative velocity of holding clear
+STEADY_RATE = math.radians(0.2)  # rad/s
 
 
 class FlyerPlant:
@@ -81,7 +81,7 @@ class FlyerPlant:
     @property
     def ready(self) -> bool:
         """Whether it would arm."""
-        return self.now >= READY and not self.crashed
+        return self.now >= READY_AFTER and not self.crashed
 
     @property
     def captured(self) -> bool:
@@ -100,7 +100,7 @@ class FlyerPlant:
         """Whether it is outside the keep-out sphere and does not move relative to the target."""
         x = self.state
         far = norm(x[:3] - self._dock.target) > self._world.keep_out
-        return bool(far and norm(x[3:6]) < STILL and norm(x[10:13]) < STEADY)
+        return bool(far and norm(x[3:6]) < HOLDING_SPEED and norm(x[10:13]) < STEADY_RATE)
 
     def advance(self, stop: int, health: Vec3, rare: float) -> tuple[Mat, Mat]:
         """Fly to physics step `stop`; return inertial samples (n, 6) and ranges (k, 2).

@@ -32,10 +32,10 @@ def listen(memory: Vec3, now: float, body: Flyer) -> None:
     """
     if memory[at.DUE_AT] <= now + 1e-9:
         for n in range(NOZZLES):
-            memory[at.TOLD + n] = memory[at.DUE + n]
-        memory[at.TOLD_AT], memory[at.DUE_AT] = now, math.inf
+            memory[at.COMMANDED + n] = memory[at.DUE + n]
+        memory[at.COMMANDED_AT], memory[at.DUE_AT] = now, math.inf
         memory[at.MODE] = OFFBOARD
-    if memory[at.MODE] == OFFBOARD and now - memory[at.TOLD_AT] > body.patience:
+    if memory[at.MODE] == OFFBOARD and now - memory[at.COMMANDED_AT] > body.patience:
         memory[at.MODE] = HOLD
 
 
@@ -56,7 +56,7 @@ def thrust(memory: Vec3, health: Vec3, body: Flyer, wrench: Vec3) -> None:
     for row in range(6):
         wrench[row] = 0.0
     for n in range(NOZZLES):
-        memory[at.SAVED + n] = memory[at.SAVED + n] + memory[at.TOLD + n] * DT if on else 0.0
+        memory[at.SAVED + n] = memory[at.SAVED + n] + memory[at.COMMANDED + n] * DT if on else 0.0
         push = min(memory[at.SAVED + n] / DT, body.thrust)
         if push <= 0.0 or push * DT < body.bit:
             continue

@@ -36,11 +36,10 @@ from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.random_blocks import streams
 from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import BatteryGauge, Beat
-from missionkit.sim.simulated_port import SimulatedPort
+from missionkit.sim.simulated_port import STRETCH, SimulatedPort
 
-STRETCH = 10  # physics steps flown at once at most: 50 ms
-STREAMS = ("start", "imu", "uwb", "camera")
-CAMERA = "camera"
+RANDOM_STREAMS = ("start", "imu", "uwb", "camera")
+CAMERA_PAYLOAD = "camera"
 """Payload that switches the camera on while a command names it."""
 
 
@@ -61,7 +60,7 @@ class FreeFlyer(SimulatedPort):
 
     def __init__(self, world: FreeFlyerWorld, seed: int, faults: Sequence[Fault] = ()) -> None:
         refuse_foreign(faults, world.FAULTS, world.VEHICLE)
-        rngs = streams(seed, STREAMS)
+        rngs = streams(seed, RANDOM_STREAMS)
         self.world = world
         self.track = TrueTrack()
         self.payload: str | None = None  # actuator that is on
@@ -189,7 +188,7 @@ class FreeFlyer(SimulatedPort):
 
     def _expose(self) -> None:
         if self._camera.beat.due(self._plant.step):
-            on = self.payload == CAMERA and not self._mishaps.active("camera_off", self.now)
+            on = self.payload == CAMERA_PAYLOAD and not self._mishaps.active("camera_off", self.now)
             frozen = self._mishaps.active("camera_frozen", self.now)
             seen = self._camera.measure(self.now, self._plant.state, on=on, frozen=frozen)
             if seen is not None:

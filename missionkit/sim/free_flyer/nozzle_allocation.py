@@ -25,7 +25,7 @@ from missionkit.jit import compiled
 from missionkit.sim.free_flyer.body_model import FreeFlyerBody
 
 NOZZLES = 10
-SLACK = 1e-9
+VERTEX_SLACK = 1e-9
 
 
 class Vertices(NamedTuple):
@@ -70,7 +70,7 @@ def vertices(size: float, arm: float) -> Vertices:
         if np.linalg.cond(basis) > 1e9:
             continue
         inverse = np.linalg.inv(basis)
-        if np.all(matrix.T @ (inverse.T @ np.ones(6)) <= 1.0 + SLACK):
+        if np.all(matrix.T @ (inverse.T @ np.ones(6)) <= 1.0 + VERTEX_SLACK):
             found.append(chosen)
             inverses.append(inverse)
     return Vertices(np.array(found), np.array(inverses))

@@ -23,7 +23,7 @@ from missionkit.units import Degrees, DegreesPerSecond, Metres, MetresPerSecond,
 Angles = tuple[Degrees, Degrees, Degrees]
 Spot = tuple[Metres, Metres]
 AnchorName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-PATTERN: tuple[Spot, ...] = (
+FEATURE_PATTERN: tuple[Spot, ...] = (
     *((0.035, 0.035), (0.035, -0.035), (-0.035, 0.035), (-0.035, -0.035)),
     *((0.02, 0.0), (0.0, -0.02)),
 )
@@ -43,7 +43,7 @@ class DockingTarget(Frozen):
     face: Face = "top"
     roll_deg: Degrees = 0.0
     lit: tuple[Face, ...] = tuple(NORMALS)
-    features: tuple[Spot, ...] = PATTERN
+    features: tuple[Spot, ...] = FEATURE_PATTERN
 
     @property
     def pose(self) -> Transform:

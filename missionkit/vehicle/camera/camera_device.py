@@ -16,7 +16,7 @@ from missionkit.vehicle.link.clocks import wall
 
 REOPEN_AFTER = 1.0  # s until a camera that went away is opened again
 STREAM_TIMEOUT = 5.0  # s to wait for a stream, at its opening and for an image
-GONE, BACK = "camera_gone", "camera_back"  # events
+CAMERA_GONE, CAMERA_BACK = "camera_gone", "camera_back"  # events
 
 # We report a failure to open once; OpenCV would print it at every attempt.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -141,4 +141,4 @@ class Device(ThreadedCamera):
         """Keep the current problem; the mission gets an event when it begins and ends."""
         before, self.problem = self.problem, problem
         if bool(problem) != bool(before):
-            around.note(GONE if problem else BACK)
+            around.note(CAMERA_GONE if problem else CAMERA_BACK)

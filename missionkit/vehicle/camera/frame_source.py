@@ -16,7 +16,7 @@ from typing_extensions import override
 from missionkit.messages import Frame
 from missionkit.vehicle.telemetry.reported_pose import Pose
 
-KEPT = 8  # frames that wait to be taken
+FRAMES_KEPT = 8  # frames that wait to be taken
 Painter = Callable[[Pose, float], Frame]  # pose and time (s, mission) -> what the camera sees
 
 
@@ -76,7 +76,7 @@ class ThreadedCamera(abc.ABC):
 
     def __init__(self) -> None:
         self.problem = ""  # what is wrong with it now
-        self._frames: deque[Frame] = deque(maxlen=KEPT)
+        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None

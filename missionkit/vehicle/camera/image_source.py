@@ -7,7 +7,7 @@ from pathlib import Path
 from missionkit.errors import nearest
 
 FILMS = {".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpg", ".ts", ".webm"}
-PLAIN = ("://", "!", "%")  # of a URL, a pipeline, numbered images: nothing that is one file
+NOT_ONE_FILE = ("://", "!", "%")  # of a URL, a pipeline, numbered images: nothing that is one file
 
 
 def found(source: int | str, folder: Path) -> int | str:
@@ -20,7 +20,7 @@ def found(source: int | str, folder: Path) -> int | str:
     Raises:
         ValueError: it names a file that does not exist; the nearest is named.
     """
-    if isinstance(source, int) or is_device(source) or any(it in source for it in PLAIN):
+    if isinstance(source, int) or is_device(source) or any(it in source for it in NOT_ONE_FILE):
         return source
     path = folder / source
     if path.is_file():

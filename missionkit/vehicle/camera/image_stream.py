@@ -19,7 +19,7 @@ from missionkit.vehicle.camera.camera_device import (
 from missionkit.vehicle.camera.image_source import is_device
 from missionkit.vehicle.link.clocks import wall
 
-OLDEST = 5.0  # s; a stamp that is further away is on another clock
+FOREIGN_CLOCK_AGE = 5.0  # s; a stamp that is further away is on another clock
 
 
 class Taken(NamedTuple):
@@ -62,7 +62,7 @@ def _taken(capture: Capture, image: Any, *, stamped: bool) -> Taken:
     """Note the age of an image; the drivers of Linux stamp with the clock that `wall` reads."""
     at = wall()
     age = at - 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC) if stamped else None
-    return Taken(image, at, age if age is not None and 0.0 <= age < OLDEST else None)
+    return Taken(image, at, age if age is not None and 0.0 <= age < FOREIGN_CLOCK_AGE else None)
 
 
 def _hint(source: int | str) -> str:

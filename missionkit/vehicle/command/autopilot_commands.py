@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from missionkit.messages import Action
-from missionkit.vehicle.autopilot_dialect import Dialect
+from missionkit.vehicle.autopilot_dialect import CMD_ARM, CMD_SET_MODE, Dialect
 from missionkit.vehicle.command.command_transaction import (
     Acks,
     Ask,
@@ -24,12 +24,12 @@ from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_link import MessageLink
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 
-ARM, SET_MODE, NAV_TAKEOFF, NAV_LAND, NAV_RETURN = 400, 176, 22, 21, 20  # MAV_CMD
+CMD_TAKE_OFF, CMD_LAND, CMD_RETURN = 22, 21, 20  # MAV_CMD
 RETRY_AFTER = 1.0  # s (of the vehicle) until the same wish is carried out again
 CONFIRM = 2.2  # s (of the vehicle): heartbeats come once a second, and one may be lost
-OFFBOARD = "offboard"
+OFFBOARD_MODE = "offboard"
 Order = Callable[[str, float | None], bool]
-Wish = tuple[str, float | None]  # an action's name or OFFBOARD, and a height (m)
+Wish = tuple[str, float | None]  # an action's name or OFFBOARD_MODE, and a height (m)
 
 
 @dataclass(slots=True)
@@ -138,7 +138,7 @@ class Commander:
             Action.LAND: self._land,
             Action.RETURN: self._return,
             Action.DISARM: self._disarm,
-            OFFBOARD: self._offboard,
+            OFFBOARD_MODE: self._offboard,
         }
         return steps[name]()
 
@@ -146,7 +146,7 @@ class Commander:
         held = self._hold()  # arming in MISSION or RTL would start them
         if not held.good:
             return held
-        return self._ask(Ask(ARM, (1.0, 0.0), lambda: self._state.armed is True, CONFIRM))
+        return self._ask(Ask(CMD_ARM, (1.0, 0.0), lambda: self._state.armed is True, CONFIRM))
 
     def _take_off(self, height: float) -> Result:
         name = self._dialect.takeoff_param
@@ -158,7 +158,7 @@ class Commander:
             (None,) * 7 if name is not None else (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, height)
         )
         return self._ask(
-            Ask(NAV_TAKEOFF, params, self._taken_off if self._dialect.early else None, CONFIRM)
+            Ask(CMD_TAKE_OFF, params, self._taken_off if self._dialect.early else None, CONFIRM)
         )
 
     def _taken_off(self) -> bool:
@@ -177,20 +177,20 @@ class Commander:
             return self._mode(self._dialect.land, "land")
         if not self._order("land", None):
             return Result(CommandOutcome.ABANDONED, "someone else has control")
-        return self._ask(Ask(NAV_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
+        return self._ask(Ask(CMD_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
 
     def _return(self) -> Result:
         if not self._order("return", None):
             return Result(CommandOutcome.ABANDONED, "someone else has control")
-        return self._ask(Ask(NAV_RETURN, (0.0,) * 7, self._in_mode("return"), CONFIRM))
+        return self._ask(Ask(CMD_RETURN, (0.0,) * 7, self._in_mode("return"), CONFIRM))
 
     def _disarm(self) -> Result:
-        return self._ask(Ask(ARM, (0.0, 0.0), lambda: self._state.armed is False, CONFIRM))
+        return self._ask(Ask(CMD_ARM, (0.0, 0.0), lambda: self._state.armed is False, CONFIRM))
 
     def _mode(self, params: tuple[float, float, float], word: str) -> Result:
         if not self._order(word, None):
             return Result(CommandOutcome.ABANDONED, "someone else has control")
-        return self._ask(Ask(SET_MODE, params, self._in_mode(word), CONFIRM))
+        return self._ask(Ask(CMD_SET_MODE, params, self._in_mode(word), CONFIRM))
 
     def _in_mode(self, *words: str) -> Callable[[], bool]:
         return lambda: self._state.mode in words

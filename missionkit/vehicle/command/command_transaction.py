@@ -13,7 +13,7 @@ from missionkit.vehicle.link.message_link import MessageLink
 ATTEMPT = 0.3  # s until a command is repeated
 ATTEMPTS = 4
 ACK = "COMMAND_ACK"
-_ACCEPTED, _IN_PROGRESS = 0, 5  # MAV_RESULT
+_ACK_ACCEPTED, _IN_PROGRESS = 0, 5  # MAV_RESULT
 RESULTS = {
     1: "temporarily rejected",
     2: "denied",
@@ -104,7 +104,7 @@ def transact(desk: Desk, ask: Ask) -> Result:
 
     heard = _asked(desk, ask, begun, shown)
     took = None if heard is None else heard[1] - begun
-    if heard is not None and heard[0] != _ACCEPTED:
+    if heard is not None and heard[0] != _ACK_ACCEPTED:
         return Result(CommandOutcome.REFUSED, RESULTS.get(heard[0], f"result {heard[0]}"), took)
     if ask.shows is None and heard is not None:
         return Result(CommandOutcome.ACCEPTED, "", took)

@@ -19,11 +19,12 @@ from typing import Any, NamedTuple
 
 from transitions import Machine
 
+from missionkit.behaviors.take_off import EARLY_END_HEIGHT, EARLY_END_SHARE
 from missionkit.vehicle.autopilot_dialect import Dialect, word
 from missionkit.vehicle.link.heartbeat_check import HeartbeatState, heartbeat_state
 from missionkit.vehicle.link.message_cache import Message
 from missionkit.vehicle.link.message_rates import REBOOTED
-from missionkit.vehicle.telemetry.autopilot_state import NOWHERE, Whereabouts
+from missionkit.vehicle.telemetry.autopilot_state import UNKNOWN_WHEREABOUTS, Whereabouts
 
 PILOT_TAKEOVER = "pilot_takeover"
 FAILSAFE_TAKEOVER = "failsafe_takeover"  # it had not received us: the autopilot acted by itself
@@ -38,12 +39,11 @@ LEADS_TO = {"land": frozenset((21, 176)), "return": frozenset((20, 176))}
 
 OVERRIDDEN = 2  # heartbeats that do not show such a mode
 
-SHORT, SHARE = 1.0, 0.4  # m, and part of a take-off's height, by which it may end early
 AT_HOME = 3.0  # m from home, where a return ends
 
 MISSION_STATES = ("ground", "commanding", "doubting")
 GIVEN_UP = ("pilot", "failsafe", "rebooted", "stranger")
-TRANSITIONS: list[list[Any]] = [  # trigger, from, to
+AUTHORITY_TRANSITIONS: list[list[Any]] = [  # trigger, from, to
     ["ask", ["ground", "commanding"], "="],
     ["hear_ours", MISSION_STATES, "commanding"],
     ["hear_disarmed", MISSION_STATES, "ground"],
@@ -78,7 +78,7 @@ def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> boo
         where: the vehicle is.
     """
     if (order, mode) == ("take_off", "hold"):
-        wanted = 0.0 if height is None else height - min(SHORT, SHARE * height)
+        wanted = 0.0 if height is None else height - min(EARLY_END_HEIGHT, EARLY_END_SHARE * height)
         return where.height is not None and where.height >= wanted and not where.on_ground
     if (order, mode) == ("land", "hold"):
         return where.on_ground is True
@@ -110,7 +110,7 @@ class ControlAuthority:
         let_go: Callable[[], None],
         tell: Callable[[str], None],
         unheard: Callable[[], bool],
-        where: Callable[[], Whereabouts] = lambda: NOWHERE,
+        where: Callable[[], Whereabouts] = lambda: UNKNOWN_WHEREABOUTS,
         note: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._dialect = dialect
@@ -130,7 +130,7 @@ class ControlAuthority:
         Machine(
             self,
             states=[*MISSION_STATES, *GIVEN_UP],
-            transitions=TRANSITIONS,
+            transitions=AUTHORITY_TRANSITIONS,
             initial="ground",
             auto_transitions=False,
         )
@@ -146,7 +146,7 @@ class ControlAuthority:
         return self._aim
 
     def fire(self, trigger: str) -> bool:
-        """Take a transition of TRANSITIONS; say whether there is one from here."""
+        """Take a transition of AUTHORITY_TRANSITIONS; say whether there is one from here."""
         return bool(self.may_trigger(trigger) and self.trigger(trigger))
 
     def order(self, mode: str, height: float | None = None) -> bool:

@@ -19,9 +19,10 @@ from missionkit.geometry import Vec3, conjugate, norm, rotate, to_euler
 from missionkit.messages import Estimate, Observation, Record, Target
 from missionkit.vehicle.autopilot_dialect import LOCAL_NED
 
-FRESH = 0.5  # s since vision last corrected the estimate
+VISION_AGE = 0.5  # s since vision last corrected the estimate
 FIDUCIAL = 2  # LANDING_TARGET_TYPE_VISION_FIDUCIAL
-X, Y, Z = 0, 6, 11  # variances of x, y and z in the upper triangle of the covariance (21,)
+VARIANCE_X, VARIANCE_Y, VARIANCE_Z = 0, 6, 11
+"""Variances of x, y and z in the upper triangle of the covariance (21,)."""
 COUNTER = 256  # resets are counted in a byte
 
 Fields = dict[str, Any]
@@ -34,7 +35,7 @@ class Share(NamedTuple):
     target: str | None = None  # name of the target that goes out as LANDING_TARGET
 
 
-NOTHING = Share()
+SHARE_NOTHING = Share()
 
 
 class Sharing:
@@ -89,7 +90,7 @@ class Sharing:
 def visual(seen: Estimate) -> bool:
     """Return whether the estimate can be trusted and vision corrects it just now."""
     health = seen.health
-    fresh = health.vision_at is not None and seen.now - health.vision_at <= FRESH
+    fresh = health.vision_at is not None and seen.now - health.vision_at <= VISION_AGE
     sane = _finite(seen.position) and math.isfinite(health.position_sd)
     return fresh and sane and health.aligned and not health.diverged
 
@@ -106,8 +107,10 @@ def pose_fields(seen: Estimate, usec: int, start: Vec3) -> Fields:
     roll, pitch, yaw = map(float, to_euler(seen.attitude))
     health = seen.health
     covariance = [0.0] * 21
-    covariance[X] = covariance[Y] = float(health.position_sd) ** 2
-    covariance[Z] = covariance[X] if health.height_sd is None else float(health.height_sd) ** 2
+    covariance[VARIANCE_X] = covariance[VARIANCE_Y] = float(health.position_sd) ** 2
+    covariance[VARIANCE_Z] = (
+        covariance[VARIANCE_X] if health.height_sd is None else float(health.height_sd) ** 2
+    )
     angles = {"roll": roll, "pitch": pitch, "yaw": yaw}
     place = {"x": x, "y": y, "z": z}
     resets = health.resets % COUNTER

@@ -15,12 +15,12 @@ from missionkit.vehicle.telemetry.earth_origin import Origin
 
 INCLUSION = 5001  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
 EXCLUSION_CIRCLE = 5004  # MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
-RALLY = 5100  # MAV_CMD_NAV_RALLY_POINT
+RALLY_POINT = 5100  # MAV_CMD_NAV_RALLY_POINT
 FENCE_PLAN, RALLY_PLAN = 1, 2  # MAV_MISSION_TYPE
-GLOBAL, RELATIVE = 0, 3  # MAV_FRAME
+FRAME_GLOBAL, FRAME_RELATIVE = 0, 3  # MAV_FRAME
 Ground = tuple[float, float]  # north, east, m
 
-_SAME = ("command", "x", "y", "mission_type")
+_COMPARED_FIELDS = ("command", "x", "y", "mission_type")
 
 
 def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[PlanItem, ...]:
@@ -31,7 +31,9 @@ def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[PlanItem, ...]:
     items = []
     for seq, corner in enumerate(corners):
         x, y = _place(origin, corner)
-        items.append(PlanItem(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, GLOBAL, param1=float(count)))
+        items.append(
+            PlanItem(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, FRAME_GLOBAL, param1=float(count))
+        )
     return tuple(items)
 
 
@@ -52,7 +54,7 @@ def rally(origin: Origin, points: Sequence[tuple[float, float, float]]) -> tuple
     items = []
     for seq, (north, east, height) in enumerate(points):
         x, y = _place(origin, (north, east))
-        items.append(PlanItem(seq, RALLY, x, y, height, RALLY_PLAN, RELATIVE))
+        items.append(PlanItem(seq, RALLY_POINT, x, y, height, RALLY_PLAN, FRAME_RELATIVE))
     return tuple(items)
 
 
@@ -83,7 +85,7 @@ def _place(origin: Origin, ground: Ground) -> tuple[int, int]:
 
 def _same(what: str, sent: Sequence[PlanItem], got: Sequence[PlanItem]) -> None:
     differ = len(sent) != len(got) or any(
-        any(getattr(a, name) != getattr(b, name) for name in _SAME)
+        any(getattr(a, name) != getattr(b, name) for name in _COMPARED_FIELDS)
         or abs(a.z - b.z) > 0.01
         or abs(a.param1 - b.param1) > 0.01
         for a, b in zip(sent, got, strict=True)

@@ -24,7 +24,7 @@ from missionkit.vehicle.autopilot_dialect import (
 )
 
 UNIT = 1e-3  # how far the length of a quaternion may be from one
-_NOTHING = dict.fromkeys(
+_NO_FIELDS = dict.fromkeys(
     ("x", "y", "z", "vx", "vy", "vz", "afx", "afy", "afz", "yaw", "yaw_rate"), 0.0
 )
 
@@ -86,7 +86,7 @@ def _target(
     stamp: dict[str, int], mask: int, fields: dict[str, float]
 ) -> tuple[str, dict[str, Any]]:
     shape = {"coordinate_frame": LOCAL_NED, "type_mask": mask}
-    return "SET_POSITION_TARGET_LOCAL_NED", {**stamp, **shape, **_NOTHING, **fields}
+    return "SET_POSITION_TARGET_LOCAL_NED", {**stamp, **shape, **_NO_FIELDS, **fields}
 
 
 def _finite(*numbers: float) -> bool:

@@ -26,9 +26,9 @@ from missionkit.vehicle.command.setpoint_encoding import sound
 
 STALE = 0.5  # s
 SETPOINTS_STOP_AFTER = 1.5  # s
-RATE = 20.0  # Hz
-LATE = 0.05  # s between deciding and sending: the process stood still just then
-STILL = Setpoint(vec(0.0, 0.0, 0.0), 0.0)
+SETPOINT_RATE = 20.0  # Hz
+SENDING_DELAY = 0.05  # s between deciding and sending: the process stood still just then
+ZERO_VELOCITY = Setpoint(vec(0.0, 0.0, 0.0), 0.0)
 
 Gate = Callable[[], bool]
 
@@ -60,7 +60,7 @@ def due(newest: TimedSetpoint | None, now: float, pace: float = 1.0) -> Autopilo
     age = (now - newest.at) * pace
     if age > SETPOINTS_STOP_AFTER:
         return None
-    return newest.setpoint if age <= STALE else STILL
+    return newest.setpoint if age <= STALE else ZERO_VELOCITY
 
 
 class Streamer:
@@ -82,7 +82,7 @@ class Streamer:
         gate: Gate,
         wall: Callable[[], float],
         pace: float = 1.0,
-        rate: float = RATE,
+        rate: float = SETPOINT_RATE,
         paused: Gate = lambda: True,
     ) -> None:
         self._emit = emit
@@ -111,7 +111,7 @@ class Streamer:
     def tell(self, setpoint: AutopilotSetpoint, at: float) -> None:
         """Take over a command whose tick was due at wall time `at` (s)."""
         with self._news:
-            self._told = TimedSetpoint(setpoint if sound(setpoint) else STILL, at)
+            self._told = TimedSetpoint(setpoint if sound(setpoint) else ZERO_VELOCITY, at)
             self._fresh = True
             self._news.notify()
 
@@ -143,7 +143,7 @@ class Streamer:
             self.woken = now
         self._looked = now
         setpoint = self._allowed(due(self._told, now, self._pace))
-        if setpoint is None or self._wall() - now > LATE:
+        if setpoint is None or self._wall() - now > SENDING_DELAY:
             self._since = None
             return False
         try:

@@ -12,11 +12,11 @@ from typing import Protocol
 
 from missionkit.vehicle.guardian.mavlink_frames import split
 
-CHUNK = 65536
+LINK_READ_BYTES = 65536
 AT_ONCE = 64  # datagrams read in one go
 GATHERED = 0.01  # s (of the vehicle) in which the autopilot's frames gather into full datagrams
-PEERS = 8
-BACKLOG = 4096  # bytes that wait for a slow line; what comes then is lost
+CALLERS_KEPT = 8
+LINE_BACKLOG = 4096  # bytes that wait for a slow line; what comes then is lost
 Handler = Callable[[int], None]
 Peer = tuple[object, ...]  # host, port, and more for IPv6
 
@@ -133,7 +133,7 @@ class Datagrams:
         receive, peers = self._socket.recvfrom, self._peers
         for _ in range(AT_ONCE):
             try:
-                data, peer = receive(CHUNK)
+                data, peer = receive(LINK_READ_BYTES)
             except BlockingIOError:
                 break
             except OSError:  # an earlier datagram was refused
@@ -146,7 +146,7 @@ class Datagrams:
             self._take(frames)
 
     def _meet(self, peer: Peer) -> None:
-        if len(self._peers) >= PEERS:
+        if len(self._peers) >= CALLERS_KEPT:
             del self._peers[next(iter(self._peers))]
         self._peers[peer] = None
 
@@ -201,7 +201,7 @@ class Line:
         if self._file is None:
             return
         try:
-            data = os.read(self._file, CHUNK)
+            data = os.read(self._file, LINK_READ_BYTES)
         except BlockingIOError:
             return
         except OSError:
@@ -215,7 +215,7 @@ class Line:
 
     def write(self, data: bytes) -> None:
         """Send, or keep what does not fit now."""
-        if self._file is None or len(self._waiting) > BACKLOG:
+        if self._file is None or len(self._waiting) > LINE_BACKLOG:
             return
         self._waiting += data
         self._flush()

@@ -9,15 +9,17 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
+from missionkit.vehicle.autopilot_dialect import VELOCITY_MASK
+
 V1, V2 = 0xFE, 0xFD  # first byte of a frame
-SIGNED = 0x01  # MAVLINK_IFLAG_SIGNED: 13 bytes more
+SIGNED_FLAG = 0x01  # MAVLINK_IFLAG_SIGNED: 13 bytes more
 SHORTEST = 8  # bytes, of a frame
-HEARTBEAT, SET_MODE, LOCAL_POSITION, COMMAND_INT, COMMAND_LONG = 0, 11, 32, 75, 76
+HEARTBEAT, SET_MODE_MESSAGE, LOCAL_POSITION, COMMAND_INT, COMMAND_LONG = 0, 11, 32, 75, 76
 ATTITUDE_TARGET, LOCAL_TARGET, GLOBAL_TARGET = 82, 84, 86
 SETPOINTS = frozenset((ATTITUDE_TARGET, LOCAL_TARGET, GLOBAL_TARGET))
-EXTRA = {  # CRC_EXTRA, of the messages that are read or written
+CRC_EXTRA = {  # CRC_EXTRA, of the messages that are read or written
     HEARTBEAT: 50,
-    SET_MODE: 89,
+    SET_MODE_MESSAGE: 89,
     LOCAL_POSITION: 185,
     COMMAND_INT: 158,
     COMMAND_LONG: 152,
@@ -25,8 +27,8 @@ EXTRA = {  # CRC_EXTRA, of the messages that are read or written
     LOCAL_TARGET: 143,
     GLOBAL_TARGET: 5,
 }
-WHOLE = 64  # bytes; zeros at the end of a payload are not sent
-VELOCITY, NED = 0x5C7, 1  # type_mask: velocity and yaw rate count; MAV_FRAME_LOCAL_NED
+WHOLE_PAYLOAD = 64  # bytes; zeros at the end of a payload are not sent
+FRAME_NED = 1  # MAV_FRAME_LOCAL_NED
 
 
 class Frame(NamedTuple):
@@ -83,7 +85,7 @@ def _length(data: bytes, at: int, first: int) -> int:
     if at + 3 > len(data):
         return SHORTEST
     if first == V2:
-        return data[at + 1] + (25 if data[at + 2] & SIGNED else 12)
+        return data[at + 1] + (25 if data[at + 2] & SIGNED_FLAG else 12)
     return data[at + 1] + 8 if first == V1 else 0
 
 
@@ -97,14 +99,14 @@ def ident_of(frame: bytes) -> int:
 def read(frame: bytes) -> Frame | None:
     """Return the message in a whole frame, None for one that is not read here, or is damaged."""
     ident = ident_of(frame)
-    if ident not in EXTRA:
+    if ident not in CRC_EXTRA:
         return None
     head = 6 if frame[0] == V1 else 10
     stop = head + frame[1]
-    if checksum(frame[1:stop], EXTRA[ident]) != frame[stop] | frame[stop + 1] << 8:
+    if checksum(frame[1:stop], CRC_EXTRA[ident]) != frame[stop] | frame[stop + 1] << 8:
         return None
     system, component = (frame[3], frame[4]) if frame[0] == V1 else (frame[5], frame[6])
-    return Frame(ident, system, component, frame[head:stop].ljust(WHOLE, b"\0"))
+    return Frame(ident, system, component, frame[head:stop].ljust(WHOLE_PAYLOAD, b"\0"))
 
 
 def beat(frame: Frame) -> Beat:
@@ -140,7 +142,7 @@ def still(to: Route, sequence: int, millis: int) -> bytes:
         sequence: 0 to 255.
         millis: since boot, as the frame wants it; it wraps.
     """
-    ends = (VELOCITY, to.target, to.target_component, NED)
+    ends = (VELOCITY_MASK, to.target, to.target_component, FRAME_NED)
     payload = struct.pack("<I11fHBBB", millis & 0xFFFFFFFF, *(0.0,) * 11, *ends)
     return _packed(LOCAL_TARGET, payload, to, sequence)
 
@@ -165,7 +167,7 @@ def _packed(ident: int, payload: bytes, to: Route, sequence: int) -> bytes:
         "<BBBBBBHB", len(short), 0, 0, sequence & 0xFF, to.system, to.component, ident, 0
     )
     body = header + short
-    return bytes((V2,)) + body + struct.pack("<H", checksum(body, EXTRA[ident]))
+    return bytes((V2,)) + body + struct.pack("<H", checksum(body, CRC_EXTRA[ident]))
 
 
 def _table() -> tuple[int, ...]:

@@ -17,9 +17,9 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-NEVER = float("-inf")
-BRAKE = 0.5  # s (of the vehicle) after the last setpoint
-HOLD = 1.0  # s after the last setpoint; PX4's own failsafe comes then by default
+NEVER_YET = float("-inf")
+BRAKE_AFTER = 0.5  # s (of the vehicle) after the last setpoint
+HOLD_AFTER = 1.0  # s after the last setpoint; PX4's own failsafe comes then by default
 GIVE_UP = 5.0  # s of holding without its being seen: the autopilot's own failsafe is left to act
 SETTLED = 1.0  # s of zero velocity after which a vehicle that stands is held
 STANDS = 0.3  # m/s
@@ -38,8 +38,8 @@ class Phase(StrEnum):
 class Patience(NamedTuple):
     """How long silence may last (s, of the vehicle)."""
 
-    brake: float = BRAKE
-    hold: float = HOLD
+    brake: float = BRAKE_AFTER
+    hold: float = HOLD_AFTER
 
 
 USUAL = Patience()
@@ -50,9 +50,9 @@ class GuardianState(NamedTuple):
 
     phase: Phase = Phase.WATCHING
     last_setpoint_at: float = (
-        NEVER  # when the mission's last setpoint passed, NEVER after it fell silent
+        NEVER_YET  # when the mission's last setpoint passed, NEVER_YET after it fell silent
     )
-    since: float = NEVER  # when holding began
+    since: float = NEVER_YET  # when holding began
     ours: bool = False  # the newest heartbeat: armed, in the mode that follows setpoints
     confirmed: bool = False  # a heartbeat since then showed that mode
     left: bool = False  # the mission's process is gone
@@ -91,14 +91,14 @@ def silent(guard: GuardianState) -> GuardianState:
     """Return the state after an order of the mission, or its word that it falls silent."""
     if guard.refuses:
         return guard
-    return guard._replace(phase=Phase.WATCHING, last_setpoint_at=NEVER)
+    return guard._replace(phase=Phase.WATCHING, last_setpoint_at=NEVER_YET)
 
 
 def heard(guard: GuardianState, *, ours: bool) -> GuardianState:
     """Return the state after a heartbeat; `ours`: armed, in the mode that follows setpoints."""
     guard = guard._replace(ours=ours)
     match guard.phase:
-        case Phase.WATCHING if ours and guard.last_setpoint_at > NEVER:
+        case Phase.WATCHING if ours and guard.last_setpoint_at > NEVER_YET:
             return guard._replace(phase=Phase.STEERED)
         case Phase.STEERED | Phase.BRAKING if not ours:
             return guard._replace(phase=Phase.WATCHING)
@@ -123,7 +123,7 @@ def moves(guard: GuardianState, now: float, speed: float) -> GuardianState:
 def gone(guard: GuardianState, now: float) -> GuardianState:
     """Return the state after the end of the mission's process, however it came."""
     guard = guard._replace(left=True)
-    if guard.refuses or guard.last_setpoint_at == NEVER:
+    if guard.refuses or guard.last_setpoint_at == NEVER_YET:
         return guard
     return _holding(guard, now)
 

@@ -12,31 +12,37 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
-from missionkit.vehicle.autopilot_dialect import DIALECTS, Dialect, word
+from missionkit.vehicle.autopilot_dialect import (
+    AUTOPILOT_COMPONENT,
+    CMD_ARM,
+    CMD_SET_MODE,
+    DIALECTS,
+    Dialect,
+    word,
+)
 from missionkit.vehicle.guardian import mavlink_frames, policy
 from missionkit.vehicle.guardian.autopilot_link import Link, Poller
 from missionkit.vehicle.guardian.mavlink_frames import ident_of
 from missionkit.vehicle.guardian.policy import GuardianState, Patience, Phase
 
-AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
-ARM, SET_MODE = 400, 176  # MAV_CMD
-ORDERS = frozenset((20, 21, 22, 34, 84, 85, SET_MODE, 192, 193, 300))
+ORDER_COMMANDS = frozenset((20, 21, 22, 34, 84, 85, CMD_SET_MODE, 192, 193, 300))
 DATAGRAM = 2000  # bytes; MAVSDK reads no more than 2048 at once
 STILLS = 0.1  # s (of the vehicle) between two setpoints of zero velocity
 ASKED = 0.3  # s between two requests for a mode
-IDLE = 0.2  # s, of the wall, at most between two looks
+LONGEST_POLL = 0.2  # s, of the wall, at most between two looks
 TENDED = 1.0  # s, of the wall, between two attempts to connect again
 UPWARDS = frozenset(
     (
         *mavlink_frames.SETPOINTS,
         mavlink_frames.COMMAND_LONG,
         mavlink_frames.COMMAND_INT,
-        mavlink_frames.SET_MODE,
+        mavlink_frames.SET_MODE_MESSAGE,
     )
 )
-HEARD = frozenset((mavlink_frames.HEARTBEAT,))
+ANSWERED_MESSAGES = frozenset((mavlink_frames.HEARTBEAT,))
 HEARD_HOLDING = frozenset((mavlink_frames.HEARTBEAT, mavlink_frames.LOCAL_POSITION))
-OFFBOARD = (SET_MODE, 6.0)  # PX4's main mode: setpoints continue, so it announces no silence
+OFFBOARD_COMMAND = (CMD_SET_MODE, 6.0)
+"""With PX4's main mode: setpoints continue, so it announces no silence."""
 
 
 class Ends(NamedTuple):
@@ -78,7 +84,7 @@ class Relay:
         self._to: mavlink_frames.Route | None = None  # the vehicle that we would have to stop
         self._dialects: dict[int, Dialect] = {}  # of each system that sends
         self._sequence = self._again = 0
-        self._stilled = self._asked = self._tended = policy.NEVER
+        self._stilled = self._asked = self._tended = policy.NEVER_YET
         self._met = False
         poller.add(ends.local.fileno(), self._upwards, urgent=True)
         poller.add(ends.control.fileno(), self._told, urgent=True)
@@ -86,7 +92,9 @@ class Relay:
     def run(self) -> None:
         """Carry on until there is nothing left to guard."""
         while not self.guard.over:
-            self._poller.wait(min(IDLE, 0.5 * STILLS / self._pace) if self._alert else IDLE)
+            self._poller.wait(
+                min(LONGEST_POLL, 0.5 * STILLS / self._pace) if self._alert else LONGEST_POLL
+            )
             self._act()
 
     @property
@@ -98,7 +106,7 @@ class Relay:
         """Take frames of the autopilot."""
         bundle: list[bytes] = []
         size, spare = 0, self._spare
-        watched = HEARD_HOLDING if self.guard.phase is Phase.HOLDING else HEARD
+        watched = HEARD_HOLDING if self.guard.phase is Phase.HOLDING else ANSWERED_MESSAGES
         for frame in found:
             ident = ident_of(frame)
             if ident in spare:
@@ -120,7 +128,7 @@ class Relay:
 
     def _hear(self, frame: bytes) -> None:
         received = mavlink_frames.read(frame)
-        if received is None or received.component != AUTOPILOT:
+        if received is None or received.component != AUTOPILOT_COMPONENT:
             return
         if received.ident == mavlink_frames.HEARTBEAT:
             self._hear_beat(received)
@@ -166,13 +174,15 @@ class Relay:
         return self._may_order(received)
 
     def _may_order(self, received: mavlink_frames.Frame) -> bool:
-        if received.ident == mavlink_frames.SET_MODE:
-            command, first, second = SET_MODE, 0.0, 0.0
+        if received.ident == mavlink_frames.SET_MODE_MESSAGE:
+            command, first, second = CMD_SET_MODE, 0.0, 0.0
         else:
             command, first, second = mavlink_frames.order(received)
-        if command in ORDERS and not (self._by_mode and (command, second) == OFFBOARD):
+        if command in ORDER_COMMANDS and not (
+            self._by_mode and (command, second) == OFFBOARD_COMMAND
+        ):
             self._move(policy.silent(self.guard))
-        held = command in ORDERS or (command == ARM and first == 1.0)
+        held = command in ORDER_COMMANDS or (command == CMD_ARM and first == 1.0)
         return not (held and self.guard.refuses)
 
     def _told(self, _: int) -> None:

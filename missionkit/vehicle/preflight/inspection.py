@@ -17,15 +17,15 @@ from missionkit.vehicle.link.message_cache import Cache, Fields, Message
 from missionkit.vehicle.link.message_rates import boot_time
 from missionkit.vehicle.preflight.preflight_report import Findings, PreflightReport, judged
 from missionkit.vehicle.telemetry import batteries, message_readings
-from missionkit.vehicle.telemetry.autopilot_state import SENSORS
+from missionkit.vehicle.telemetry.autopilot_state import SENSOR_BITS
 from missionkit.vehicle.telemetry.home_position import home_message
 
 NEEDED = ("SYS_STATUS", "HOME_POSITION", "LOCAL_POSITION_NED", "GPS_RAW_INT", "BATTERY_STATUS")
-LOOK = 0.1  # s between two looks at what has come
+LOOK_INTERVAL = 0.1  # s between two looks at what has come
 PASSING = frozenset(("state", "health", "home", "estimator", "gnss"))  # checks that may yet pass
 FIT = 60.0  # s (of the vehicle) in which it may become fit to fly
-SPAN = 1.5  # s (of the vehicle) over which it is watched, and its clock compared with ours
-LOOKS = 30  # times that it is tended to meanwhile
+WATCH_TIME = 1.5  # s (of the vehicle) over which it is watched, and its clock compared with ours
+TIMES_TENDED = 30  # times that it is tended to meanwhile
 
 
 async def inspect(
@@ -41,7 +41,7 @@ async def inspect(
     await wait_for_messages(vehicle, NEEDED, patience)
     first = vehicle.cache.latest("LOCAL_POSITION_NED")
     values = await vehicle.call(parameters, vehicle)
-    await _watched(vehicle, SPAN / max(1.0, pace))
+    await _watched(vehicle, WATCH_TIME / max(1.0, pace))
     findings = _found(vehicle, first, values, pace)
     return judged(f"{vehicle.dialect.name} at {vehicle.address.url}", vehicle.dialect, findings)
 
@@ -89,19 +89,19 @@ async def wait_for_messages(vehicle: MavsdkVehicle, names: Iterable[str], patien
         names: of MAVLink messages.
         patience: s, real time.
     """
-    for _ in range(round(patience / LOOK)):
+    for _ in range(round(patience / LOOK_INTERVAL)):
         vehicle.tend()
         if all(_is_told(vehicle.cache, name) for name in names):
             return True
-        await asyncio.sleep(LOOK)
+        await asyncio.sleep(LOOK_INTERVAL)
     return False
 
 
 async def _watched(vehicle: MavsdkVehicle, span: float) -> None:
     """Listen for some time (s, wall), in which two vehicles with one system id show."""
-    for _ in range(LOOKS):
+    for _ in range(TIMES_TENDED):
         vehicle.tend()
-        await asyncio.sleep(span / LOOKS)
+        await asyncio.sleep(span / TIMES_TENDED)
 
 
 def _is_told(cache: Cache, name: str) -> bool:
@@ -130,7 +130,7 @@ def _found(
         in_air=state.in_air,
         mode=state.mode,
         armable=state.armable,
-        sensors={name: state.sensor(name) for name in SENSORS},
+        sensors={name: state.sensor(name) for name in SENSOR_BITS},
         home=None if (home := home_message(vehicle.cache)) is None else home.fields,
         local=_fields(vehicle, "LOCAL_POSITION_NED"),
         fix=_fields(vehicle, "GPS_RAW_INT"),
@@ -183,7 +183,7 @@ def _date_gap(vehicle: MavsdkVehicle) -> float | None:
 
 
 def _rate(first: Message | None, last: Message | None) -> float | None:
-    if first is None or last is None or last.arrived - first.arrived < 0.1 * SPAN:
+    if first is None or last is None or last.arrived - first.arrived < 0.1 * WATCH_TIME:
         return None
     begun, ended = boot_time(first), boot_time(last)
     if begun is None or ended is None:

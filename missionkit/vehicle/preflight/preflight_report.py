@@ -14,7 +14,7 @@ from missionkit.vehicle.autopilot_dialect import Dialect
 from missionkit.vehicle.failsafe_parameters import FailsafeLevel
 from missionkit.vehicle.link.message_cache import Fields
 from missionkit.vehicle.preflight import sensor_checks
-from missionkit.vehicle.telemetry.batteries import NONE, Packs
+from missionkit.vehicle.telemetry.batteries import NO_PACKS, Packs
 
 _MARKS = {FailsafeLevel.GOOD: "ok  ", FailsafeLevel.WARNING: "warn", FailsafeLevel.BAD: "BAD "}
 MOST_CLOCK, MOST_DATE = 0.02, 5.0  # share, s
@@ -39,7 +39,7 @@ class Findings(NamedTuple):
     declination: float | None = None  # deg, of the field from the autopilot's north, eastwards
     contested: bool = False  # two vehicles answer with one system id
     second_fix: Fields | None = None  # GPS2_RAW
-    packs: Packs = NONE
+    packs: Packs = NO_PACKS
     rings: Sequence[Fields] = ()  # OBSTACLE_DISTANCE, the last ones
     flow: Fields | None = None  # OPTICAL_FLOW_RAD or OPTICAL_FLOW
     ranges: Sequence[Fields] = ()  # DISTANCE_SENSOR, the last ones

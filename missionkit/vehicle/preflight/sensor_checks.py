@@ -17,11 +17,11 @@ from missionkit.vehicle.telemetry import (
     obstacle_ring,
 )
 from missionkit.vehicle.telemetry.batteries import Packs
+from missionkit.vehicle.telemetry.message_readings import UINT16_UNKNOWN
 from missionkit.vehicle.telemetry.obstacle_ring import NORTH_ALIGNED
 
 LEAST_CHARGE, GOOD_CHARGE = 0.3, 0.6
-FEW, COARSE = 8, 3000  # satellites, mm
-UNKNOWN = 65535
+FEW_SATELLITES, COARSE_FIX = 8, 3000  # satellites, mm
 BY_FLOW = "only a mission that navigates by optical flow takes off"
 
 Verdict = tuple[FailsafeLevel, str]
@@ -47,9 +47,9 @@ def gnss(fix: Fields | None, second: Fields | None, *, flow: bool) -> Verdict:
     says = f"fix {fix['fix_type']}, {'?' if seen == 255 else seen} satellites{accuracy}{receiver}"
     if not message_readings.fixed(fix):
         return without, f"{says}: no 3D fix, {consequence}"
-    if int(fix.get("vel", 0)) == UNKNOWN:
+    if int(fix.get("vel", 0)) == UINT16_UNKNOWN:
         return FailsafeLevel.WARNING, f"{says}; it does not report its velocity"
-    weak = seen < FEW or (accuracy_mm and accuracy_mm > COARSE)
+    weak = seen < FEW_SATELLITES or (accuracy_mm and accuracy_mm > COARSE_FIX)
     return FailsafeLevel.WARNING if weak else FailsafeLevel.GOOD, says
 
 

@@ -9,16 +9,23 @@ from missionkit.vehicle.autopilot_dialect import Dialect, word
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.telemetry.home_position import local_home
 
-_ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
-_GYRO, _ACCEL, _MAG, _GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000  # MAV_SYS_STATUS_SENSOR
-_ON_GROUND, _IN_AIR, _TAKING_OFF, _LANDING = 1, 2, 3, 4  # MAV_LANDED_STATE
+_ARMED_FLAG = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
+_SENSOR_GYRO, _SENSOR_ACCEL, _SENSOR_MAG, _SENSOR_GPS, _PREARM = 1, 2, 4, 0x20, 0x10000000
+"""MAV_SYS_STATUS_SENSOR."""
+_LANDED_ON_GROUND, _LANDED_IN_AIR, _LANDED_TAKING_OFF, _LANDED_LANDING = 1, 2, 3, 4
+"""MAV_LANDED_STATE."""
 _ALARMED = frozenset((5, 6))  # MAV_STATE: critical, emergency
-_POWERED = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
+_POWERED_STATES = frozenset((4, 5, 6))  # MAV_STATE: active, critical, emergency
 _BEHIND = 2.0  # s that EXTENDED_SYS_STATE may be older than the heartbeat: it has stopped
 
-LATELY = 2.0  # s, wall; older messages do not show where it is
+WHEREABOUTS_AGE = 2.0  # s, wall; older messages do not show where it is
 
-SENSORS = {"gyroscope": _GYRO, "accelerometer": _ACCEL, "magnetometer": _MAG, "GNSS": _GPS}
+SENSOR_BITS = {
+    "gyroscope": _SENSOR_GYRO,
+    "accelerometer": _SENSOR_ACCEL,
+    "magnetometer": _SENSOR_MAG,
+    "GNSS": _SENSOR_GPS,
+}
 
 
 class Whereabouts(NamedTuple):
@@ -29,7 +36,7 @@ class Whereabouts(NamedTuple):
     from_home: float | None = None  # m over ground
 
 
-NOWHERE = Whereabouts()
+UNKNOWN_WHEREABOUTS = Whereabouts()
 
 
 class AutopilotState:
@@ -54,7 +61,7 @@ class AutopilotState:
     def armed(self) -> bool | None:
         """Whether the rotors may turn."""
         beat = self._cache.latest("HEARTBEAT")
-        return None if beat is None else bool(int(beat["base_mode"]) & _ARMED)
+        return None if beat is None else bool(int(beat["base_mode"]) & _ARMED_FLAG)
 
     @property
     def in_air(self) -> bool | None:
@@ -68,10 +75,14 @@ class AutopilotState:
         beat, landed = self._cache.latest("HEARTBEAT"), self._cache.latest("EXTENDED_SYS_STATE")
         stopped = landed is None or (beat is not None and beat.arrived - landed.arrived > _BEHIND)
         if landed is not None and not stopped and int(landed["landed_state"]) != 0:
-            return int(landed["landed_state"]) in {_IN_AIR, _TAKING_OFF, _LANDING}
+            return int(landed["landed_state"]) in {
+                _LANDED_IN_AIR,
+                _LANDED_TAKING_OFF,
+                _LANDED_LANDING,
+            }
         if beat is None:
             return None
-        return bool(self.armed) and int(beat["system_status"]) in _POWERED
+        return bool(self.armed) and int(beat["system_status"]) in _POWERED_STATES
 
     @property
     def failsafe(self) -> bool:
@@ -99,8 +110,8 @@ class AutopilotState:
         return healthy if healthy or present or not self._dialect.checks_present else None
 
     def sensor(self, name: str) -> bool | None:
-        """Return whether one of SENSORS is healthy."""
-        return self._healthy(SENSORS[name])
+        """Return whether one of SENSOR_BITS is healthy."""
+        return self._healthy(SENSOR_BITS[name])
 
     @property
     def placed(self) -> bool:
@@ -125,15 +136,15 @@ class AutopilotState:
 
     def whereabouts(self) -> Whereabouts:
         """Return its position by its recent messages."""
-        landed = self._cache.latest("EXTENDED_SYS_STATE", LATELY)
+        landed = self._cache.latest("EXTENDED_SYS_STATE", WHEREABOUTS_AGE)
         status_message = 0 if landed is None else int(landed["landed_state"])
-        local = self._cache.latest("LOCAL_POSITION_NED", LATELY)
+        local = self._cache.latest("LOCAL_POSITION_NED", WHEREABOUTS_AGE)
         home = self._cache.latest("HOME_POSITION")
         away = None
         if local is not None and home is not None and None not in (local["x"], home["x"]):
             away = math.hypot(local["x"] - home["x"], local["y"] - home["y"])
         return Whereabouts(
-            on_ground=None if status_message == 0 else status_message == _ON_GROUND,
+            on_ground=None if status_message == 0 else status_message == _LANDED_ON_GROUND,
             height=None if local is None else self.height,
             from_home=away,
         )

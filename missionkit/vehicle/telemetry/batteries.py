@@ -14,13 +14,14 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from missionkit.messages import Battery
+from missionkit.vehicle.autopilot_dialect import AUTOPILOT_COMPONENT
 from missionkit.vehicle.link.message_cache import Fields
 
-UNKNOWN, ALL, PROPULSION = 0, 1, 2  # MAV_BATTERY_FUNCTION
+FUNCTION_UNKNOWN, FUNCTION_ALL, FUNCTION_PROPULSION = 0, 1, 2  # MAV_BATTERY_FUNCTION
 FUNCTIONS = ("of unknown use", "for everything", "for propulsion", "for avionics", "for payload")
 CELL_UNKNOWN = 65535  # mV
-AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
-HEARD, OFTEN = 3, 10  # readings of a new pack until it counts beside one that has had so many
+READINGS_NEEDED, READINGS_OF_ANOTHER = 3, 10
+"""Readings of a new pack until it counts beside one that has had so many."""
 
 Ident = tuple[int, int]
 """Component and id."""
@@ -42,12 +43,12 @@ class Pack(NamedTuple):
         use = FUNCTIONS[self.function] if self.function < len(FUNCTIONS) else FUNCTIONS[0]
         charge = "charge not known" if self.charge is None else f"{self.charge:.0%}"
         component, number = self.ident
-        whose = "" if component == AUTOPILOT else f" of component {component}"
+        whose = "" if component == AUTOPILOT_COMPONENT else f" of component {component}"
         return f"battery {number}{whose} {use}, {charge}"
 
 
 Packs = Mapping[Ident, Pack]
-NONE: Packs = {}
+NO_PACKS: Packs = {}
 
 
 def pack_of(fields: Fields, at: float) -> Pack:
@@ -56,7 +57,7 @@ def pack_of(fields: Fields, at: float) -> Pack:
     more = [value for value in fields.get("voltages_ext", ()) if value]  # 0: not there
     cells = [value for value in (*fields["voltages"], *more) if value != CELL_UNKNOWN]
     return Pack(
-        (int(fields.get("component", AUTOPILOT)), int(fields["id"])),
+        (int(fields.get("component", AUTOPILOT_COMPONENT)), int(fields["id"])),
         int(fields["battery_function"]),
         None if remaining < 0 else 0.01 * remaining,
         1e-3 * sum(cells),
@@ -81,12 +82,12 @@ def heard(known: Packs, fields: Fields, at: float) -> Packs:
 def counted(known: Packs) -> tuple[Pack, ...]:
     """Return the packs that keep the vehicle in the air."""
     most = max((pack.heard for pack in known.values()), default=0)
-    least = HEARD if most >= OFTEN else 1
+    least = READINGS_NEEDED if most >= READINGS_OF_ANOTHER else 1
     often = [pack for pack in known.values() if pack.heard >= least]
-    flying = [pack for pack in often if pack.function in {ALL, PROPULSION}]
+    flying = [pack for pack in often if pack.function in {FUNCTION_ALL, FUNCTION_PROPULSION}]
     if flying:
         return tuple(flying)
-    unsaid = [pack for pack in often if pack.function not in range(ALL, len(FUNCTIONS))]
+    unsaid = [pack for pack in often if pack.function not in range(FUNCTION_ALL, len(FUNCTIONS))]
     return (min(unsaid, key=lambda pack: pack.ident),) if unsaid else ()
 
 
@@ -102,7 +103,7 @@ def battery(known: Packs) -> Battery | None:
 
 def all_of(messages: Iterable[tuple[Fields, float]]) -> Packs:
     """Return the packs after many messages (fields, time)."""
-    known = NONE
+    known = NO_PACKS
     for fields, at in messages:
         known = heard(known, fields, at)
     return known

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing_extensions import override
 
-from missionkit.vehicle.autopilot_dialect import GUIDED, Dialect
+from missionkit.vehicle.autopilot_dialect import GUIDED_MODE, Dialect
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 
@@ -28,7 +28,7 @@ class FlightPhase(AutopilotState):
     def mode(self) -> str | None:
         """Its mode; GUIDED is taking off, following setpoints, or holding."""
         reported = super().mode
-        if reported != GUIDED:
+        if reported != GUIDED_MODE:
             return reported
         if self.climbing:
             return "take_off"

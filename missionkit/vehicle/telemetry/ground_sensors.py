@@ -24,16 +24,16 @@ from missionkit.vehicle.telemetry.ordered_arrivals import Timed
 DOWN = 25  # MAV_SENSOR_ROTATION_PITCH_270
 BEST_FLOW = 255.0
 INVALID_RANGE = 1  # signal_quality
-LONGEST = 0.5  # s; a longer interval is a hole
+LONGEST_INTEGRATION = 0.5  # s; a longer interval is a hole
 SENSOR_SWITCH_AFTER = 0.5  # s after which another sensor takes over
-NOTHING = np.zeros(2)
+NO_FLOW = np.zeros(2)
 UNFILLED = "OPTICAL_FLOW has no flow_rate_x and flow_rate_y (rad/s): its sender is too old"
 
 
 def integrated_flow(fields: Fields, at: float) -> OpticalFlow | None:
     """Return the flow of OPTICAL_FLOW_RAD whose interval ended `at` (s), None: it has no length."""
     over = 1e-6 * float(fields["integration_time_us"])
-    if not 0.0 < over <= LONGEST:
+    if not 0.0 < over <= LONGEST_INTEGRATION:
         return None
     about = message_readings.triple(fields, "integrated_x", "integrated_y")
     turned = message_readings.triple(
@@ -54,7 +54,7 @@ def flow_rate(fields: Fields, at: float, over: float) -> OpticalFlow | None:
     if unfilled(fields):
         return None
     about = message_readings.triple(fields, "flow_rate_x", "flow_rate_y")
-    return _flow(at, about, None, min(over, LONGEST), fields)
+    return _flow(at, about, None, min(over, LONGEST_INTEGRATION), fields)
 
 
 def unfilled(fields: Fields) -> bool:
@@ -143,6 +143,6 @@ def _flow(
 ) -> OpticalFlow:
     """Return the flow of rates about the body's x and y (2,), rad/s; None: nothing was seen."""
     if about is None:
-        return OpticalFlow(at, NOTHING, rates, over, 0.0)
+        return OpticalFlow(at, NO_FLOW, rates, over, 0.0)
     quality = float(fields["quality"]) / BEST_FLOW
     return OpticalFlow(at, np.array((-about[1], about[0])), rates, over, quality)

@@ -15,11 +15,11 @@ from missionkit.messages import Baro, Gnss, Imu, Magnetometer
 from missionkit.vehicle.link.message_cache import Fields
 from missionkit.vehicle.telemetry.earth_origin import Origin
 
-MAG, PRESSURE_ALT = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
+MAG_UPDATED, PRESSURE_ALT_UPDATED = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
 _FIX_3D = 3
-_UNKNOWN = 65535
-_LEAST_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not trusted
-_COARSE = (2.5, 4.0, 0.3)  # m, m, m/s of receivers that do not say
+UINT16_UNKNOWN = 65535
+_LEAST_GNSS_SD = vec(0.3, 0.3, 0.5)  # m; receivers that claim more are not trusted
+_UNSTATED_SD = (2.5, 4.0, 0.3)  # m, m, m/s of receivers that do not say
 
 
 def triple(fields: Fields, *names: str) -> Vec3 | None:
@@ -40,7 +40,7 @@ def imu(fields: Fields, at: float) -> Imu | None:
 def magnetometer(fields: Fields, at: float) -> Magnetometer | None:
     """Return the field of HIGHRES_IMU, if the sensor has a new one."""
     field = triple(fields, "xmag", "ymag", "zmag")
-    if field is None or int(fields["fields_updated"]) & MAG != MAG:
+    if field is None or int(fields["fields_updated"]) & MAG_UPDATED != MAG_UPDATED:
         return None
     size = norm(field)
     return Magnetometer(at, field / size) if size > 0.0 else None
@@ -49,7 +49,7 @@ def magnetometer(fields: Fields, at: float) -> Magnetometer | None:
 def pressure_height(fields: Fields) -> float | None:
     """Return the pressure altitude (m) of HIGHRES_IMU, if the sensor has a new one."""
     height = fields["pressure_alt"]
-    if height is None or not int(fields["fields_updated"]) & PRESSURE_ALT:
+    if height is None or not int(fields["fields_updated"]) & PRESSURE_ALT_UPDATED:
         return None
     return float(height)
 
@@ -83,9 +83,11 @@ def gnss(fields: Fields, at: float, origin: Origin, climb: float | None) -> Gnss
     if not fixed(fields):
         return None
     place = origin.local(1e-7 * fields["lat"], 1e-7 * fields["lon"], 1e-3 * fields["alt"])
-    flat = _accuracy(fields, "h_acc", _COARSE[0])
-    position_sd = np.maximum(vec(flat, flat, _accuracy(fields, "v_acc", _COARSE[1])), _LEAST_SD)
-    speed_sd = _accuracy(fields, "vel_acc", _COARSE[2])
+    flat = _accuracy(fields, "h_acc", _UNSTATED_SD[0])
+    position_sd = np.maximum(
+        vec(flat, flat, _accuracy(fields, "v_acc", _UNSTATED_SD[1])), _LEAST_GNSS_SD
+    )
+    speed_sd = _accuracy(fields, "vel_acc", _UNSTATED_SD[2])
     sd = vec(speed_sd, speed_sd, math.inf if climb is None else speed_sd)
     velocity = _over_ground(fields)
     if velocity is not None and climb is not None:
@@ -96,9 +98,9 @@ def gnss(fields: Fields, at: float, origin: Origin, climb: float | None) -> Gnss
 def _over_ground(fields: Fields) -> Vec3 | None:
     """Return the velocity over ground (3,), m/s; standing still needs no course."""
     speed, course = int(fields["vel"]), int(fields["cog"])
-    if speed == _UNKNOWN or (course == _UNKNOWN and speed > 0):
+    if speed == UINT16_UNKNOWN or (course == UINT16_UNKNOWN and speed > 0):
         return None
-    angle = 0.0 if course == _UNKNOWN else math.radians(0.01 * course)
+    angle = 0.0 if course == UINT16_UNKNOWN else math.radians(0.01 * course)
     return 0.01 * speed * vec(math.cos(angle), math.sin(angle), 0.0)
 
 

@@ -29,7 +29,7 @@ from missionkit.vehicle.telemetry.ordered_arrivals import Arrivals
 from missionkit.vehicle.telemetry.range_sensors import RangeSensors
 from missionkit.vehicle.telemetry.status_text import event_of
 
-FRESH = 1.0  # s; older attitude or speed is not used to complete another reading
+COMPLETION_AGE = 1.0  # s; older attitude or speed is not used to complete another reading
 RARELY = 0.1  # s between two readings of magnetometer and barometer, as the filter wants them
 
 
@@ -82,7 +82,7 @@ class Observer:
         self._status_told: VehicleStatus | None = None
         self._forget = threading.Event()
         self._rare: dict[str, float] = {}
-        self._packs = batteries.NONE
+        self._packs = batteries.NO_PACKS
         self._fixed_at = -math.inf  # s, of the first receiver's last fix
         self._reported: set[str] = set()
 
@@ -112,7 +112,7 @@ class Observer:
     @property
     def moved_until(self) -> float:
         """Mission time (s) up to which motion is known; what was seen later waits for it."""
-        sample = self._cache.latest("HIGHRES_IMU", FRESH)
+        sample = self._cache.latest("HIGHRES_IMU", COMPLETION_AGE)
         at = None if sample is None else self.mission_time(sample)
         return math.inf if at is None else at
 
@@ -203,11 +203,11 @@ class Observer:
         fixes = [(fields, at) for fields, at in first if message_readings.fixed(fields)]
         if fixes:
             self._fixed_at = fixes[-1][1]
-        elif second and second[-1][1] - self._fixed_at > FRESH:
+        elif second and second[-1][1] - self._fixed_at > COMPLETION_AGE:
             fixes = second
         if not fixes or self.origin is None:
             return None
-        local = self._cache.latest("LOCAL_POSITION_NED", FRESH)
+        local = self._cache.latest("LOCAL_POSITION_NED", COMPLETION_AGE)
         climb = None if local is None or local["vz"] is None else -float(local["vz"])
         return message_readings.gnss(*fixes[-1], self.origin, climb)
 

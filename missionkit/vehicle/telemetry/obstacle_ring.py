@@ -18,12 +18,12 @@ import numpy as np
 from missionkit.geometry import Quat, from_euler, to_matrix, yaw_of
 from missionkit.messages import Points, Scan
 from missionkit.vehicle.link.message_cache import Fields
+from missionkit.vehicle.telemetry.message_readings import UINT16_UNKNOWN
 
-UNKNOWN = 65535
 NORTH_ALIGNED = frozenset((0, 1))  # MAV_FRAME_GLOBAL, which is the default, and LOCAL_NED
 FRONT_ALIGNED = frozenset((8, 12))  # MAV_FRAME_BODY_NED, BODY_FRD
-TOUCHING = 0.05  # m; 0 is a valid distance, and a direction is needed
-TOGETHER = 0.5  # s, in which rings of several sensors make one scan
+LEAST_RANGE = 0.05  # m; 0 is a valid distance, and a direction is needed
+ONE_SCAN = 0.5  # s, in which rings of several sensors make one scan
 
 
 class Ring(NamedTuple):
@@ -50,7 +50,7 @@ def refusal(fields: Fields, attitude: Quat | None) -> str:
 
 def sectors(fields: Fields) -> int:
     """Return in how many directions a ring knows what is there."""
-    return sum(int(value) != UNKNOWN for value in fields["distances"])
+    return sum(int(value) != UINT16_UNKNOWN for value in fields["distances"])
 
 
 def points_of(fields: Fields, attitude: Quat | None) -> Points:
@@ -62,10 +62,10 @@ def points_of(fields: Fields, attitude: Quat | None) -> Points:
             with the front.
     """
     distances = np.asarray(fields["distances"], dtype=np.float64)
-    hit = (distances <= float(fields["max_distance"])) & (distances != UNKNOWN)
+    hit = (distances <= float(fields["max_distance"])) & (distances != UINT16_UNKNOWN)
     angles = np.radians(float(fields["angle_offset"]) + _step(fields) * np.flatnonzero(hit))
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-    points: Points = np.maximum(0.01 * distances[hit, None], TOUCHING) * ring
+    points: Points = np.maximum(0.01 * distances[hit, None], LEAST_RANGE) * ring
     if attitude is None:
         return points
     if int(fields["frame"]) in FRONT_ALIGNED:
@@ -93,7 +93,7 @@ def together(rings: Iterable[Ring]) -> Scan | None:
     if not known:
         return None
     newest = max(ring.at for ring in known)
-    fresh = [ring for ring in known if newest - ring.at <= TOGETHER]
+    fresh = [ring for ring in known if newest - ring.at <= ONE_SCAN]
     points = np.concatenate([ring.points for ring in fresh])
     return Scan(newest, points, min(ring.reach for ring in fresh))
 

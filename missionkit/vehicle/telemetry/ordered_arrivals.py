@@ -9,8 +9,8 @@ from missionkit.vehicle.link.message_cache import Cache, Fields, Message
 from missionkit.vehicle.link.message_rates import CLOCKED, QUEUED, boot_time
 from missionkit.vehicle.link.time_sync import Answer
 
-AHEAD = 0.05  # s that a stamp may lie after the arrival: the clocks are only estimated
-OLDEST = 1.0  # s that a sensor's message may have been on its way
+STAMP_TOLERANCE = 0.05  # s that a stamp may lie after the arrival: the clocks are only estimated
+LONGEST_TRANSIT = 1.0  # s that a sensor's message may have been on its way
 FOREIGN = frozenset(  # not always stamped by the autopilot's clock; ArduPilot's flow is in ms
     ("DISTANCE_SENSOR", "OBSTACLE_DISTANCE", "OPTICAL_FLOW", "OPTICAL_FLOW_RAD")
 )
@@ -77,7 +77,7 @@ class Arrivals:
         stamped = None if boot is None else self._boot.mission(boot)
         if stamped is None or arrived is None or message.name not in FOREIGN:
             return arrived if stamped is None else stamped
-        return stamped if -AHEAD <= arrived - stamped <= OLDEST else arrived
+        return stamped if -STAMP_TOLERANCE <= arrived - stamped <= LONGEST_TRANSIT else arrived
 
     def _learn(self) -> None:
         for name in CLOCKED:

@@ -11,8 +11,8 @@ from missionkit.vehicle.telemetry.ground_sensors import GroundSensors
 from missionkit.vehicle.telemetry.obstacle_ring import Ring
 from missionkit.vehicle.telemetry.ordered_arrivals import Arrivals
 
-TURNS = 64  # attitudes kept, a second of them and more
-FRESH = 1.0  # s; an attitude of another time does not tell how a ring lies
+ATTITUDES_KEPT = 64  # attitudes kept, a second of them and more
+ATTITUDE_AGE = 1.0  # s; an attitude of another time does not tell how a ring lies
 
 
 class RangeSensors:
@@ -26,7 +26,7 @@ class RangeSensors:
         self._arrivals = arrivals
         self._ground = GroundSensors()
         self._rings: dict[tuple[int, int], Ring] = {}  # (component, kind of sensor) -> its newest
-        self._turns: deque[tuple[float, Quat]] = deque(maxlen=TURNS)
+        self._turns: deque[tuple[float, Quat]] = deque(maxlen=ATTITUDES_KEPT)
         self._problems: list[str] = []
 
     def scan(self, now: float) -> Scan | None:
@@ -64,7 +64,7 @@ class RangeSensors:
     def _attitude(self, at: float) -> Quat | None:
         """Return the autopilot's attitude (body to world) at the time nearest to `at` (s)."""
         nearest = min(self._turns, key=lambda turn: abs(turn[0] - at), default=None)
-        return None if nearest is None or abs(nearest[0] - at) > FRESH else nearest[1]
+        return None if nearest is None or abs(nearest[0] - at) > ATTITUDE_AGE else nearest[1]
 
     def _note_turns(self, now: float) -> None:
         for fields, at in self._arrivals.due("ATTITUDE_QUATERNION", now):

@@ -15,7 +15,7 @@ from missionkit.vehicle.telemetry.earth_origin import Origin
 from missionkit.vehicle.telemetry.home_position import local_home
 from missionkit.vehicle.telemetry.observer import Observer
 
-FRESH = 0.5  # s
+POSE_AGE = 0.5  # s
 
 
 class Pose(NamedTuple):
@@ -35,11 +35,11 @@ def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | Non
         observer: knows home and the clock.
         sphere: m, radius of the earth in the autopilot's simulators.
     """
-    truth = cache.latest("HIL_STATE_QUATERNION", FRESH)
+    truth = cache.latest("HIL_STATE_QUATERNION", POSE_AGE)
     if truth is not None and observer.origin is not None:
         return _true(truth, observer, observer.origin._replace(sphere=sphere))
-    turned = cache.latest("ATTITUDE_QUATERNION", FRESH)
-    placed = cache.latest("LOCAL_POSITION_NED", FRESH)
+    turned = cache.latest("ATTITUDE_QUATERNION", POSE_AGE)
+    placed = cache.latest("LOCAL_POSITION_NED", POSE_AGE)
     if turned is None or placed is None:
         return None
     return _estimated(turned, placed, local_home(cache), observer)

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 
 from missionkit.messages import Observation
 
-FIX, SCAN, FLOW = "fix", "scan", "flow"
-LATE = 3.0  # s
+FIX_INPUT, SCAN_INPUT, FLOW_INPUT = "fix", "scan", "flow"
+MISSING_AFTER = 3.0  # s
 SAYS: Mapping[str, str] = {
-    FIX: "no usable satellite fix: the mission navigates by it",
-    SCAN: "no usable OBSTACLE_DISTANCE: the mission's avoidance sees nothing",
-    FLOW: "no usable optical flow: the mission navigates by it",
+    FIX_INPUT: "no usable satellite fix: the mission navigates by it",
+    SCAN_INPUT: "no usable OBSTACLE_DISTANCE: the mission's avoidance sees nothing",
+    FLOW_INPUT: "no usable optical flow: the mission navigates by it",
 }
 
 
@@ -28,15 +28,15 @@ class Reliance:
         self._missed: set[str] = set()
 
     def problems(self, seen: Observation) -> tuple[str, ...]:
-        """Return what has been missing for LATE s, each time it goes missing."""
-        came = {FIX: seen.gnss, SCAN: seen.scan, FLOW: seen.flow}
+        """Return what has been missing for MISSING_AFTER s, each time it goes missing."""
+        came = {FIX_INPUT: seen.gnss, SCAN_INPUT: seen.scan, FLOW_INPUT: seen.flow}
         new = []
         for name in self._inputs:
             if came[name] is not None:
                 self._since[name] = seen.now
                 self._missed.discard(name)
             since = self._since.setdefault(name, seen.now)
-            if seen.now - since > LATE and name not in self._missed:
+            if seen.now - since > MISSING_AFTER and name not in self._missed:
                 self._missed.add(name)
-                new.append(f"for {LATE:g} s {SAYS[name]}")
+                new.append(f"for {MISSING_AFTER:g} s {SAYS[name]}")
         return tuple(new)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from missionkit.geometry import GRAVITY
 from missionkit.vehicle.link.message_cache import Fields
-from missionkit.vehicle.telemetry.message_readings import MAG, PRESSURE_ALT
+from missionkit.vehicle.telemetry.message_readings import MAG_UPDATED, PRESSURE_ALT_UPDATED
 
-GRAVITY = 9.80665  # m/s²
-INERTIAL = 0x3F  # HIGHRES_IMU_UPDATED_FLAGS
+INERTIAL_FIELDS = 0x3F  # HIGHRES_IMU_UPDATED_FLAGS
 SEA_LEVEL = 1013.25  # hPa
 
 Put = Callable[[str, Fields], None]
@@ -45,7 +45,7 @@ def highres(raw: Fields, pressure: float | None) -> Fields:
     values = {f"{axis}acc": 1e-3 * GRAVITY * raw[f"{axis}acc"] for axis in "xyz"}
     for what in ("gyro", "mag"):
         values |= {f"{axis}{what}": 1e-3 * raw[f"{axis}{what}"] for axis in "xyz"}
-    new = INERTIAL | MAG | (0 if pressure is None else PRESSURE_ALT)
+    new = INERTIAL_FIELDS | MAG_UPDATED | (0 if pressure is None else PRESSURE_ALT_UPDATED)
     height = None if pressure is None else pressure_altitude(pressure)
     return {**values, "time_usec": raw["time_usec"], "pressure_alt": height, "fields_updated": new}
 
