@@ -25,6 +25,11 @@ def beside(value: float, limit: float, places: int) -> tuple[str, str]:
 def beside_short(value: float, limit: float, digits: int) -> tuple[str, str]:
     """Return a value and its limit with `digits` significant digits or more, as `beside` does.
 
+    Args:
+        value: what was measured.
+        limit: what it is compared with.
+        digits: significant ones of `value` at least.
+
     >>> beside_short(0.698, 0.7, 2), beside_short(12.34, 7.0, 3)
     (('0.698', '0.7'), ('12.3', '7'))
     """

@@ -21,7 +21,13 @@ class VisionWarning(NamedTuple):
 def continued(
     known: Iterable[VisionWarning], seen: Iterable[VisionWarning], at: float
 ) -> tuple[VisionWarning, ...]:
-    """Return the warnings after a frame at time `at` (s); those that have ended are dropped."""
+    """Return the warnings after a frame at time `at` (s); those that have ended are dropped.
+
+    Args:
+        known: warnings after the frame before.
+        seen: those of this frame.
+        at: s, exposure of the frame.
+    """
     kept = {_kind(it): it for it in known if at - it.last <= EPISODE_ENDS}
     for it in seen:
         kept[_kind(it)] = kept.get(_kind(it), it)._replace(last=at)

@@ -22,7 +22,13 @@ class LinearDynamics:
         )
 
     def roll_out(self, around: Trajectory, policy: Policy, rate: float) -> Trajectory:
-        """Return the trajectory from `around.states[0]` under the policy."""
+        """Return the trajectory from `around.states[0]` under the policy.
+
+        Args:
+            around: N steps; only its first state is kept.
+            policy: around `around`.
+            rate: of the feedforward, 0 to 1.
+        """
         states, controls = roll_out(
             self.A,
             self.B,
@@ -60,7 +66,17 @@ def double_integrator(steps: int, dt: float) -> LinearDynamics:
 def roll_out(
     A: Mat, B: Mat, states: Mat, controls: Mat, feedforward: Mat, feedback: Mat, rate: float
 ) -> tuple[Mat, Mat]:
-    """Return states (N + 1, n) and controls (N, m) under the policy around the ones given."""
+    """Return states (N + 1, n) and controls (N, m) under the policy around the ones given.
+
+    Args:
+        A: (n, n).
+        B: (n, m).
+        states: (N + 1, n), x̄.
+        controls: (N, m), ū.
+        feedforward: (N, m).
+        feedback: (N, m, n).
+        rate: of the feedforward, 0 to 1.
+    """
     count, m = controls.shape
     n = states.shape[1]
     xs, us = np.empty((count + 1, n)), np.empty((count, m))

@@ -36,7 +36,13 @@ class NormLimit(NamedTuple):
         return float(norm_sum(self._values(at), self.first, self.last + 1, self.limit)[1])
 
     def add_to(self, expansion: CostExpansion, at: Trajectory, weight: float) -> None:
-        """Add gradients and Hessians in place."""
+        """Add gradients and Hessians in place.
+
+        Args:
+            expansion: changed in place.
+            at: trajectory that it is taken along.
+            weight: μ.
+        """
         g, H = (expansion.u, expansion.uu) if self.of == "controls" else (expansion.x, expansion.xx)
         skip = 0 if self.of == "controls" else 1
         values = self._values(at)
@@ -77,13 +83,26 @@ class KeepOut:
         return float(keep_out_sum(at.states, self.centres, self.radii)[1])
 
     def add_to(self, expansion: CostExpansion, at: Trajectory, weight: float) -> None:
-        """Add gradients and Hessians in place."""
+        """Add gradients and Hessians in place.
+
+        Args:
+            expansion: changed in place.
+            at: trajectory that it is taken along.
+            weight: μ, 1/m².
+        """
         keep_out_add(at.states, expansion.x, expansion.xx, self.centres, self.radii, float(weight))
 
 
 @compiled
 def norm_sum(values: Mat, first: int, end: int, limit: float) -> tuple[float, float]:
-    """Return ½ Σ e² and the largest e of e = |z| - limit > 0."""
+    """Return ½ Σ e² and the largest e of e = |z| - limit > 0.
+
+    Args:
+        values: (N, n), states or controls.
+        first: index of the first component of z.
+        end: index after the last.
+        limit: of |z|, in its unit.
+    """
     total, worst = 0.0, 0.0
     for k in range(len(values)):
         square = 0.0
@@ -100,7 +119,17 @@ def norm_sum(values: Mat, first: int, end: int, limit: float) -> tuple[float, fl
 def norm_add(
     values: Mat, g: Mat, H: Mat, first: int, end: int, limit: float, weight: float
 ) -> None:
-    """Add gradients to g (N, n) and Hessians to H (N, n, n)."""
+    """Add gradients to g (N, n) and Hessians to H (N, n, n).
+
+    Args:
+        values: (N, n), states or controls.
+        g: (N, n), changed in place.
+        H: (N, n, n), changed in place.
+        first: index of the first component of z.
+        end: index after the last.
+        limit: of |z|, in its unit.
+        weight: μ.
+    """
     for k in range(len(values)):
         square = 0.0
         for i in range(first, end):
@@ -118,7 +147,13 @@ def norm_add(
 
 @compiled
 def keep_out_sum(states: Mat, centres: Mat, radii: Vec3) -> tuple[float, float]:
-    """Return ½ Σ e² and the largest e of e = radius - distance > 0."""
+    """Return ½ Σ e² and the largest e of e = radius - distance > 0.
+
+    Args:
+        states: (N + 1, n), m, north and east first.
+        centres: (count, N + 1, 2), m, where each obstacle is at each step.
+        radii: (count,), m.
+    """
     total, worst = 0.0, 0.0
     for o in range(len(radii)):
         for k in range(1, len(states)):
@@ -134,7 +169,16 @@ def keep_out_sum(states: Mat, centres: Mat, radii: Vec3) -> tuple[float, float]:
 
 @compiled
 def keep_out_add(states: Mat, g: Mat, H: Mat, centres: Mat, radii: Vec3, weight: float) -> None:
-    """Add gradients to g (N + 1, n) and Hessians to H (N + 1, n, n)."""
+    """Add gradients to g (N + 1, n) and Hessians to H (N + 1, n, n).
+
+    Args:
+        states: (N + 1, n), m, north and east first.
+        g: (N + 1, n), changed in place.
+        H: (N + 1, n, n), changed in place.
+        centres: (count, N + 1, 2), m, where each obstacle is at each step.
+        radii: (count,), m.
+        weight: μ, 1/m².
+    """
     for o in range(len(radii)):
         for k in range(1, len(states)):
             north = states[k, 0] - centres[o, k, 0]

@@ -88,7 +88,13 @@ class Penalty(Protocol):
         """Return the largest e, in the inequality's own unit; 0 if it holds everywhere."""
 
     def add_to(self, expansion: CostExpansion, at: Trajectory, weight: float) -> None:
-        """Add gradients and Hessians of `weight` × value in place."""
+        """Add gradients and Hessians of `weight` × value in place.
+
+        Args:
+            expansion: changed in place.
+            at: trajectory that it is taken along.
+            weight: μ.
+        """
 
 
 class Problem(NamedTuple):

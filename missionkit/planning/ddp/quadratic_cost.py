@@ -61,7 +61,15 @@ class QuadraticCost:
 
 @compiled
 def value(states: Mat, controls: Mat, target: Mat, q: Mat, r: Mat) -> float:
-    """Return Σ ½ q (x - x*)² + Σ ½ r u²."""
+    """Return Σ ½ q (x - x*)² + Σ ½ r u².
+
+    Args:
+        states: (N + 1, n).
+        controls: (N, m).
+        target: (N + 1, n), x*.
+        q: (N + 1, n), diagonals of Q; the last is that of φ.
+        r: (m,), diagonal of R.
+    """
     total = 0.0
     for k in range(len(states)):
         for i in range(states.shape[1]):

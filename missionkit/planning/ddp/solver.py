@@ -150,6 +150,11 @@ def shifted(controls: Mat, steps: int) -> Mat:
 def begun(problem: Problem, state: Mat, controls: Mat) -> Trajectory:
     """Return the first guess as a trajectory.
 
+    Args:
+        problem: dynamics, cost and penalties.
+        state: (n,), x_0.
+        controls: (N, m).
+
     Raises:
         NoPlanError: it is not finite.
     """
@@ -162,7 +167,14 @@ def begun(problem: Problem, state: Mat, controls: Mat) -> Trajectory:
 
 
 def finished(problem: Problem, at: Trajectory, iterations: int, *, converged: bool) -> Plan:
-    """Return the plan that a trajectory is."""
+    """Return the plan that a trajectory is.
+
+    Args:
+        problem: dynamics, cost and penalties.
+        at: the trajectory.
+        iterations: taken to find it.
+        converged: whether the last step gained less than the tolerance.
+    """
     cost, violation = problem.cost.value(at), problem.violation(at)
     return Plan(at.states, at.controls, cost, violation, iterations, converged)
 
@@ -170,7 +182,15 @@ def finished(problem: Problem, at: Trajectory, iterations: int, *, converged: bo
 def descend(
     problem: Problem, at: Trajectory, weight: float, tolerance: float, iterations: int
 ) -> Descent:
-    """Return where Newton's steps lead at one weight of the penalty."""
+    """Return where Newton's steps lead at one weight of the penalty.
+
+    Args:
+        problem: dynamics, cost and penalties.
+        at: where to begin.
+        weight: μ, of the penalty.
+        tolerance: share of the cost; a smaller expected gain has converged.
+        iterations: at most.
+    """
     now = Descent(at, problem.value(at, weight))
     while now.iterations < iterations and not now.converged:
         now = _stepped(problem, now, weight, tolerance)
@@ -182,7 +202,14 @@ def descend(
 def policy_around(
     problem: Problem, at: Trajectory, weight: float, regularisation: float
 ) -> tuple[Policy, tuple[float, float], float]:
-    """Return policy, expected change (linear and quadratic in the rate) and the ρ it took."""
+    """Return policy, expected change (linear and quadratic in the rate) and the ρ it took.
+
+    Args:
+        problem: dynamics, cost and penalties.
+        at: trajectory that the policy belongs to.
+        weight: μ, of the penalty.
+        regularisation: ρ to begin with; it grows until Q_uu is positive definite.
+    """
     f, cost = problem.dynamics.derivatives(at), problem.expand(at, weight)
     while True:
         ff, fb, expected = backward_pass(*f, *cost, regularisation)
