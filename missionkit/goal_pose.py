@@ -20,7 +20,7 @@ def goal_rotation(marker: Mat) -> Mat:
         R_goal = [-z_m, x_m, -y_m]
 
     `marker` (3, 3) has the marker's axes as columns: x right, y up, z towards the viewer.
-    Source: P1 section 2.3; a proper rotation (NOTES P1.2).
+    Source: P1 section 2.3; a proper rotation (correction P1.2).
     """
     x, y, z = marker.T
     return np.array([-z, x, -y]).T

@@ -104,6 +104,12 @@ def test_links_lead_somewhere(path):
     assert [link for link in links if not (path.parent / link).exists()] == []
 
 
+def test_the_map_of_the_package_names_files_that_exist():
+    named = re.findall(r"`([\w/]+\.py)`", document("CONTRIBUTING.md"))
+    assert named
+    assert [name for name in named if not (ROOT / "missionkit" / name).is_file()] == []
+
+
 @pytest.mark.parametrize(
     ("text", "heading", "part"),
     [

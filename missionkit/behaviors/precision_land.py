@@ -68,7 +68,7 @@ class PrecisionLand(Behavior):
     `hand_over` above the pad: the autopilot lands from there. With `sigmas` 0 the estimate is
     trusted as it is, and `glide` goes down without having seen the pad.
 
-    Source: P3, section VI-B; NOTES, P3.
+    Source: P3 section VI-B, correction P3.6.
     """
 
     kind: ClassVar[str] = "precision_land"

@@ -33,7 +33,7 @@ class YawLaw(BaseModel):
     ω_z = K_ψ wrap(ψ_desired - ψ), at most `max_rate_deg`. d is the horizontal distance, since
     the bearing of something straight below is undefined.
 
-    Corrected (P1 correction 5): outward changes of regime need `band` more distance than inward
+    Correction P1.5: outward changes of regime need `band` more distance than inward
     ones; the yaw is held where the course is undefined, below `min_speed`, and where no target
     yaw is given.
     """

@@ -27,7 +27,7 @@ class ArucoConfidence(WindowGuard):
     γ(t) = (1/W) Σ I_detected(i) over the last W frames;  C_aruco = γ ≥ θ  (P1, section 1.3)
 
     Becomes true at γ ≥ `enter` and false below `exit` (hysteresis). A frame that never came, or a
-    frozen one, counts as a miss, so that a dead camera lowers the confidence (NOTES P1.7).
+    frozen one, counts as a miss, so that a dead camera lowers the confidence (correction P1.7).
     """
 
     kind: ClassVar[str] = "aruco_confidence"

@@ -53,7 +53,7 @@ class MarkovSwitch(WindowGuard):
     is unknown or both A23 and A32 are 0, until the vehicle has gone beyond 1.2 r_t again.
 
     The verdict's value is A11, or π, its reason the factors. Source: P3 section V-B; clamped and
-    latched as in NOTES P3.1 and P3.2.
+    latched: corrections P3.1 and P3.2.
     """
 
     kind: ClassVar[str] = "markov_switch"

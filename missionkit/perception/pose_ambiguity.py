@@ -1,4 +1,4 @@
-"""Which of the two poses of a square is the true one: P1 section 2.2, NOTES P1.3."""
+"""Which of the two poses of a square is the true one: P1 section 2.2, correction P1.3."""
 
 from __future__ import annotations
 

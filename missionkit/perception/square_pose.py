@@ -64,7 +64,7 @@ def solve(
     the image's top left, so that no rotation comes near π: OpenCV's IPPE_SQUARE, whose axes are
     the marker's own, fails for rotations by π, which is how a marker looks that hangs straight.
 
-    Source: P1 section 2.1, NOTES P1.3; Collins and Bartoli, "Infinitesimal plane-based pose
+    Source: P1 section 2.1, correction P1.3; Collins and Bartoli, "Infinitesimal plane-based pose
     estimation", 2014.
 
     Args:

@@ -40,7 +40,7 @@ class VisionPipeline:
 
     Pure: the memory goes in and comes out, and what differs between two flights is in it. Every
     frame that was due yields one `Look`, so that the confidence window counts frames (P1 section
-    1.3, NOTES P1.7): a camera that falls silent for 1.5 periods, or repeats an image to the bit,
+    1.3, correction P1.7): a camera that falls silent for 1.5 periods, or repeats an image exactly,
     gives silent looks that saw nothing. A frame that arrives late is used at its own time.
 
     Args:

@@ -4,7 +4,7 @@
 
 with c the cost of a metre in a cell: P2's cost map; 1 everywhere is its binary map. Against the
 printed pseudocode the search ends when the goal is taken off the open list, not when it is first
-seen, and what is closed is not opened again unless it became nearer (P2 corrections 1 and 2). A
+seen, and what is closed is not opened again unless it became nearer (corrections P2.1, P2.2). A
 diagonal move needs both cells beside it free: no corner is cut. Among ways that
 cost the same those with fewer turns are preferred.
 

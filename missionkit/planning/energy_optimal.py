@@ -12,7 +12,7 @@ fast forward flight, some percent). Among the paths within `SLACK` of the least 
 descent is taken, as in P3: high up there is more to see and less to hit. A `gate` keeps the path
 above a height until it is near: what a camera needs that has not seen the pad yet.
 
-Sources: P3, section VI-B; NOTES, P3. That two trapezoids are enough is checked against a direct
+Source: P3 section VI-B, correction P3.6. That two trapezoids are enough is checked against a direct
 transcription with free accelerations (`tests/planning/test_energy_optimal.py`).
 """
 

@@ -7,8 +7,8 @@
     v_rep = -½ diag(η_xy, η_xy, η_z) ∇U_rep
           = + Σ_i diag(η) H(r - d_i) (1/d_i - 1/r) (1/d_i²) (p - p_i) / |p - p_i|
 
-P1's sign is corrected (it attracts as printed) and the 2 of the derivative is folded into η (P1
-correction 1). With `body` = 0 this is P1's (1/d - 1/r)(1/d³)(p - p_i); otherwise d is measured
+P1's sign is corrected (it attracts as printed) and the 2 of the derivative is folded into η
+(correction P1.1). With `body` = 0 this is P1's (1/d - 1/r)(1/d³)(p - p_i); otherwise d is measured
 to the vehicle's surface. η multiplies each axis, so only an isotropic η is a gradient field.
 
 Source: O. Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", 1986.

@@ -1,6 +1,6 @@
 """From where a landing pad is sure to be in view, however wrong its place may be.
 
-Source: NOTES, P3, landing power and deviation height.
+Source: P3 section VI-B, correction P3.6.
 """
 
 from __future__ import annotations

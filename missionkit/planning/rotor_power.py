@@ -16,7 +16,7 @@ with G Glauert's solution: D in a vertical descent, G where the rotor leaves its
 V_t = v_h on), continuous between them and to level flight. Below m = -2 a rotor is a windmill; v_i
 is then held. Drag of the airframe counts through thrust and its tilt: T V_n holds what it takes.
 
-Sources: NOTES, P3; Leishman, "Principles of Helicopter Aerodynamics", 2nd edition, sections 2.13
+Sources: correction P3.6; Leishman, "Principles of Helicopter Aerodynamics", 2nd edition, 2.13
 (descent) and 5.4 (4.65 μ²). What lies between V_t = 0 and v_h is ours: no form is agreed on.
 """
 

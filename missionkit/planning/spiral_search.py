@@ -28,7 +28,7 @@ class SpiralPath:
 
         s(x) = b/2 (x √(1 + x²) + asinh x).
 
-    Source: P1 section 3.4, with correction 4.
+    Source: P1 section 3.4, correction P1.4.
     """
 
     speed: float  # m/s

@@ -71,7 +71,7 @@ class Grade(NamedTuple):
 def true_goal(marker: Marker, standoff: tuple[float, float, float]) -> Transform:
     """Return body-to-world of a level vehicle that stands off and faces the marker.
 
-    p = p_m + out z_m + right x_m + up y_m, forward = -z_m.  Source: P1 section 2.3, NOTES P1.2.
+    p = p_m + out z_m + right x_m + up y_m, forward = -z_m.  Source: P1 section 2.3.
     """
     out, right, up = standoff
     position = marker.pose.apply(vec(right, up, out))

@@ -9,7 +9,7 @@ Imported late: it compiles kernels. One row of the state is one robot, at the in
 - A random turn that is due during a spin follows it; a spin that begins ends a random turn.
 - An obstacle robot drives in a circle, whatever happens.
 
-Source: NOTES P4, "Robots" (the organisers' firmware). What it does not say, and is ours: the
+Source: the organisers' firmware (correction P4.4). What it does not say, and is ours: the
 clock of a reversal that had to wait keeps its phase; a spin cuts a random turn short.
 """
 

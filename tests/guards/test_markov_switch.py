@@ -38,7 +38,7 @@ def flown(guard, situations):
 
 
 def algorithm_1(steps, *, r_t=1.0, r_d=0.1, r1=0.1, r2=0.3, sigma_r=0.02):
-    """The mode after each step (r, d, |q_e|, sigma), as NOTES write Algorithm 1 out."""
+    """The mode after each step (r, d, |q_e|, sigma), by Algorithm 1, corrected (P3.1, P3.2)."""
     mode, modes = "approach", []
     for r, d, q, sigma in steps:
         if mode != "align" and r1 < r <= r_t:

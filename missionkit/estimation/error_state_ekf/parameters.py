@@ -21,7 +21,7 @@ class VisualInertialEkf(Plugin):
 
         ẋ = (v, R(q) (a_m - b_a) + g, ½ q ⊗ (ω_m - b_g), 0, 0),   x += K (z - h(x))
 
-    Source: P1 section 6.1; error state and reset as in Solà 2017; NOTES P1.6.
+    Source: P1 section 6.1; error state and reset as in Solà 2017; correction P1.6.
     """
 
     kind: ClassVar[str] = "visual_inertial_ekf"

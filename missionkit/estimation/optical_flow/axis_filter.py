@@ -2,7 +2,7 @@
 
     μ = (x, v),   A = [[1, dt], [0, 1]],   B = (½ dt², dt)
 
-Source: P2 section III-B; its `z_t` is a scalar and its σ and R are variances (NOTES P2.3).
+Source: P2 section III-B; its `z_t` is a scalar and its σ and R are variances (correction P2.3).
 """
 
 from __future__ import annotations

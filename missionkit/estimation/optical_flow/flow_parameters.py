@@ -25,7 +25,7 @@ class FlowKalman(Plugin):
 
         μ := A μ + B u,  Σ := A Σ Aᵀ + B σ² Bᵀ;   K = Σ Hᵀ (H Σ Hᵀ + R)⁻¹,  μ += K (z - H μ)
 
-    Source: P2 section III-B with its variances; σ and R are variances and z a scalar (NOTES P2.3).
+    Source: P2 section III-B with its variances (correction P2.3).
     Where the attitude comes from P2 does not say. With `bias_gain: 0` the gyroscope's bias is what
     it was found to be on the ground, as nothing in P2 corrects it.
     """

@@ -101,7 +101,7 @@ class TandemEkf(FlyerEkf):
     accepted frame. The gyroscope has to be free of bias, as P3 assumes: the filter has no state
     for one.
 
-    Source: P3 sections II to IV; NOTES P3.1-5; Markley 2003; Crassidis & Junkins 2011.
+    Source: P3 sections II to IV; corrections P3.3 to P3.5; Markley 2003; Crassidis & Junkins 2011.
     """
 
     kind: ClassVar[str] = "tandem_ekf"

@@ -9,7 +9,7 @@ from typing import NamedTuple
 class GroundRobot(NamedTuple):
     """How a ground robot drives: two wheels, by its firmware's rules.
 
-    Source: P4 section III-C and Table 1; the organisers' firmware (NOTES P4, "Robots"); the radius
+    Source: P4 section III-C and Table 1; the organisers' firmware (correction P4.4); the radius
     at which obstacle robots circle is that of the competition's rules.
     """
 

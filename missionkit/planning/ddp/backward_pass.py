@@ -10,7 +10,7 @@
 Without regularisation ρ the last two are V_x = Q_x - Q_xu Q_uu⁻¹ Q_u and V_xx = Q_xx -
 Q_xu Q_uu⁻¹ Q_ux, at t_k.
 
-Sources: P4, (36) to (45), as mended in NOTES; Y. Tassa, T. Erez and E. Todorov, "Synthesis and
+Sources: P4, (36) to (45), correction P4.2; Y. Tassa, T. Erez and E. Todorov, "Synthesis and
 stabilization of complex behaviors through online trajectory optimization", 2012, for ρ.
 """
 

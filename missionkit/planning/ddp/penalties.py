@@ -1,6 +1,6 @@
 """Inequalities kept by an exterior quadratic penalty: a largest length, and keep-out cylinders.
 
-Source: P4, section IV; NOTES, P4.
+Source: P4 section IV, correction P4.2.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ where e > 0 is how far an inequality is violated: the exterior quadratic penalty
 are N steps, n states and m controls. Each part works on a whole trajectory at a time, so that its
 kernel is called once and not once a step.
 
-Source: P4, (29) to (34); NOTES, P4.
+Source: P4, (29) to (34).
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ class FreeFlyerBody(Frozen):
     The middle one of each face pushes inwards; the other four sit at the ends of an X and push
     along the face, across the arms of the X, in turn one way round and the other. Each nozzle
     only pushes, so at least seven are needed for six degrees of freedom. No jet leaves through
-    the bottom, which carries the camera and docks. Limits are those of NOTES P3, "measured".
+    the bottom, which carries the camera and docks. Limits: correction P3.5.
     """
 
     use: Literal["free_flyer"] = "free_flyer"

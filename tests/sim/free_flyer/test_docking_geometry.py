@@ -36,7 +36,7 @@ def test_the_near_side_is_the_chaser_s_and_needs_the_target_s_attitude():
     assert berth.pose.rotation == pytest.approx(WORLD.target.pose.rotation)
     start = turned(WORLD.start.attitude_deg)
     _, turn = pose_error(berth, np.zeros(3), start)
-    assert math.sin(turn / 2.0) == pytest.approx(0.866, abs=1e-3)  # |q_e| of NOTES' r2 = 0.63 m
+    assert math.sin(turn / 2.0) == pytest.approx(0.866, abs=1e-3)  # |q_e| where r2 = 0.63 m
 
 
 def test_the_far_side_is_another_face_of_the_world_file():
