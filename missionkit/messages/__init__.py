@@ -50,7 +50,15 @@ from missionkit.messages.observation import (
 from missionkit.messages.occupancy import Occupancy, Spot
 from missionkit.messages.record import Fired, Record
 from missionkit.messages.verdict import Verdict
-from missionkit.messages.vision import CameraModel, Detection, Look, Sighting
+from missionkit.messages.vision import (
+    BoxDetection,
+    CameraModel,
+    Detection,
+    GroundDetection,
+    GroundFrame,
+    Look,
+    Sighting,
+)
 
 __all__ = [
     "ABORT",
@@ -66,6 +74,7 @@ __all__ = [
     "AutopilotSetpoint",
     "Baro",
     "Battery",
+    "BoxDetection",
     "CameraModel",
     "Command",
     "Cycle",
@@ -76,6 +85,8 @@ __all__ = [
     "Frame",
     "Gnss",
     "Goal",
+    "GroundDetection",
+    "GroundFrame",
     "Guidance",
     "HalfSpace",
     "Health",

@@ -52,3 +52,32 @@ class Look(NamedTuple):
     at: float  # s
     seen: frozenset[str]  # names of the targets found
     silent: bool = False  # the frame was missing or a repetition
+
+
+class BoxDetection(NamedTuple):
+    """One object that a detector found in one frame, by the box around it."""
+
+    detector: str
+    centre: npt.NDArray[np.float64]  # (2,), px
+    size: tuple[float, float]  # px, width and height
+    score: float  # 0 to 1, how sure the detector is
+
+
+class GroundDetection(NamedTuple):
+    """One object that a detector found in one frame, where it stands on level ground."""
+
+    detector: str
+    position: npt.NDArray[np.float64]  # (2,), m, north and east
+    covariance: npt.NDArray[np.float64]  # (2, 2), m², of the pixels and of the vehicle's pose
+    score: float  # 0 to 1
+    size: float  # of its box, 1: that of a ground robot without a tower at this distance
+    offset: float  # m, horizontally from the camera
+    height: float  # m, of the camera above the ground
+
+
+class GroundFrame(NamedTuple):
+    """What one frame shows on the ground."""
+
+    at: float  # s, of the exposure
+    detections: tuple[GroundDetection, ...]
+    view: npt.NDArray[np.float64] | None = None  # (n, 2), m, corners of what it shows; None: all

@@ -24,6 +24,12 @@ MISTAKEN_FOR = 1e4
 """A target is an obstacle robot for ever; the chance to change is the chance to be mistaken (s)."""
 
 
+OBSTACLE_SHARE = 4.0 / 14.0
+"""Of the robots in the arena: four circle, ten are herded."""
+SPIN_SHARE = 0.1
+"""Of the time, which a target spins."""
+
+
 class Bank(NamedTuple):
     """Models of motion, and how a target changes from one to another."""
 
@@ -75,17 +81,19 @@ def kernels(library: Library) -> ModuleType:
 
 
 def begun(models: Bank, x: Vec3, P: Mat) -> BankState:
-    """Return all filters at one state (3,) with its covariance (3, 3); the first is likeliest.
+    """Return all filters at one state, each as likely as among all robots at any time.
 
     Args:
         models: of the target.
-        x: (3,) state, by `motion_models`.
-        P: (3, 3) covariance of `x`.
+        x: (3,), m, m, rad.
+        P: (3, 3) covariance.
     """
     n = len(models.names)
-    mu = np.full(n, 0.1 / max(n - 1, 1))
-    mu[0] = 1.0 - mu[1:].sum()
-    return BankState(np.tile(x, (n, 1)), np.tile(P, (n, 1, 1)), mu)
+    shares = {STRAIGHT: 1.0 - SPIN_SHARE, SPIN: SPIN_SHARE}
+    mu = np.array([shares.get(name, OBSTACLE_SHARE) for name in models.names])
+    if OBSTACLE in models.kinds:
+        mu[:2] *= 1.0 - OBSTACLE_SHARE
+    return BankState(np.tile(x, (n, 1)), np.tile(P, (n, 1, 1)), mu / mu.sum())
 
 
 def predicted(models: Bank, known: BankState, dt: float, library: ModuleType) -> BankState:
