@@ -92,8 +92,8 @@ def plain_predict(P: Mat, _: Mat, F: Mat, G: Mat, q: Vec3) -> None:
 
 def plain_update(x: Vec3, P: Mat, _: Mat, h: Vec3, residual: float, variance: float) -> float:
     """P := P - K h P."""
-    Ph = np.dot(P, h)
-    innovation = np.dot(h, Ph) + variance
+    Ph = (P * h).sum(axis=1)
+    innovation = (h * Ph).sum() + variance
     K = Ph / innovation
     x += K * residual
     P -= K.reshape(-1, 1) * Ph
@@ -102,8 +102,8 @@ def plain_update(x: Vec3, P: Mat, _: Mat, h: Vec3, residual: float, variance: fl
 
 def joseph_update(x: Vec3, P: Mat, one: Mat, h: Vec3, residual: float, variance: float) -> float:
     """P := (I - K h) P (I - K h)ᵀ + K R Kᵀ."""
-    Ph = np.dot(P, h)
-    innovation = np.dot(h, Ph) + variance
+    Ph = (P * h).sum(axis=1)
+    innovation = (h * Ph).sum() + variance
     K = Ph / innovation
     x += K * residual
     J = one - K.reshape(-1, 1) * h

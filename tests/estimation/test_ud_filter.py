@@ -14,7 +14,7 @@ from studies.ud_filter_runs import (
     positions,
 )
 
-UD, PLAIN, JOSEPH = FILTERS.values()
+UD, PLAIN, _ = FILTERS.values()
 DELTA = 3.45e-4  # delta² is lost beside 1 in single precision, delta is not
 
 
@@ -59,15 +59,14 @@ def test_all_arithmetic_stays_in_single_precision():
     assert update(x, U, D, h, np.float32(0.0), np.float32(1e-9)) == 3.0  # 1e-9 is lost beside 3
 
 
-def test_two_nearly_equal_rows_leave_it_a_covariance_and_the_others_not():
+def test_two_nearly_equal_rows_leave_it_a_covariance_and_the_other_not():
     """Dyer and McReynolds' example at the delta whose square is just lost."""
     exact = exact_covariance(DELTA)
     ours = dyer_mcreynolds(UD, DELTA)
     assert np.linalg.norm(ours - exact) <= 1e-3 * np.linalg.norm(exact)
     assert np.linalg.eigvalsh(ours).min() > 0.0
-    for other in (PLAIN, JOSEPH):
-        theirs = dyer_mcreynolds(other, DELTA)
-        assert np.linalg.eigvalsh(0.5 * (theirs + theirs.T)).min() < 0.0
+    theirs = dyer_mcreynolds(PLAIN, DELTA)
+    assert np.linalg.eigvalsh(0.5 * (theirs + theirs.T)).min() < 0.0
 
 
 def test_a_wide_prior_costs_single_precision_nothing():
