@@ -98,17 +98,19 @@ class NotFitError(MissionkitError):
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Say the alternatives to a misspelt word, the nearest first.
+    """Say the alternatives to a misspelt word, the nearest first; capitals do not matter.
 
-    >>> nearest("visul", ["gps", "visual"])
+    >>> nearest("Visul", ["gps", "visual"])
     "did you mean 'visual'? Known: gps, visual"
     """
     names = sorted(known)
     if not names:
         return "none are known here"
-    alike = names if len(names) <= NAMES_SHOWN else [name for name in names if name[:1] == word[:1]]
-    close = difflib.get_close_matches(word, alike[:NAMES_COMPARED], n=1, cutoff=0.6)
-    hint = f"did you mean '{close[0]}'? " if close else ""
+    first = word[:1].lower()
+    alike = names if len(names) <= NAMES_SHOWN else [it for it in names if it[:1].lower() == first]
+    spelt = {name.lower(): name for name in alike[:NAMES_COMPARED]}
+    close = difflib.get_close_matches(word.lower(), spelt, n=1, cutoff=0.6)
+    hint = f"did you mean '{spelt[close[0]]}'? " if close else ""
     more = f", ... ({len(names)} in all)" if len(names) > NAMES_SHOWN else ""
     return f"{hint}{'K' if hint else 'k'}nown: {', '.join(names[:NAMES_SHOWN])}{more}"
 

@@ -81,7 +81,7 @@ def test_an_unusable_plugin_file_is_reported_in_every_format(call, tmp_path):
     [
         (["validate"], "missionkit validate: MISSION.yaml ... is missing"),
         (["validate", "hop.yaml", "--format", "jsn"], "--format jsn: unknown; did you mean 'json'"),
-        (["explain", "none.yaml"], "none.yaml:1:1: cannot be read: no such file"),
+        (["explain", "none.yaml"], "no such file or directory; did you mean 'hop.yaml'?"),
     ],
 )
 def test_misuse_is_explained(call, arguments, says):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from pydantic import BaseModel
@@ -24,6 +24,7 @@ from missionkit.chart.text.mistake import Mistake
 _RANGE_ERRORS = frozenset(
     {"greater_than", "greater_than_equal", "less_than", "less_than_equal", "finite_number"}
 )
+_NO_SPACE = re.compile(r"\w+:\S")
 _TYPE_ERRORS = ("_type", "_parsing", "_from_float")
 
 
@@ -44,14 +45,21 @@ def describe(error: Mapping[str, Any], model: type[BaseModel], path: Path) -> Mi
         case "missing":
             return Mistake(_missing(path, field))
         case "extra_forbidden":
-            word, known = str(path[-1]), keys_at(model, error["loc"][:-1])
-            return Mistake(f"unknown key {word!r}", word, known, at_key=True)
+            return _unknown_key(path, error["input"], keys_at(model, error["loc"][:-1]))
         case "literal_error" | "enum":
             return _unknown(path, error["input"], str(error["ctx"]["expected"]))
         case "union_tag_invalid":
             return _unknown(path, error["ctx"]["tag"], str(error["ctx"]["expected_tags"]))
         case _:
             return Mistake(_key(path) + _wrong_value(error, field))
+
+
+def _unknown_key(path: Path, value: object, known: Collection[str]) -> Mistake:
+    """Return the sentence for a key that is not known; a state that is not indented is named."""
+    word = str(path[-1])
+    if len(path) == 1 and isinstance(value, dict) and "kind" in value:
+        return Mistake(f"unknown key {word!r}: a state is indented below 'states'", at_key=True)
+    return Mistake(f"unknown key {word!r}", word, known, at_key=True)
 
 
 def _key(path: Path) -> str:
@@ -78,11 +86,20 @@ def _wrong_value(error: Mapping[str, Any], field: FieldInfo | None) -> str:
         return "missing key 'use'"
     wanted = expected(field) if field is not None else "a mapping"
     if kind.endswith(_TYPE_ERRORS):
-        return f"expected {wanted}, got {shown(value)}"
+        return f"expected {wanted}, got {shown(value)}{_remedy(wanted, value)}"
     if kind in {"too_long", "too_short"}:
         return f"expected {wanted}, got {context['actual_length']}"
     message = str(error["msg"])
     return message[:1].lower() + message[1:]
+
+
+def _remedy(wanted: str, value: object) -> str:
+    """Return how to mend a value of the wrong type where its text shows what was meant."""
+    if wanted.startswith("a list") and isinstance(value, dict):
+        return ": begin each entry with '- '"
+    if wanted.startswith("a mapping") and isinstance(value, str) and _NO_SPACE.match(value):
+        return ": put a space after ':'"
+    return ""
 
 
 def _unknown(path: Path, value: object, allowed: str) -> Mistake:

@@ -24,7 +24,7 @@ from missionkit.chart.text.located_data import (
 from missionkit.chart.text.regular_file import read_bytes
 from missionkit.chart.text.yaml_errors import syntax_problem
 from missionkit.chart.text.yaml_scalars import Scalar, resolve
-from missionkit.errors import FileError, Place, Problem
+from missionkit.errors import FileError, Place, Problem, nearest
 
 MAX_BYTES = 4 * 1024 * 1024
 MAX_DEPTH = 64
@@ -77,7 +77,8 @@ def read_file(path: Path, inside: str = "") -> Document:
         raw = read_bytes(path, MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise FileError([Problem(start, f"cannot be read: {reason.lower()}")]) from error
+        near = _files_like(path) if isinstance(error, FileNotFoundError) else ""
+        raise FileError([Problem(start, f"cannot be read: {reason.lower()}{near}")]) from error
     try:
         text = raw.decode()
     except UnicodeDecodeError as error:
@@ -114,6 +115,12 @@ def read(text: str, file: str, inside: str = "") -> Document:
     if builder.root is None:
         raise FileError(builder.problems or [Problem(Place(file, 1, 1), "the file is empty")])
     return Document(file, builder.root, tuple(builder.problems), inside)
+
+
+def _files_like(path: Path) -> str:
+    """Return a hint at the YAML files beside one that does not exist."""
+    names = [it.name for it in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
+    return f"; {nearest(path.name, names)}" if names else ""
 
 
 def _events(text: str) -> Iterator[Any]:
