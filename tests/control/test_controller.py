@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from missionkit.control.controller import Control, ControlMemory
 from missionkit.control.velocity_limits import Limits
 from missionkit.geometry import IDENTITY, vec
-from missionkit.messages import Estimate, Guidance, Health, Mode
+from missionkit.messages import Estimate, Guidance, HalfSpace, Health, Mode
 
 HEALTH = Health(True, False, 0.0, 0.0, 0.1, 0)
 anything = st.floats(allow_nan=True, allow_infinity=True)
@@ -90,6 +90,32 @@ def test_mode_none_is_zero_at_once():
     setpoint, memory = control.step(memory, Mode.NONE, guidance, seen, 0.05)
     assert not setpoint.velocity.any()
     assert memory == control.begin()
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.2, 5.0])
+def test_after_a_long_gap_the_velocity_changes_no_more_than_after_a_short_one(dt):
+    control, seen = Control(), estimate(np.zeros(3), np.zeros(3))
+    guidance = Guidance(vec(100, 0, -100), 8.0)
+    setpoint, _ = control.step(ControlMemory(), Mode.GPS, guidance, seen, dt)
+    north, _, down = setpoint.velocity
+    assert north == pytest.approx(control.limits.acceleration * min(dt, 0.2))
+    assert down == pytest.approx(-control.limits.vertical_acceleration * min(dt, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("shove", "gap", "waits"),
+    [(1.0, 50.0, True), (1.0, None, True), (0.0, 50.0, False), (0.0, 0.05, True)],
+)
+def test_the_integrator_waits_while_avoidance_or_a_plane_moves_the_vehicle(shove, gap, waits):
+    control, seen = Control(), estimate(np.zeros(3), vec(0.2, 0, 0))
+    bound = None if gap is None else HalfSpace(vec(gap, 0, 0), vec(-1, 0, 0))
+    guidance, push = Guidance(vec(0.5, 0, 0), 2.0), vec(0, shove, 0)
+    memory = ControlMemory(velocity=(0.5, 0.0, 0.0))
+    _, memory = control.step(memory, Mode.GPS, guidance, seen, 0.05, push=push, bound=bound)
+    assert memory.pushed is waits
+    charged = memory.pid
+    _, memory = control.step(memory, Mode.GPS, guidance, seen, 0.05, push=push, bound=bound)
+    assert (memory.pid == charged) is waits
 
 
 @pytest.mark.parametrize("avoid", [True, False])

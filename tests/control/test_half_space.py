@@ -52,6 +52,13 @@ def test_far_away_and_on_the_way_out_nothing_changes() -> None:
     assert kept((-1.0, 1.0, 0.5), near, SOUTH, LIMITS) == pytest.approx((-1.0, 1.0, 0.5))
 
 
+@pytest.mark.parametrize("moving", [0.0, -1.0, 0.3])
+@pytest.mark.parametrize("gap", [0.2, 1.0, 3.0])
+def test_a_slow_vehicle_is_commanded_no_faster_than_it_could_stop(gap, moving) -> None:
+    slow = seen(vec(10.0 - gap, 0.0, -2.0), vec(moving, 0.0, 0.0))
+    assert kept((8.0, 0.0, 0.0), slow, SOUTH, LIMITS)[0] <= admissible_speed(gap, LIMITS) + 1e-9
+
+
 def test_a_vehicle_that_is_too_fast_is_sent_back() -> None:
     fast = seen(vec(9.0, 0.0, -2.0), vec(2.0, 0.0, 0.0))
     assert kept((0.5, 0.0, 0.0), fast, SOUTH, LIMITS)[0] < -0.5

@@ -11,7 +11,7 @@ from samples import calm
 from scipy.integrate import solve_ivp
 
 from missionkit.control import lqr_gains, quaternion_feedback
-from missionkit.control.lqr import Lqr, LqrMemory
+from missionkit.control.lqr import Lqr, LqrMemory, Reference
 from missionkit.control.reference_motion import stepped
 from missionkit.geometry import (
     IDENTITY,
@@ -153,6 +153,24 @@ def test_the_integral_does_not_wind_up_while_the_force_is_at_its_limit():
     body.fly(to(HERE), 60)
     assert np.array(body.track)[-1200:, 0].min() > -0.1
     assert abs(body.y[0]) < 1e-3
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.2, 0.2), (0.0, 0.0), (-0.2, -0.05)])
+def test_at_the_limit_of_the_force_the_integral_changes_towards_zero_only(before, after):
+    law, off = Lqr(), vec(3.0, 0.0, 0.0)
+    reference = Reference(HERE, HERE, IDENTITY, HERE)
+    memory = LqrMemory(reference, (before, 0.0, 0.0))
+    _, memory = law.step(memory, Mode.GPS, to(HERE), calm(position=off, velocity=HERE), DT)
+    assert memory.integral == pytest.approx((after, 0.0, 0.0))
+
+
+def test_without_guidance_the_force_is_against_the_motion_however_it_is_turned():
+    law, velocity = Lqr(), vec(0.005, -0.01, 0.007)
+    attitude = exp(vec(0.4, 1.0, -2.0))
+    seen = calm(velocity=velocity, attitude=attitude, rates=HERE)
+    wrench, memory = law.step(LqrMemory(), Mode.GPS, None, seen, DT)
+    np.testing.assert_allclose(rotate(attitude, wrench.force), -law.gains[1] * velocity)
+    assert memory == law.begin()
 
 
 def test_force_and_torque_keep_their_limits_and_the_direction():
@@ -298,3 +316,9 @@ def test_a_reference_arrives_without_overshoot(away, dt):
         assert norm(velocity) <= 0.05 * (1 + 1e-9)
         assert place[0] <= away * (1.0 + 1e-6) + 1e-6
     np.testing.assert_allclose(place, goal, atol=1e-6)
+
+
+@pytest.mark.parametrize("away", [1e-6, 1e-5])
+def test_a_reference_one_step_from_its_goal_arrives_and_goes_no_further(away):
+    offset = np.array([0.6, 0.0, -0.8]) * away
+    np.testing.assert_allclose(DT * stepped(offset, HERE, 0.05, 0.01, DT), offset)

@@ -100,6 +100,13 @@ def test_what_pushes_the_vehicle_in_is_answered_the_harder_the_further_in_it_is(
     assert {v[1] for v in pushed} == {0.2}
 
 
+@pytest.mark.parametrize(("north", "sent"), [(1.0, -0.75), (-0.5, -0.75), (-2.0, -2.0)])
+def test_what_is_flown_away_already_is_not_added_to(north, sent):
+    how, gap = Stopping(0.75, 2.0, 0.7), 0.5
+    near = NearbyObstacles(np.array([[-gap, 0, 0]]), np.array([gap**2]))
+    np.testing.assert_allclose(backed_off(vec(north, 0.2, 0), near, how, 3.0), (sent, 0.2, 0))
+
+
 def test_the_last_command_brakes_harder_than_planned():
     points = np.array([[5.0, 0.0, -3.0]])
     memory, seen = looked(FIELD, points, velocity=vec(4, 0, 0))

@@ -13,6 +13,7 @@ from missionkit.messages import (
     AttitudeSetpoint,
     Command,
     Detection,
+    Fired,
     Frame,
     PositionSetpoint,
     Setpoint,
@@ -22,7 +23,7 @@ from missionkit.messages import (
 )
 from missionkit.perception.opencv_helpers import decode_grey
 from missionkit.recorder import message_encoding
-from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.flight_recorder import FlightRecorder, Pace
 from missionkit.recorder.message_encoding import UPRIGHT
 from missionkit.recorder.record_digest import hash_of
 from missionkit.recorder.record_reader import read
@@ -123,6 +124,23 @@ def test_the_state_says_since_when(tmp_path, flight):
     assert {entry.data["since"] for entry in standing if entry.data["state"] == "idle"} == {0.0}
     since = {entry.data["since"] for entry in standing if entry.data["state"] == "gps"}
     assert list(since) == [pytest.approx(4.05)]
+
+
+@pytest.mark.parametrize("rate", [1.0, 20.0, 25.0, 30.0, 50.0])
+def test_a_slot_as_long_as_a_tick_takes_every_tick(rate):
+    pace = Pace(rate)
+    assert all(pace.due(n * (1.0 / rate)) for n in range(1000))
+    assert not pace.due(999 * (1.0 / rate))
+
+
+def test_a_state_that_is_entered_again_says_so(tmp_path, flight):
+    ticks = list(flight(8.0))
+    record, truth = ticks[120]  # 6 s
+    ticks[120] = record._replace(fired=(Fired("gps", "gps", "on again", (), ()),)), truth
+    fly(tmp_path, ticks)
+    standing = read(tmp_path / "flight.mcap", "/state")
+    since = sorted({entry.data["since"] for entry in standing if entry.data["state"] == "gps"})
+    assert since == [pytest.approx(4.05), pytest.approx(6.0)]
 
 
 def test_changes_of_one_tick_are_recorded_at_any_rate(tmp_path, flight):

@@ -51,6 +51,18 @@ def test_a_problem_repeated_with_other_numbers_is_one_line_of_the_summary(flight
     ]
 
 
+def test_what_is_kept_for_a_checkpoint_does_not_grow_with_the_flight(flight):
+    track, kept = tracks.begin(), None
+    for record, truth in flight(30.0):
+        tracks.add(track, record, truth)
+        if kept is None and record.now >= 5.0:
+            kept = tracks.without_rows(track)
+            before = [it.copy() for it in kept[4:]], {k: list(v) for k, v in kept.guards.items()}
+    assert ([it.copy() for it in kept[4:]], dict(kept.guards)) == before
+    assert [it.state for it in kept.visits] == ["idle", "gps"]
+    assert kept.times == kept.estimated == kept.true == kept.cycles == []
+
+
 def test_without_truth_the_track_has_none(flight):
     track = tracks.begin()
     for record, _ in flight(1.0):

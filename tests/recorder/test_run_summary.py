@@ -41,6 +41,15 @@ def test_a_summary_survives_the_disk(tmp_path, flight):
     assert written["problems"] == ["27.05 s: search: height above 2 m is not kept"]
 
 
+def test_the_duration_of_a_track_that_begins_late_is_its_own(flight):
+    track = tracks.begin()
+    for record, truth in flight(12.0):
+        if record.now >= 5.0:
+            tracks.add(track, record, truth)
+    summary = summarise(track, mission="m", outcome="success", reason="landed")
+    assert summary.duration == pytest.approx(track.times[-1] - 5.0)
+
+
 def test_timing_gives_percentiles_in_milliseconds():
     cycles = [Cycle(0.001 * k, 0.002, 0.0, overruns=k // 50) for k in range(101)]
     timing = timing_of(cycles)

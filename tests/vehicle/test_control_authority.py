@@ -186,6 +186,19 @@ def test_an_order_that_was_accepted_and_shows_in_no_heartbeat_was_overridden(ord
     assert desk.sent_events == ["let go", "pilot_takeover"]
 
 
+def test_what_was_accepted_before_says_nothing_about_a_new_request():
+    desk = Desk().fly()
+    desk.authority.order("hold")
+    desk.hear("hold")
+    desk.where = Whereabouts(on_ground=False, height=4.0, from_home=20.0)
+    desk.authority.order("land")
+    desk.authority.accepted(21)
+    desk.hear("hold")
+    desk.authority.order("return")
+    assert desk.hear("hold", "hold", "hold").authority.ours
+    assert desk.sent_events == []
+
+
 def test_an_accepted_order_is_not_overridden_on_the_ground_where_it_ended_or_once_it_shows():
     for where, modes in ((GROUND, ("hold",) * 3), (AIR, ("hold", "land", "hold"))):
         desk = Desk().fly()

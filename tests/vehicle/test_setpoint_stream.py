@@ -137,6 +137,7 @@ def test_streaming_counts_from_the_last_break():
     bench.streamer.tell(NORTH, bench.now)
     bench.run(0.2)
     assert bench.streamer.streaming(bench.now) == pytest.approx(0.15, abs=0.06)
+    assert bench.streamer.streaming(bench.now + 0.6) == 0.0  # the thread stood still
 
 
 def test_a_link_that_refuses_does_not_end_the_thread():
