@@ -12,7 +12,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
@@ -157,6 +157,14 @@ class Behavior(Plugin):
     def targets(self) -> tuple[str, ...]:
         """Name the targets this behaviour needs, for checks before flight."""
         return ()
+
+    def with_camera(self, camera: CameraModel) -> Self:  # noqa: ARG002
+        """Return the behaviour as it flies with the mission's camera: here itself.
+
+        Args:
+            camera: lens and mount.
+        """
+        return self
 
     def unfit(self, known: Occupancy | None, targets: Mapping[str, Spot]) -> str:  # noqa: ARG002
         """Say before flight why the map rules this behaviour out; "" if it does not.

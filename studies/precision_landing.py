@@ -22,7 +22,9 @@ from studies.precision_landing_figure import draw
 from studies.precision_landing_flight import (
     CASES,
     MISSION,
+    POOR_CASES,
     RULES,
+    UNGUARDED,
     Landing,
     Order,
     fly_all,
@@ -45,6 +47,21 @@ def orders(seeds: Sequence[int], camera: str) -> list[Order]:
         for rule in RULES
         for case in CASES
         for wind in WINDS
+    ]
+
+
+def poor_orders(seeds: Sequence[int], camera: str) -> list[Order]:
+    """Return the flights with a poor estimate: with the rule to deviate and without it.
+
+    Args:
+        seeds: of the flights.
+        camera: `rendered` or `corners`.
+    """
+    return [
+        Order(rule, case, WINDS[-1], seed, camera, poor=True)
+        for seed in seeds
+        for case in POOR_CASES
+        for rule in ("ours", UNGUARDED)
     ]
 
 
@@ -112,7 +129,28 @@ def verdict(runs: Sequence[Landing]) -> str:
     return "\n".join(lines)
 
 
-def page(runs: Sequence[Landing], command: str) -> str:
+def guarded(runs: Sequence[Landing]) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each rule: flights with a poor estimate, and how they went.
+
+    Args:
+        runs: those flights.
+    """
+    for rule in ("ours", UNGUARDED):
+        mine = chosen(runs, rule)
+        good = [run for run in mine if run.succeeded]
+        low, high = wilson(len(good), len(mine))
+        yield (
+            rule,
+            str(len(mine)),
+            str(sum("deviate" in run.states for run in mine)),
+            f"{len(good)} ({100 * low:.0f} to {100 * high:.0f} %)",
+            f"{np.mean([run.duration for run in mine]):.1f}",
+            f"{np.mean([run.energy for run in mine]):.0f}",
+            f"{100 * np.quantile([run.missed for run in good], 0.95):.1f}" if good else "—",
+        )
+
+
+def page(runs: Sequence[Landing], poor: Sequence[Landing], command: str) -> str:
     """Return the page."""
     mission = mission_of("ours", CASES[0])
     world = world_of(mission, MISSION.parent)
@@ -128,6 +166,11 @@ def page(runs: Sequence[Landing], command: str) -> str:
         flights=table(
             ("rule", "flights", "succeeded", "pad seen", "time, s", "touch, m/s, median, most"),
             _flights(runs),
+        ),
+        pairs=len(poor) // 2,
+        guarded=table(
+            ("rule", "flights", "deviated", "succeeded", "time, s", "energy, J", "p95, cm"),
+            guarded(poor),
         ),
         planned=table(("case", "planned, J", "blind, flown, J", "time, s"), _planned(runs)),
         assumptions="\n".join(f"- {name}: {text}" for name, text in assumptions(mission, world)),
@@ -192,13 +235,13 @@ def _said(found: Interval, digits: int) -> str:
     return "—" if math.isnan(found.value) else f"{found.value:.{digits}f} [{low}, {high}]"
 
 
-def write(runs: Sequence[Landing], out: Path, command: str) -> None:
+def write(runs: Sequence[Landing], poor: Sequence[Landing], out: Path, command: str) -> None:
     """Write the page and its picture into the folder `out`."""
     out.mkdir(parents=True, exist_ok=True)
     seeds = len({run.order.seed for run in runs})
     subtitle = f"{len(runs)} flights, {seeds} seeds, the same for every rule"
     draw(out / "precision_landing.png", runs, subtitle)
-    (out / "precision_landing.md").write_text(page(runs, command), encoding="utf-8")
+    (out / "precision_landing.md").write_text(page(runs, poor, command), encoding="utf-8")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -207,19 +250,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
         prog="python -m studies.precision_landing", description=main.__doc__
     )
     parser.add_argument("--seeds", type=int, default=10, help="of each rule, case and wind")
-    parser.add_argument("--first", type=int, default=2000, metavar="SEED")
+    parser.add_argument("--poor", type=int, default=20, metavar="SEEDS", help="of a poor estimate")
+    parser.add_argument("--first", type=int, default=3000, metavar="SEED")
     parser.add_argument("--camera", choices=("rendered", "corners"), default="rendered")
     parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     given = parser.parse_args(arguments)
     wanted = orders(range(given.first, given.first + given.seeds), given.camera)
+    wanted += poor_orders(range(given.first, given.first + given.poor), given.camera)
     flights = fly_all(wanted, given.workers)
-    runs = list(track(flights, "flying", len(wanted), disable=not sys.stderr.isatty()))
+    done = list(track(flights, "flying", len(wanted), disable=not sys.stderr.isatty()))
+    runs = [run for run in done if not run.order.poor]
+    poor = [run for run in done if run.order.poor]
     command = (
-        f"python -m studies.precision_landing --seeds {given.seeds} --first {given.first} "
-        f"--camera {given.camera}"
+        f"python -m studies.precision_landing --seeds {given.seeds} --poor {given.poor} "
+        f"--first {given.first} --camera {given.camera}"
     )
-    write(runs, given.out, command)
+    write(runs, poor, given.out, command)
     print(verdict(runs))  # noqa: T201
 
 

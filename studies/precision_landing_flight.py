@@ -91,6 +91,14 @@ RULES = {
 }
 """The mission's chart; 3 s over the pad and 0.5 m/s; 1 s and 1 m/s; the path with no camera."""
 
+UNGUARDED = "unguarded"
+DEVIATES = "      - {to: deviate, when: glide-no-longer}\n"
+"""The transition of the mission's chart that its rule of Markov states takes."""
+
+POOR_CASES = ((10.0, 2.0), (20.0, 3.0))
+POOR_SD, POOR_SCALE, POOR_FLOW = 0.5, 1.5, 3.0
+"""Of the pad's place (m) as the mission states it, what it is really; of the noise of the flow."""
+
 CASES = ((10.0, 2.0), (10.0, 5.0), (20.0, 3.0), (5.0, 3.0))
 """Level distance and height (m) at the start."""
 
@@ -103,6 +111,7 @@ class Order(NamedTuple):
     wind: float  # m/s, mean
     seed: int
     camera: str = "rendered"
+    poor: bool = False  # estimate, and a narrow camera that looks straight down
 
 
 class Landing(NamedTuple):
@@ -120,30 +129,56 @@ class Landing(NamedTuple):
     path: Mat  # (N, 2), m: level distance left, height
 
 
+def faults_of(rule: str) -> tuple[str, ...]:
+    """Return the faults that a rule is flown with.
+
+    Args:
+        rule: one of `RULES`, or `UNGUARDED`, which has none.
+    """
+    return RULES[rule].faults if rule in RULES else ()
+
+
 @cache
-def mission_of(rule: str, case: tuple[float, float]) -> Mission:
-    """Return the mission with the states of a rule."""
-    text, chosen = MISSION.read_text(encoding="utf-8"), RULES[rule]
+def mission_of(rule: str, case: tuple[float, float], *, poor: bool = False) -> Mission:
+    """Return the mission with the states of a rule.
+
+    Args:
+        rule: one of `RULES`, or `UNGUARDED`: the mission without its rule to deviate.
+        case: level distance and height (m) at the start.
+        poor: with a pad less well surveyed, more noise of the flow, and a camera of 60 by 47 deg
+            that looks straight down.
+    """
+    text = MISSION.read_text(encoding="utf-8")
+    chosen = RULES["ours" if rule == UNGUARDED else rule]
     if chosen.states is not None:
         text = text.partition(CUT)[0] + chosen.states
+    if rule == UNGUARDED:
+        before, _, after = text.partition(DEVIATES)
+        text = before + after
     distance, height = case
     settings = {
         "north": f"{distance:g}",
         "height": f"{height:g}",
         "descent": f"{chosen.descent:g}",
     }
-    return parse(text, str(MISSION), builtin(), settings)
+    if not poor:
+        return parse(text, str(MISSION), builtin(), settings)
+    settings |= {"pad_sd": f"{POOR_SD:g}", "flow_sd": f"{0.045 * POOR_FLOW:g}"}
+    mission = parse(text, str(MISSION), builtin(), settings)
+    mount = mission.camera.mount.model_copy(update={"tilt_deg": 90.0})
+    eye = mission.camera.model_copy(update={"focal": 554.0, "mount": mount})
+    return mission.model_copy(update={"camera": eye})
 
 
 def world_for(order: Order, mission: Mission) -> World:
     """Return the world of a seed: the same pad and wind for every rule.
 
-    The pad lies off its surveyed place as the mission says it may, and the wind comes from
-    anywhere.
+    The pad lies off its surveyed place as the mission says it may (a poor one by half as much
+    again), and the wind comes from anywhere.
     """
     world, rng = world_of(mission, MISSION.parent), np.random.default_rng((13, order.seed))
     pad = mission.targets["pad"]
-    north, east = rng.normal(0.0, pad.position_sd, 2)
+    north, east = rng.normal(0.0, pad.position_sd * (POOR_SCALE if order.poor else 1.0), 2)
     turn = rng.uniform(-math.pi, math.pi)
     middle = world.markers[-1].position
     markers = tuple(
@@ -160,15 +195,22 @@ def world_for(order: Order, mission: Mission) -> World:
     )
     mean = (order.wind * math.cos(turn), order.wind * math.sin(turn), 0.0)
     wind = Wind(mean=mean, gust=world.wind.gust + 0.1 * order.wind)
-    return world.model_copy(update={"markers": markers, "wind": wind})
+    world = world.model_copy(update={"markers": markers, "wind": wind})
+    if not order.poor:
+        return world
+    across, along = world.sensors.flow.sd
+    noisy = (POOR_FLOW * across, POOR_FLOW * along)
+    flow = world.sensors.flow.model_copy(update={"sd": noisy})
+    sensors = world.sensors.model_copy(update={"flow": flow})
+    return world.model_copy(update={"sensors": sensors})
 
 
 def flown(order: Order) -> Landing:
     """Fly once."""
-    mission = mission_of(order.rule, order.case)
+    mission = mission_of(order.rule, order.case, poor=order.poor)
     eye = mission.camera.model_copy(update={"use": order.camera})
     mission = mission.model_copy(update={"camera": eye})
-    faults = [parse_fault(text) for text in RULES[order.rule].faults]
+    faults = [parse_fault(text) for text in faults_of(order.rule)]
     ready = stage(mission, builtin(), world_for(order, mission), order.seed, faults)
     pad = np.array(ready.world.markers[-1].position[:2])
     states: list[str] = []

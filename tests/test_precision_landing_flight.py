@@ -11,7 +11,9 @@ from rehearsed import MISSIONS, flown, timeless
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
-from missionkit.rehearsal import stage, world_of
+from missionkit.engine.prepared_mission import prepare
+from missionkit.planning.rotor_power import RotorPower
+from missionkit.rehearsal import Again, rehearse, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 
 MISSION = MISSIONS / "precision_landing.yaml"
@@ -28,7 +30,7 @@ def landed(*faults, seed=1, camera="corners", settings=()):
 
 def missed(flight):
     """How far from the middle of the pad it stands, in truth (m)."""
-    pad = flight.ready.world.marker(8).position
+    pad = flight.ready.world.marker(227).position
     return float(np.hypot(*(flight.ready.vehicle.truth.position[:2] - pad[:2])))
 
 
@@ -92,6 +94,53 @@ def test_satellites_that_go_wrong_are_not_listened_to():
     flight = landed("gnss_jump=40@ready")
     assert flight.result.succeeded
     assert missed(flight) < 0.15
+
+
+def test_the_cone_that_is_sure_to_be_in_view_is_that_of_the_missions_camera():
+    """480 px at a focal length of 300 px, tilted down by 68 degrees: the lower edge is nearest."""
+    chart = prepare(load(MISSION, builtin()), builtin()).chart
+    angle = chart.states["glide"].behavior.half_angle_deg
+    assert angle == pytest.approx(np.degrees(np.arctan(240.0 / 300.0)) - 22.0, abs=0.1)
+
+
+def test_the_mission_plans_with_the_rotors_of_its_world():
+    mission = load(MISSION, builtin())
+    frame = world_of(mission, MISSIONS).quadrotor
+    for name in ("glide", "deviate", "descend"):
+        flown = mission.by_name()[name].state.behavior.plugin
+        assert (flown.rotors or RotorPower()) == frame.rotors
+        assert (flown.mass, flown.drag) == (frame.mass, frame.drag_quadratic)
+
+
+class KilledError(BaseException):
+    """The process died."""
+
+
+@pytest.mark.parametrize(
+    ("state", "gap", "on_the_pad"),
+    [("glide", 0.2, True), ("descend", 0.5, True), ("glide", 2.0, False)],
+)
+def test_a_landing_that_was_killed_lands_after_it_was_resumed(state, gap, on_the_pad):
+    """Without satellites and before the pad was seen, a long gap leaves no position: it lands."""
+    mission, world = landed().ready.mission, landed().ready.world
+    kept = []
+
+    def save(each):
+        kept.append(each)
+        inside = [it for it in kept if it.course.memory.chart.state == state]
+        if inside and each.course.memory.now > inside[0].course.memory.now + 0.6:
+            raise KilledError
+
+    ready = stage(mission, builtin(), world, 1)
+    with pytest.raises(KilledError):
+        rehearse(ready, save=save)
+    rows = ready.vehicle.track.rows
+    before = rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
+    again = stage(mission, builtin(), world, 1)
+    result = rehearse(again, again=Again(kept[-1], before, gap))
+    assert result.flown.end is FlightEnd.LANDED
+    assert not again.vehicle.truth.crashed
+    assert result.succeeded is on_the_pad
 
 
 def test_the_same_seed_gives_the_same_flight():

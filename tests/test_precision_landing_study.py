@@ -16,11 +16,17 @@ def runs():
 
 
 def test_the_page_says_what_the_flights_gave(runs, tmp_path):
-    precision_landing.write(runs, tmp_path, "a command")
+    poor = list(fly_all(precision_landing.poor_orders([5], "corners")[:2], workers=1))
+    precision_landing.write(runs, poor, tmp_path, "a command")
     page = (tmp_path / "precision_landing.md").read_text()
     assert precision_landing.verdict(runs) in page
     assert f"{len(runs)} flights: every rule" in page
     assert not re.search(r"\$[a-z]", page)
+    guarded, unguarded = poor
+    assert "deviate" in guarded.states
+    assert "deviate" not in unguarded.states
+    assert guarded.succeeded
+    assert guarded.duration < 0.5 * unguarded.duration  # the other waits where the pad is not
     assert (tmp_path / "precision_landing.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -6,8 +6,10 @@ import math
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
-from missionkit.control import half_space, pid
+from missionkit.control import disturbance_observer, half_space, pid
+from missionkit.control.disturbance_observer import DisturbanceObserver, Observed
 from missionkit.control.pid import Gains, PidMemory, Tracking
 from missionkit.control.velocity_limits import (
     ZERO,
@@ -34,6 +36,12 @@ class ControlMemory(NamedTuple):
     yaw: YawMemory = YawMemory()
     velocity: Triple = ZERO  # m/s, NED, as commanded last
     pushed: bool = False  # avoidance was at work
+    observed: Observed = Observed()
+
+    def having_sent(self, setpoint: Setpoint) -> ControlMemory:
+        """Return the memory after what was sent, which others may have limited since."""
+        north, east, down = setpoint.velocity.tolist()
+        return self._replace(observed=self.observed._replace(sent=(north, east, down)))
 
 
 class Control(Plugin):
@@ -43,6 +51,9 @@ class Control(Plugin):
     field's push; within the limits; then v(t) = α u + (1 - α) v(t-1), slewed at most at the
     acceleration limit. Without guidance, or with one that is not finite, the velocity goes to
     zero as fast as the limits allow and the yaw stays.
+
+    With an `observer` the velocity sent is corrected for what disturbs the vehicle: wind, and what
+    the autopilot's own integral holds after braking; the modes' integrals can then be 0.
 
     The modes differ in their gains. What the integrators hold is a velocity and carries over,
     so a change of mode makes no bump; it is forgotten when there is no guidance.
@@ -60,6 +71,9 @@ class Control(Plugin):
     alpha: Fraction = 0.8  # at 20 Hz
     yaw: YawLaw = YawLaw()
     limits: Limits = Limits()
+    observer: DisturbanceObserver | None = Field(
+        default=None, description="of what keeps the vehicle from flying what it is sent"
+    )
 
     def begin(self) -> ControlMemory:
         """Return the memory at the start: at rest."""
@@ -152,14 +166,29 @@ class Control(Plugin):
         last = memory.velocity
         smooth = smoothed(last, self.limits.bounded(total), alpha_at(self.alpha, dt))
         velocity = self.limits.slewed(last, smooth, dt)
+        sent, observed = self._corrected(velocity, memory.observed, seen, dt)
         if bound is not None:
-            free, velocity = velocity, half_space.kept(velocity, seen, bound, self.limits)
-            pushed = pushed or math.dist(free, velocity) > CUT
+            free, sent = sent, half_space.kept(sent, seen, bound, self.limits)
+            velocity = sent
+            pushed = pushed or math.dist(free, sent) > CUT
         rate, look = self._turn(memory.yaw, guidance, seen)
-        setpoint = finite(Setpoint(np.array(velocity), rate))
+        setpoint = finite(Setpoint(np.array(sent), rate))
         if setpoint is None:
             return Setpoint(np.zeros(3), 0.0), self.begin()
-        return setpoint, ControlMemory(memory.pid, look, velocity, pushed)
+        flown = ControlMemory(memory.pid, look, velocity, pushed, observed)
+        return setpoint, flown.having_sent(setpoint)
+
+    def _corrected(
+        self, velocity: Triple, observed: Observed, seen: Estimate, dt: float
+    ) -> tuple[Triple, Observed]:
+        """Return the velocity (3,), m/s, NED, less what disturbs it, and the observer's memory."""
+        if self.observer is None:
+            return velocity, observed
+        north, east, down = seen.velocity.tolist()
+        observed = disturbance_observer.observed(self.observer, observed, (north, east, down), dt)
+        more = disturbance_observer.correction(self.observer, observed)
+        sent = (velocity[0] + more[0], velocity[1] + more[1], velocity[2] + more[2])
+        return self.limits.bounded(sent), observed
 
     def _gains(self, mode: Mode) -> Gains:
         if mode is Mode.VISUAL:

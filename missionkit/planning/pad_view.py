@@ -8,6 +8,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+from missionkit.geometry import to_matrix
+from missionkit.messages import CameraModel
+
 REACTION = 0.3  # s, until a sighting has changed the velocity
 
 
@@ -50,3 +55,25 @@ def entry_radius(cone: ViewCone, sd: float, height: float) -> float:
         height: above the pad, m.
     """
     return max(0.0, height * math.tan(cone.half_angle) - cone.sigmas * sd)
+
+
+def cone_below(camera: CameraModel) -> float:
+    """Return the half angle (rad) of the widest cone about the vertical that is in view.
+
+    Of a level vehicle; the planes through the image's edges bound what is seen. Distortion is left
+    out: a lens that bends its edges outwards sees more. Negative if it does not see straight down.
+
+    Args:
+        camera: of the mission.
+    """
+    down = to_matrix(camera.mount.rotation).T @ np.array((0.0, 0.0, 1.0))
+    rays = np.linalg.solve(camera.matrix, _corners(camera)).T  # (4, 3), clockwise
+    edges = np.cross(rays, np.roll(rays, -1, axis=0))  # inward normals
+    inward = edges / np.linalg.norm(edges, axis=1, keepdims=True)
+    return float(np.arcsin(np.clip(inward @ down, -1.0, 1.0)).min())
+
+
+def _corners(camera: CameraModel) -> np.ndarray:
+    """Return the image's corners (3, 4), px, homogeneous, clockwise from the top left."""
+    right, low = camera.width - 0.5, camera.height - 0.5
+    return np.array(((-0.5, right, right, -0.5), (-0.5, -0.5, low, low), (1.0, 1.0, 1.0, 1.0)))

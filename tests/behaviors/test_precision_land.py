@@ -32,7 +32,7 @@ def rate(behavior, **where):
 
 
 def test_out_of_sight_it_keeps_the_height_that_the_uncertainty_asks_for():
-    glide = PrecisionLand(target="pad")
+    glide = PrecisionLand(target="pad", half_angle_deg=25)
     unsure, sure = {"left": 0.3, "sd": 0.25}, {"left": 0.3, "sd": 0.02}
     assert rate(glide, height=1.8, **unsure) < 0.1
     assert rate(glide, height=1.0, **unsure) < 0.0  # too low: up again
@@ -41,12 +41,12 @@ def test_out_of_sight_it_keeps_the_height_that_the_uncertainty_asks_for():
 
 
 def test_without_sigmas_the_estimate_is_trusted():
-    blind = PrecisionLand(target="pad", sigmas=0.0, least=0.0)
+    blind = PrecisionLand(target="pad", half_angle_deg=25, sigmas=0.0, least=0.0)
     assert rate(blind, height=1.0, left=0.05, sd=0.5) > 0.5
 
 
 def test_sideways_first_and_down_late():
-    glide = PrecisionLand(target="pad")
+    glide = PrecisionLand(target="pad", half_angle_deg=25)
     high = rate(glide, height=3.0, left=9.0, sighted=1.9)
     late = rate(glide, height=3.0, left=1.5, sighted=1.9, velocity=(2.0, 0.0, 0.0))
     assert high == pytest.approx(0.0, abs=0.05)
@@ -54,7 +54,7 @@ def test_sideways_first_and_down_late():
 
 
 def test_level_speed_falls_in_time_for_the_pad():
-    glide = PrecisionLand(target="pad")
+    glide = PrecisionLand(target="pad", half_angle_deg=25)
     begun = glide.begin(seen(0.0, 10.0, 3.0))
     for left in (4.0, 2.0, 1.0):
         fast = (np.sqrt(2.0 * 2.0 * left), 0.0, 0.0)
@@ -64,7 +64,7 @@ def test_level_speed_falls_in_time_for_the_pad():
 
 
 def test_over_the_pad_it_hands_over_and_aside_it_does_not():
-    down = PrecisionLand(target="pad", phase="descend")
+    down = PrecisionLand(target="pad", half_angle_deg=25, phase="descend")
     assert play(down, [seen(0.0, 0.05, 0.1, sighted=0.0)])[0].done
     aside = play(down, [seen(0.0, 0.6, 0.45, sighted=0.0)])[0]
     assert not aside.done
@@ -74,26 +74,26 @@ def test_over_the_pad_it_hands_over_and_aside_it_does_not():
 
 
 def test_it_does_not_hover_where_optical_flow_is_blind():
-    down = PrecisionLand(target="pad", phase="descend")
+    down = PrecisionLand(target="pad", half_angle_deg=25, phase="descend")
     low = play(down, [seen(0.0, 0.6, 0.3, sighted=0.0)])[0]
     assert low.guidance.velocity[2] >= 0.4
 
 
 def test_a_descent_that_loses_the_pad_waits_but_not_in_the_dark():
-    down = PrecisionLand(target="pad", phase="descend")
+    down = PrecisionLand(target="pad", half_angle_deg=25, phase="descend")
     begun = down.begin(seen(0.0, 0.05, 2.0, sighted=0.0))
     assert down.step(seen(1.0, 0.05, 1.5, sighted=0.2), begun).guidance.velocity[2] == 0.0
     assert down.step(seen(1.0, 0.05, 0.4, sighted=0.2), begun).guidance.velocity[2] > 0.1
 
 
 def test_deviating_it_says_once_that_the_pad_is_below():
-    look = PrecisionLand(target="pad", phase="deviate")
+    look = PrecisionLand(target="pad", half_angle_deg=25, phase="deviate")
     steps = play(look, [seen(n * TICK, 0.1, 1.9, sighted=n * TICK) for n in range(20)])
     assert [step.events for step in steps] == [(OVER,)] + [()] * 19
 
 
 def test_a_pad_that_stays_out_of_view_is_searched_from_higher_up_then_abandoned():
-    look = PrecisionLand(target="pad", phase="deviate", highest=4.0)
+    look = PrecisionLand(target="pad", half_angle_deg=25, phase="deviate", highest=4.0)
     steps = play(look, [seen(n * TICK, 0.1, 1.9) for n in range(300)])
     rates = [float(step.guidance.velocity[2]) for step in steps]
     assert abs(rates[5]) < 0.3

@@ -37,7 +37,7 @@ def test_it_lands_on_the_pad_over_the_wire(dialect, monkeypatch, tmp_path):
     assert went[:3] == ["idle", "ready", "glide"]
     assert states[-1] == "land"
     assert next(state for state in reversed(states) if state != "land") == "descend"
-    pad = world.marker(8).position
+    pad = world.marker(227).position
     assert np.hypot(*(np.array(truth["position"][:2]) - pad[:2])) < 0.4
     assert truth["on_ground"]
     assert not truth["crashed"]

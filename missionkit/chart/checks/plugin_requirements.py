@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from missionkit.behaviors.precision_land import PrecisionLand
 from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.errors import Level, Place, Problem
+from missionkit.planning.pad_view import cone_below
 from missionkit.plugin import Plugin
 from missionkit.plugin_protocols import CompositeGuardProtocol
 
@@ -36,6 +38,26 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
                 Level.ERROR,
                 "no-camera",
                 "camera: {use: rendered}",
+            )
+    yield from _not_below(chart)
+
+
+def _not_below(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield each landing that counts on a camera that does not look straight down."""
+    if cone_below(chart.mission.camera.model()) > 0.0:
+        return
+    for _, state, _ in chart.tree.states.values():
+        use = state.behavior
+        if use is None or not isinstance(use.plugin, PrecisionLand):
+            continue
+        if use.plugin.sigmas and use.plugin.half_angle_deg is None:
+            yield Problem(
+                use.place,
+                "behaviour 'precision_land' waits for the pad below, but the camera does not see "
+                "straight down",
+                Level.ERROR,
+                "no-view-below",
+                "camera: {mount: {tilt_deg: 70}}",
             )
 
 

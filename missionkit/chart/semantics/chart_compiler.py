@@ -24,6 +24,9 @@ from missionkit.chart.semantics.compiled_chart import (
 )
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
 from missionkit.errors import NO_PLACE
+from missionkit.plugin import Behavior
+from missionkit.plugin_containment import is_foreign
+from missionkit.plugin_protocols import BehaviorProtocol
 
 PLUGIN_FAILURE_TOLERANCE = 3.0  # s a plug-in may misbehave before the vehicle goes home
 STUCK_FOR_GOOD = 6.0  # s before it lands
@@ -84,10 +87,16 @@ class _Compiler:
             initial=_start(self.mission.initial),
         )
 
+    def _behavior(self, plugin: BehaviorProtocol) -> BehaviorProtocol:
+        """Return the behaviour as it flies with the mission's camera."""
+        if not isinstance(plugin, Behavior) or is_foreign(plugin):
+            return plugin
+        return plugin.with_camera(self.mission.camera.model())
+
     def _state(self, placed: Placed, order: int) -> State:
         name, state, parent = placed
         kind = self.catalogue.kinds[state.kind]
-        behavior = None if state.behavior is None else state.behavior.plugin
+        behavior = None if state.behavior is None else self._behavior(state.behavior.plugin)
         targets = () if behavior is None else behavior.targets()
         promise = state.invariant.holds
         ancestors = (*around(self.placed, parent), ROOT_STATE)
