@@ -104,3 +104,23 @@ def test_an_output_is_described():
         for operation, operand in (("set", 3), ("add", 1), ("copy", "m"), ("toggle", True))
     ]
     assert records == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]
+    assert told == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]
+
+
+def test_a_text_may_be_one_of_few():
+    rule = Variable(initial="safe", one_of=("safe", "bold"))
+    assert rule.admits("bold")
+    assert not rule.admits("rash")
+    assert rule.described == "one of safe, bold"
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"initial": "sade", "one_of": ["safe", "bold"]}, "did you mean 'safe'"),
+        ({"initial": 3, "one_of": ["safe"]}, "only a string has 'one_of'"),
+    ],
+)
+def test_a_first_text_that_is_none_of_them_is_refused(given, says):
+    with pytest.raises(ValueError, match=says):
+        Variable.model_validate(given)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Self, TypeGuard
+from typing import Annotated, Self, TypeGuard
 
 from pydantic import Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
 
 from missionkit.chart.model.model_base import MissionPart
 from missionkit.chart.text.located_data import Table, place_of
 from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.errors import nearest
 from missionkit.units import Number
 
 Value = bool | int | float | str
@@ -24,6 +25,9 @@ class Variable(MissionPart):
     initial: StrictBool | StrictInt | StrictFloat | StrictStr
     min: Number | None = Field(default=None, description="least value, numbers only")
     max: Number | None = Field(default=None, description="greatest value, numbers only")
+    one_of: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        default=(), description="possible values, strings only"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -42,12 +46,17 @@ class Variable(MissionPart):
             raise sentences(sentence(f"'min' {self.min:g} is above 'max' {self.max:g}"))
         if is_number(self.initial) and not self.admits(self.initial):
             raise sentences(sentence(f"{self.initial} is not within 'min' and 'max'", "initial"))
+        if self.one_of and not isinstance(self.initial, str):
+            raise sentences(sentence("only a string has 'one_of'"))
+        if not self.admits(self.initial):
+            hint = nearest(str(self.initial), self.one_of)
+            raise sentences(sentence(f"{self.initial!r} is not in 'one_of'; {hint}", "initial"))
         return self
 
     def admits(self, value: Value) -> bool:
         """Say whether a value is of the variable's type and within its range."""
         if not is_number(value) or not is_number(self.initial):
-            return alike(value, self.initial)
+            return alike(value, self.initial) and (not self.one_of or value in self.one_of)
         if isinstance(self.initial, int) and not isinstance(value, int):
             return False
         if isinstance(value, int) and abs(value) > LARGEST_WHOLE_NUMBER:
@@ -59,6 +68,8 @@ class Variable(MissionPart):
     @property
     def described(self) -> str:
         """Description of a valid value, with its range."""
+        if self.one_of:
+            return f"one of {', '.join(self.one_of)}"
         low = "" if self.min is None else f", at least {self.min:g}"
         high = "" if self.max is None else f", at most {self.max:g}"
         return self.type_name + low + high
