@@ -94,6 +94,8 @@ def test_a_range_beyond_the_gate_changes_nothing_but_the_counts(kind, off):
     assert with_it.rejected == 1
     np.testing.assert_allclose(with_it.x, without.x, atol=1e-12)
     np.testing.assert_allclose(with_it.P, without.P, rtol=1e-9, atol=1e-18)
+    alone = navigator.read(without).health.mahalanobis
+    assert navigator.read(with_it).health.mahalanobis < alone + 0.3  # one outlier does not drown it
 
 
 def test_one_wrong_feature_is_left_out_of_its_frame():
@@ -124,7 +126,8 @@ def test_when_most_ranges_are_refused_it_says_that_it_has_diverged(kind):
     first = next(i for i, h in enumerate(after) if h.diverged)
     assert first < 40
     assert "ranges are refused" in after[first].cause
-    assert after[first].mahalanobis > 3.0
+    assert after[first].mahalanobis > 1.5
+    assert max(health.mahalanobis for health in after) > 2.5
     assert not after[-1].diverged
 
 

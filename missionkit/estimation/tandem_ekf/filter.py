@@ -23,6 +23,8 @@ from missionkit.estimation.tandem_ekf.state_layout import (
     ACCEPTED,
     AT,
     FORCE,
+    GATE_1,
+    GATE_3,
     KIND,
     LEVER,
     NIS,
@@ -51,6 +53,7 @@ class FlyerFilter:
         self._surveyed = surveyed
         self._kernel = initialization.settings_of(settings)
         self._lever = self._kernel[LEVER : LEVER + 3].copy()
+        self._gates = {1: float(self._kernel[GATE_1]), 3: float(self._kernel[GATE_3])}
         self._sources = MeasurementRows.of(settings)
 
     def warm_up(self) -> None:
@@ -101,7 +104,7 @@ class FlyerFilter:
             late=known.late + late + int(before.sum()),
             track=_tracked(known.track, place, x),
         )
-        return _judged(known, rows[~before], unusable)
+        return _judged(known, rows[~before], unusable, self._gates)
 
     def fuse(self, known: FlyerMemory, sightings: tuple[Sighting, ...]) -> FlyerMemory:  # noqa: ARG002
         """Return the memory as it is: sightings of markers are not used."""
@@ -116,8 +119,14 @@ class FlyerFilter:
         return state_output.state(known, self._sources, self._surveyed, self._settings)
 
 
-def _judged(known: FlyerMemory, rows: Mat, unusable: Sequence[str]) -> FlyerMemory:
-    """Count what was accepted: each range, and each frame as one."""
+def _judged(
+    known: FlyerMemory, rows: Mat, unusable: Sequence[str], gates: Mapping[int, float]
+) -> FlyerMemory:
+    """Count what was accepted: each range, and each frame as one.
+
+    To the mean distance, a refused measurement adds that of its gate: it did not touch the state,
+    and one outlier would drown fifty good ranges.
+    """
     ranges, frames, rejected = known.ranges, known.frames, known.rejected
     for why in unusable:
         ranges, rejected = counted(ranges, known.now, accepted=False, why=why), rejected + 1
@@ -126,7 +135,8 @@ def _judged(known: FlyerMemory, rows: Mat, unusable: Sequence[str]) -> FlyerMemo
     for row in rows.tolist():
         kind, at, accepted = row[KIND], row[AT], row[OUTCOME] == ACCEPTED
         rejected = 0 if accepted else rejected + 1
-        distances.append(mahalanobis.distance(row[NIS], 1 if kind == RANGE else 3))
+        m = 1 if kind == RANGE else 3
+        distances.append(mahalanobis.distance(row[NIS] if accepted else gates[m], m))
         if kind == RANGE:
             ranges = counted(ranges, at, accepted=accepted)
         else:
