@@ -104,7 +104,6 @@ def test_an_output_is_described():
         for operation, operand in (("set", 3), ("add", 1), ("copy", "m"), ("toggle", True))
     ]
     assert records == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]
-    assert told == ["assign n = 3", "assign n add 1", "assign n copy m", "assign n toggled"]
 
 
 def test_a_text_may_be_one_of_few():

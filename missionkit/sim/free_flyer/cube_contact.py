@@ -110,7 +110,7 @@ def touch(x: Vec3, memory: Vec3, body: Flyer, dock: Dock) -> None:
     """Take the gap to the target, and keep the chaser out of it.
 
     A slow touch in the corridor stops the motion into the target, without rebound and friction.
-    Any other touch is a crash: the chaser stops there.
+    Any other touch is a crash: the chaser stops there, and its thrusters are off.
 
     Args:
         x: (13,) state of the chaser, changed in place.
@@ -125,7 +125,7 @@ def touch(x: Vec3, memory: Vec3, body: Flyer, dock: Dock) -> None:
     inside = in_corridor(x, dock)
     if not inside:
         memory[at.CLEARANCE] = min(memory[at.CLEARANCE], apart - dock.touching)
-    if apart >= dock.touching:
+    if apart >= dock.touching or not dock.solid:
         return
     push = np.empty(3)
     depth = overlap(offset, matrix_of(x[6:10]), body.half, dock.axes, dock.half, push)
@@ -136,4 +136,4 @@ def touch(x: Vec3, memory: Vec3, body: Flyer, dock: Dock) -> None:
         x[c] += depth * push[c]
         x[3 + c] -= min(0.0, speed) * push[c]
     if not inside or speed < -dock.hard:
-        memory[at.CRASHED] = 1.0
+        memory[at.CRASHED], memory[at.ARMED] = 1.0, 0.0

@@ -74,6 +74,7 @@ class Dock(NamedTuple):
     depth: float
     touching: float  # m, distance of centres at which the bounding spheres touch
     hard: float  # m/s, a faster touch is a crash
+    solid: bool
 
 
 def flyer_constants(world: FreeFlyerWorld) -> Flyer:
@@ -111,4 +112,5 @@ def dock_constants(world: FreeFlyerWorld) -> Dock:
         *cone,
         touching=world.touching,
         hard=world.capture.contact_speed,
+        solid=world.target.solid,
     )

@@ -42,6 +42,7 @@ class DockingTarget(Frozen):
     size: Metres = Field(default=0.10, gt=0, description="side of the cube")
     face: Face = "top"
     roll_deg: Degrees = 0.0
+    solid: bool = Field(default=True, description="false: it is flown through, nothing touches it")
     lit: tuple[Face, ...] = tuple(NORMALS)
     features: tuple[Spot, ...] = FEATURE_PATTERN
 

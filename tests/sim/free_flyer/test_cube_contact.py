@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from docking import Hand, perfect
+from docking import WORLD, Hand, perfect
 from scipy.optimize import linprog
 
 from missionkit.geometry import exp, to_matrix
@@ -51,11 +51,12 @@ def test_overlap_agrees_with_a_linear_program():
     assert 20 < sum(both) < 130
 
 
-def approach(out: float, speed: float, aside: float = 0.0) -> Hand:
+def approach(out: float, speed: float, aside: float = 0.0, *, solid: bool = True) -> Hand:
     """Fly into the docked place from `out` (m) before it; already turned."""
     where = Hand(perfect()).place(out, aside)
     start = {"position": tuple(where.tolist()), "attitude_deg": (-90.0, 0.0, -90.0)}
-    hand = Hand(perfect(start=start))
+    target = {**WORLD.target.model_dump(), "solid": solid}
+    hand = Hand(perfect(start=start, target=target))
     hand.arm()
     hand.push((0.0, 0.0, 1.33 * speed / 2.0), (0.0, 0.0, 0.0), 2.0)
     hand.wait(12.0)
@@ -73,6 +74,7 @@ def test_a_slow_touch_in_the_corridor_stops_the_chaser_at_the_face():
 def test_a_fast_touch_and_one_beside_the_corridor_are_crashes(speed, aside):
     hand = approach(0.15, speed, aside)
     assert hand.flyer.truth.crashed
+    assert not hand.flyer.truth.armed
     stopped = hand.flyer.truth.position
     hand.push((0.1, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0)
     assert hand.flyer.truth.position == pytest.approx(stopped)
@@ -80,3 +82,10 @@ def test_a_fast_touch_and_one_beside_the_corridor_are_crashes(speed, aside):
     hand.wait(0.3)
     assert "disarm_refused" in hand.events
     assert not hand.flyer.ready
+
+
+def test_a_target_that_is_not_solid_is_flown_through():
+    hand = approach(0.15, 0.02, 0.09, solid=False)
+    assert not hand.flyer.truth.crashed
+    assert hand.flyer.truth.position[1] > 1.95
+    assert hand.flyer.truth.clearance < 0.0
