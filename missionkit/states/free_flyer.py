@@ -21,6 +21,7 @@ from missionkit.states.land import LAND_KIND
 from missionkit.states.logic import LOGIC
 from missionkit.states.returning import RETURN_KIND
 from missionkit.states.search import SEARCH
+from missionkit.states.shared_failsafes import LOCK_LOST
 from missionkit.states.task import TASK
 from missionkit.states.vehicle_kind import VehicleKind
 from missionkit.states.visual import VISUAL
@@ -28,6 +29,12 @@ from missionkit.states.visual import VISUAL
 DOCKED_POSITION = 0.02  # m from the docked place, in `task`
 SLIPPED_FOR = 2.0  # s
 TURNING_LIMIT = 300.0  # s, half a turn at a degree per second, and the way
+STUCK = Failsafe(
+    "unreachable",
+    "goal_unreachable",
+    {"further_than": 0.3, "progress": 0.05, "longer_than": 60.0},  # m, m, s
+    "hover",
+)
 
 
 def _docked(seen: Estimate, _: str | None) -> Verdict:
@@ -41,8 +48,16 @@ def _docked(seen: Estimate, _: str | None) -> Verdict:
 
 _FLYER_STATE_KINDS = (
     replace(IDLE_KIND, summary="Thrusters off, or holding."),
-    replace(GPS_KIND, summary="Flying by radio ranges, towards the target or in front of it."),
-    replace(VISUAL, summary="Flying in on the features that the camera sees."),
+    replace(
+        GPS_KIND,
+        summary="Flying by radio ranges, towards the target or in front of it.",
+        failsafes=(STUCK,),
+    ),
+    replace(
+        VISUAL,
+        summary="Flying in on the features that the camera sees.",
+        failsafes=(LOCK_LOST, STUCK),
+    ),
     replace(
         SEARCH,
         summary="Turning until the camera looks at the target.",
@@ -56,7 +71,7 @@ _FLYER_STATE_KINDS = (
         invariant=Invariant("‖e_p‖ ≤ 2 cm", _docked, tolerated=SLIPPED_FOR, to_kind="visual"),
         failsafes=(),
     ),
-    replace(RETURN_KIND, summary="Backing off."),
+    replace(RETURN_KIND, summary="Backing off.", failsafes=(replace(STUCK, to_kind="land"),)),
     replace(
         LAND_KIND,
         summary="Docked, or clear of the target and at rest; thrusters off.",

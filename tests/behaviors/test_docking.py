@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from missionkit.behaviors.docking import Align, Approach, Dock, LookAt, Reorient, Secure
@@ -101,6 +101,17 @@ def test_from_within_the_sphere_the_way_leads_straight_out():
     np.testing.assert_allclose(way, vec(0.2, 0.0, 0.0))
 
 
+@given(directions, directions, st.floats(0.185, 0.2))
+def test_from_just_within_the_sphere_the_way_leads_on_and_out(a, b, near):
+    a, b = np.array(a) / math.hypot(*a), np.array(b) / math.hypot(*b)
+    assume(float(a @ b) < 0.7)
+    way = way_round(near * a, 0.2 * b, vec(0.0, 0.0, 0.0), 0.2) - near * a
+    along = way - float(way @ a) * a
+    assert float(along @ b) > 0.0
+    assert norm(along) > 0.05
+    assert norm(near * a + way) >= 0.2
+
+
 def test_approach_flies_at_the_target_and_keeps_its_attitude():
     at = seen(vec(0.0, 1.0, 0.0), exp(vec(0.1, 0.2, 0.3)))
     answer = stepped(Approach(target="port", stop=0.3), at)
@@ -139,6 +150,25 @@ def test_look_at_keeps_the_target_in_view_all_the_way():
     looks = rotate(answer.guidance.attitude, vec(0.0, 0.0, 1.0))
     np.testing.assert_allclose(looks, vec(1, 1, 1) / math.sqrt(3.0), atol=1e-12)
     np.testing.assert_allclose(answer.goal.position, POSE.at(0.25), atol=1e-12)
+
+
+def test_look_at_may_cut_the_corner_towards_the_vehicle():
+    at = seen(PORT.position + 0.8 * POSE.axis + vec(1.0, 0.0, 0.0))
+    corner = stepped(LookAt(target="port", distance=0.2, beside=0.02), at).goal.position
+    assert norm(corner - PORT.position) == pytest.approx(0.2)
+    off = corner - PORT.position - float((corner - PORT.position) @ POSE.axis) * POSE.axis
+    np.testing.assert_allclose(off, vec(0.02, 0.0, 0.0), atol=1e-12)
+    ahead = seen(POSE.at(0.8))
+    straight = stepped(LookAt(target="port", distance=0.2, beside=0.02), ahead)
+    np.testing.assert_allclose(straight.goal.position, POSE.at(0.2), atol=1e-12)
+
+
+def test_the_corridor_may_widen_outwards():
+    behavior = Dock(target="port", corridor=0.03, corridor_deg=15.0)
+    beside = seen(POSE.at(0.25) + vec(0.05, 0.0, 0.0), POSE.attitude)
+    np.testing.assert_allclose(stepped(behavior, beside).guidance.position, POSE.at(0.10))
+    near = seen(POSE.at(0.12) + vec(0.05, 0.0, 0.0), POSE.attitude)
+    np.testing.assert_allclose(stepped(behavior, near).guidance.position, POSE.at(0.12))
 
 
 def test_dock_waits_beside_the_axis_and_moves_in_on_it():

@@ -56,10 +56,14 @@ class LookAt(DockingBehavior):
     Its attitude is the one turned least from docked with which the camera looks at the target's
     centre, so that the last metres are flown on what the camera sees; at the point itself it is
     turned as it will dock. Done `within` of the point. The way leads round `keep_out`.
+
+    With `beside`, the point may be so far off the docking axis, towards the vehicle: a corner cut
+    within the docking corridor.
     """
 
     kind: ClassVar[str] = "look_at"
     distance: Metres = Field(default=0.2, gt=0, description="of the point, from the centre")
+    beside: Metres = Field(default=0.0, ge=0, description="of the point, at most, from the axis")
     within: Metres = Field(default=0.03, gt=0)
 
     @override
@@ -67,7 +71,7 @@ class LookAt(DockingBehavior):
         pose = self.pose(seen)
         if pose is None:
             return self.lost(memory)
-        place = pose.at(max(self.distance, self.keep_out))
+        place = pose.beside(seen.position, max(self.distance, self.keep_out), self.beside)
         way = way_round(seen.position, place, pose.centre, self.keep_out)
         attitude = looking_at(pose, seen.position)
         return Step(

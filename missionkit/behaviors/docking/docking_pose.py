@@ -46,6 +46,20 @@ class DockingPose(NamedTuple):
         """Return the place (3,), m, in front of the face, `distance` (m) from the centre."""
         return self.centre + distance * self.axis
 
+    def beside(self, position: Vec3, distance: float, most: float) -> Vec3:
+        """Return the place (3,), m, `distance` (m) from the centre that is nearest to `position`.
+
+        It is in front of the face, and at most `most` (m) off the docking axis.
+        """
+        away = position - self.centre
+        along = float(away @ self.axis)
+        across = away - along * self.axis
+        wide, length = norm(across), norm(away)
+        if wide == 0.0:
+            return self.at(distance)
+        off = min(most, distance * (wide / length if along > 0.0 else 1.0))
+        return self.at(math.sqrt(distance**2 - off**2)) + off / wide * across
+
     def towards(self, position: Vec3, distance: float) -> Vec3 | None:
         """Return the place (3,), m, `distance` (m) from the centre on the line to `position`.
 

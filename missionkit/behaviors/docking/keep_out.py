@@ -9,13 +9,15 @@ import numpy as np
 from missionkit.geometry import Vec3, cross, exp, norm, rotate
 
 STEP = math.radians(20.0)  # along the sphere to the next point on the way
+DEEP = 0.9  # share of the radius below which the way out comes first
 
 
 def way_round(position: Vec3, goal: Vec3, centre: Vec3, radius: float) -> Vec3:
     """Return where to fly next so that the straight way there stays out of a sphere.
 
     The goal, if the way to it is free. Otherwise a point on a slightly larger sphere, ahead in
-    the plane of position, goal and centre; within the sphere, first straight out of it.
+    the plane of position, goal and centre: from just within the sphere too, farther out, so that
+    noise does not stop it on the way round. Deep within it, first straight out.
 
     Args:
         position: (3,), m.
@@ -28,13 +30,14 @@ def way_round(position: Vec3, goal: Vec3, centre: Vec3, radius: float) -> Vec3:
     if radius <= 0.0 or r == 0.0 or end == 0.0 or _free(away, there, radius):
         return goal
     u, v = away / r, there / end
-    if r < 0.999 * radius:
+    if r < DEEP * radius:
         return centre + radius * u
     angle = math.atan2(norm(cross(u, v)), float(u @ v))
     ahead = math.acos(min(1.0, radius / r)) + STEP
     if ahead >= angle:
         return goal if end >= radius else centre + radius * v
-    return centre + radius / math.cos(STEP / 2.0) * rotate(exp(ahead * _axis(u, v)), u)
+    larger = math.cos(STEP / 2.0) if r >= radius else math.cos(STEP)
+    return centre + radius / larger * rotate(exp(ahead * _axis(u, v)), u)
 
 
 def _free(away: Vec3, there: Vec3, radius: float) -> bool:
