@@ -42,6 +42,8 @@ studies: .venv/ready
 	$(BIN)/python -m studies.hover
 	$(BIN)/python -m studies.known_map
 	$(BIN)/python -m studies.precision_landing
+	$(BIN)/python -m studies.docking
+	$(BIN)/python -m studies.placement
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults

@@ -49,7 +49,12 @@ class DockingPose(NamedTuple):
     def beside(self, position: Vec3, distance: float, most: float) -> Vec3:
         """Return the place (3,), m, `distance` (m) from the centre that is nearest to `position`.
 
-        It is in front of the face, and at most `most` (m) off the docking axis.
+        It is in front of the face, and at most `most` off the docking axis.
+
+        Args:
+            position: (3,), m, of the vehicle.
+            distance: m, from the target's centre.
+            most: m, from the docking axis.
         """
         away = position - self.centre
         along = float(away @ self.axis)
