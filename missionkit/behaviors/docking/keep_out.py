@@ -17,7 +17,8 @@ def way_round(position: Vec3, goal: Vec3, centre: Vec3, radius: float) -> Vec3:
 
     The goal, if the way to it is free. Otherwise a point on a slightly larger sphere, ahead in
     the plane of position, goal and centre: from just within the sphere too, farther out, so that
-    noise does not stop it on the way round. Deep within it, first straight out.
+    noise does not stop it on the way round. Deep within it, first straight out. A way may dip into
+    the sphere by 1 % of its radius.
 
     Args:
         position: (3,), m.
