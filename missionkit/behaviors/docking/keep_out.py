@@ -18,7 +18,7 @@ def way_round(position: Vec3, goal: Vec3, centre: Vec3, radius: float) -> Vec3:
     The goal, if the way to it is free. Otherwise a point on a slightly larger sphere, ahead in
     the plane of position, goal and centre: from just within the sphere too, farther out, so that
     noise does not stop it on the way round. Deep within it, first straight out. A way may dip into
-    the sphere by 1 % of its radius.
+    the sphere by half a percent of its radius.
 
     Args:
         position: (3,), m.
@@ -35,10 +35,10 @@ def way_round(position: Vec3, goal: Vec3, centre: Vec3, radius: float) -> Vec3:
         return centre + radius * u
     angle = math.atan2(norm(cross(u, v)), float(u @ v))
     ahead = math.acos(min(1.0, radius / r)) + STEP
-    if ahead >= angle:
+    if ahead >= angle + STEP / 2.0:
         return goal if end >= radius else centre + radius * v
     larger = math.cos(STEP / 2.0) if r >= radius else math.cos(STEP)
-    return centre + radius / larger * rotate(exp(ahead * _axis(u, v)), u)
+    return centre + radius / larger * rotate(exp(min(ahead, angle) * _axis(u, v)), u)
 
 
 def _free(away: Vec3, there: Vec3, radius: float) -> bool:
