@@ -39,9 +39,9 @@ from missionkit.vehicle.link.message_check import MessageCheck
 from missionkit.vehicle.link.message_rates import NAMES, QUEUED, Streams
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
+from missionkit.vehicle.telemetry.raw_imu_conversion import RawImuConverter
 from missionkit.vehicle.telemetry.reported_pose import Pose, reported_pose
 from missionkit.vehicle.telemetry.required_inputs import Reliance
-from missionkit.vehicle.telemetry.scaled_messages import Scaled
 
 ANSWER_TIMEOUT = 10.0  # s to wait for an answer
 CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
@@ -277,7 +277,7 @@ class MavsdkVehicle:
 
     async def _join(self, link: Link) -> None:
         self._lifecycle.fire("answer")
-        link.listen(NAMES.values(), Scaled(self._check))
+        link.listen(NAMES.values(), RawImuConverter(self._check))
         begun = wall()
         await self.hear("HEARTBEAT", self._words_within)
         await asyncio.sleep(max(0.0, CENSUS / self._pace - (wall() - begun)))

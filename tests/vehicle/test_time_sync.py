@@ -16,7 +16,7 @@ from missionkit.vehicle.link.message_rates import QUEUED
 from missionkit.vehicle.link.time_sync import TimeSync
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.observer import Observer
-from missionkit.vehicle.telemetry.scaled_messages import Scaled
+from missionkit.vehicle.telemetry.raw_imu_conversion import RawImuConverter
 
 STEP, TICK = 0.01, 5  # s of the mission; steps
 AXES = {f"{axis}{what}": 0 for axis in "xyz" for what in ("acc", "gyro", "mag")}
@@ -40,7 +40,7 @@ class Starved:
         self.sync = TimeSync(self, self.wall, 3.0, self.notes.append)
         state = AutopilotState(self.cache, ARDUPILOT)
         self.observer = Observer(self.cache, state, self.clock, self.sync.take)
-        self.put = Scaled(self.cache.put)
+        self.put = RawImuConverter(self.cache.put)
         self.cache.listen(self.sync.hear)
         self.put("HOME_POSITION", HOME)
         self.navigator = build(VisualInertialEkf(), {}, Transform(IDENTITY, vec(0.0, 0.0, 0.0)))

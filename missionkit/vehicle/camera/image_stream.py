@@ -1,4 +1,7 @@
-"""The images of a source one after the other, with when they came and how old they were."""
+"""The images of a source one after the other, to calibrate and check a camera.
+
+In a flight `camera_device` captures instead, in a thread of its own.
+"""
 
 from __future__ import annotations
 

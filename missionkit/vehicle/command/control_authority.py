@@ -3,6 +3,9 @@
     ground -> commanding <-> doubting        missionkit commands
     pilot, failsafe, rebooted, stranger      it has given way, until a person gives control back
 
+A person does that with the key r or SIGUSR1 (`resume_control` of the vehicle), and the mission
+hears `control_resumed`.
+
 A mode counts as ours if missionkit requested it, or where the autopilot ends the request by
 itself: HOLD at the height of a take-off, or on the ground after a landing. Anywhere else it is a
 pilot's. A first heartbeat that says otherwise is only doubted: no mode is requested until the next

@@ -1,7 +1,7 @@
 import pytest
 
 from missionkit.vehicle.telemetry import message_readings
-from missionkit.vehicle.telemetry.scaled_messages import Scaled, pressure_altitude
+from missionkit.vehicle.telemetry.raw_imu_conversion import RawImuConverter, pressure_altitude
 
 RAW = {
     "time_usec": 5_000_000, "xacc": 100, "yacc": 0, "zacc": -1000,
@@ -11,7 +11,7 @@ RAW = {
 
 def given(*messages):
     came = []
-    scaled = Scaled(lambda name, fields: came.append((name, fields)))
+    scaled = RawImuConverter(lambda name, fields: came.append((name, fields)))
     for name, fields in messages:
         scaled(name, fields)
     return came

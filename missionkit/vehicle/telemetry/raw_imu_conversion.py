@@ -19,7 +19,7 @@ SEA_LEVEL = 1013.25  # hPa
 Put = Callable[[str, Fields], None]
 
 
-class Scaled:
+class RawImuConverter:
     """Passes messages on, and with every RAW_IMU a HIGHRES_IMU.
 
     Args:
