@@ -34,6 +34,7 @@ from missionkit.units import Fraction, Metres, MetresPerSecond, Number
 
 AIR_DENSITY = 1.225  # kg/m³
 NEWTON_STEPS = 40  # of Newton's method at most
+AT_REST = 1e-9  # N; the induced velocity of less is lost in rounding
 ADVANCE = 4.65  # of the profile power, by μ²
 WINDMILL_BEGINS = -2.0  # V_n/v_h, where the windmill begins
 
@@ -137,7 +138,7 @@ def rotor_power(thrust: float, along: float, through: float, rotor: RotorModel) 
         through: V_n (m/s), the air's speed down through the disk.
         rotor: constants.
     """
-    if not thrust > 0.0:
+    if not thrust > AT_REST:
         return rotor.electronics
     v = induced_velocity(thrust, along, through, rotor.area)
     shaft = thrust * (rotor.induced * v + through) / rotor.efficiency

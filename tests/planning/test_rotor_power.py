@@ -114,6 +114,17 @@ def quad(**changes):
     return Quadrotor.model_validate(body | changes)
 
 
+@pytest.mark.parametrize("through", [0.0, 1.0, -30.0, 30.0])
+def test_a_rotor_that_has_come_to_rest_takes_what_its_electronics_take(through):
+    """The thrust of a rotor that is switched off decays for as long as the vehicle stands."""
+    rotor = RotorPower().model()
+    for thrust in (1e-7, 1e-10, 1e-30, 1e-200, 5e-324, 0.0):
+        power = rotor_power(thrust, 0.0, through, rotor)
+        assert power == pytest.approx(rotor.profile + rotor.electronics, rel=0.01) or (
+            power == rotor.electronics
+        )
+
+
 def test_power_is_given_once():
     assert quad().hovering == pytest.approx(142.0, abs=0.1)
     assert Quadrotor().hovering == 180.0
