@@ -15,9 +15,9 @@ from hovering import HERE, QUIET, observed
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf import initialization, realignment
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
-from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS, GRAVITY, LANDMARKS
+from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS, LANDMARKS
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
-from missionkit.geometry import conjugate, log, multiply, norm
+from missionkit.geometry import GRAVITY, conjugate, log, multiply, norm
 
 SETTINGS = VisualInertialEkf(fix_drift_sd=0.0, mag_sd=0.05)
 KILLED = 8.0  # s, in the middle of a turn
