@@ -42,7 +42,7 @@ from missionkit.recorder.value_codec import is_plain
 from missionkit.sim.fault_injection import Fault
 from missionkit.sim.flight_grading import (
     Grade,
-    Visit,
+    GradedVisit,
     in_flight,
     judge_visit,
     landed_at,
@@ -295,7 +295,7 @@ def _docking(result: Grade) -> tuple[bool, tuple[float, float] | None]:
 
 def _visit(
     ready: Stage, one: Success, target: str, span: tuple[float, float] | None
-) -> Visit | None:
+) -> GradedVisit | None:
     marker = _true_marker(ready, target)
     if marker is None or span is None:
         return None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missionkit.campaigns.statistics import Interval, bootstrap
+from missionkit.campaigns.statistics import ConfidenceInterval, bootstrap
 from studies.docking_flight import Docking
 from studies.statistics import wilson
 
@@ -31,7 +31,7 @@ def pairs(
     return [pair for pair in both if not math.isnan(sum(pair))]
 
 
-def gain(first: Sequence[Docking], second: Sequence[Docking], measure: str) -> Interval:
+def gain(first: Sequence[Docking], second: Sequence[Docking], measure: str) -> ConfidenceInterval:
     """Return by how much (%) the mean of a measure changes from the first flights to the second.
 
     Pair by pair on the same seeds, with a paired bootstrap interval of 95 %.
@@ -59,7 +59,7 @@ def share(runs: Sequence[Docking]) -> str:
     return f"{good} of {len(runs)} ({100.0 * low:.1f} to {100.0 * high:.1f} %)"
 
 
-def percent(found: Interval) -> str:
+def percent(found: ConfidenceInterval) -> str:
     """Return a change with its interval."""
     if math.isnan(found.value):
         return "—"

@@ -13,7 +13,7 @@ from string import Template
 import numpy as np
 from rich.progress import track
 
-from missionkit.campaigns.statistics import Interval, bootstrap, quantile
+from missionkit.campaigns.statistics import ConfidenceInterval, bootstrap, quantile
 from missionkit.planning.energy_optimal import Airframe, LandingLimits, plan
 from missionkit.planning.rotor_power import RotorPower
 from missionkit.rehearsal import world_of
@@ -78,7 +78,7 @@ def chosen(
     return [run for run in mine if wind is None or run.order.wind == wind]
 
 
-def gain(first: Sequence[Landing], second: Sequence[Landing]) -> Interval:
+def gain(first: Sequence[Landing], second: Sequence[Landing]) -> ConfidenceInterval:
     """Return by how much (%) the second flights take more energy than the first, pair by pair.
 
     The mean of both on the same seeds, with a paired bootstrap interval.
@@ -95,7 +95,7 @@ def gain(first: Sequence[Landing], second: Sequence[Landing]) -> Interval:
     return bootstrap(list(rows), ratio, np.random.default_rng(SEED))
 
 
-def p95(runs: Sequence[Landing]) -> Interval:
+def p95(runs: Sequence[Landing]) -> ConfidenceInterval:
     """Return the 95th percentile of the touch-down error (cm)."""
     return quantile([100.0 * run.missed for run in runs], 0.95, np.random.default_rng(SEED))
 
@@ -253,11 +253,11 @@ def _named(case: tuple[float, float]) -> str:
     return f"{case[0]:g} m, {case[1]:g} m up"
 
 
-def _percent(found: Interval) -> str:
+def _percent(found: ConfidenceInterval) -> str:
     return f"{found.value:+.1f} % [{found.low:+.1f}, {found.high:+.1f}]"
 
 
-def _said(found: Interval, digits: int) -> str:
+def _said(found: ConfidenceInterval, digits: int) -> str:
     low, high = f"{found.low:.{digits}f}", f"{found.high:.{digits}f}"
     return "—" if math.isnan(found.value) else f"{found.value:.{digits}f} [{low}, {high}]"
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from rich.progress import track
 
-from missionkit.cli.resume_rehearsal import Saving
+from missionkit.cli.resume_rehearsal import RehearsalCheckpointWriter
 from missionkit.messages import Observation, Record
 from missionkit.recorder.checkpoint import NEWEST
 from missionkit.recorder.flight_recorder import FlightRecorder
@@ -66,7 +66,7 @@ def cost(camera: Camera) -> Cost:
     took: list[float] = []
     ready = staged(Order(0, camera))
     with TemporaryDirectory() as name, FlightRecorder(Path(name)) as recorder:
-        saving = Saving(Path(name), ready, recorder, "", inline().checkpoints)
+        saving = RehearsalCheckpointWriter(Path(name), ready, recorder, "", inline().checkpoints)
 
         def save(kept: Kept) -> None:
             before = perf_counter()

@@ -11,7 +11,7 @@ from missionkit.api.flight_log import Logbook
 from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.api.missions import LoadedMission
 from missionkit.api.run_origin import keep_origin, origin_of, stamp
-from missionkit.api.vehicle_checkpoints import Saving
+from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
 from missionkit.engine.flight_loop import Observer, Operator, keep_nothing
@@ -131,7 +131,7 @@ def fly(
 
 def _saving(
     book: Logbook, mission: LoadedMission, vehicle: MavsdkVehicle, sinks: Sinks
-) -> Saving | None:
+) -> VehicleCheckpointWriter | None:
     """Return what writes checkpoints, and leave what a resumed run is compared with."""
     if book.folder is None or book.recorder is None:
         return None
@@ -142,7 +142,9 @@ def _saving(
         plugins=[it for it in mission.plugins if isinstance(it, Path)],
     )
     keep_origin(book.folder, origin)
-    return Saving(book.folder, vehicle, book.recorder, stamp(origin), sinks.checkpoints)
+    return VehicleCheckpointWriter(
+        book.folder, vehicle, book.recorder, stamp(origin), sinks.checkpoints
+    )
 
 
 class _Unhurried:

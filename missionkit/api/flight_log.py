@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 from missionkit.api.run_origin import forget_origin
-from missionkit.api.vehicle_checkpoints import Saving
+from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.engine.flight_loop import Observer
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import UsageError
@@ -103,7 +103,9 @@ class Logbook:
         named = [(RECORD, keep), *((f"observer {n}", it) for n, it in enumerate(observers, 1))]
         return tuple(contained(what, call, reports) for what, call in named)
 
-    def finished(self, summary: Summary, checkpoints: Saving | None = None) -> Summary:
+    def finished(
+        self, summary: Summary, checkpoints: VehicleCheckpointWriter | None = None
+    ) -> Summary:
         """Leave summary and picture; return the summary with all that failed beside the flight.
 
         Args:

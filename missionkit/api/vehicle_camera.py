@@ -14,7 +14,7 @@ from missionkit.perception.camera_section import numbered
 from missionkit.sim.world import World
 from missionkit.vehicle.camera.camera_device import CaptureSettings, Device, opened
 from missionkit.vehicle.camera.frame_source import (
-    Camera,
+    FrameSource,
     NoCamera,
     Painter,
     Rendered,
@@ -33,7 +33,7 @@ def camera_of(
     seed: int = 0,
     speed: float = 1.0,
     source: int | str | None = None,
-) -> Camera:
+) -> FrameSource:
     """Return the camera a vehicle flies with.
 
     Args:

@@ -89,7 +89,7 @@ def _unusual(saved: Afield) -> tuple[str, ...]:
     return tuple(said)
 
 
-class Saving:
+class VehicleCheckpointWriter:
     """Writes the checkpoints of one flight."""
 
     def __init__(

@@ -12,13 +12,19 @@ import numpy as np
 from missionkit.campaigns.campaign_plan import Campaign
 from missionkit.campaigns.markov_chain import (
     Chain,
-    Way,
+    ChainPath,
     estimate,
     likeliest,
 )
 from missionkit.campaigns.paired_comparison import Paired, compared
 from missionkit.campaigns.run_row import NO_FLIGHT, Row
-from missionkit.campaigns.statistics import Interval, bootstrap, differences, quantile, wilson
+from missionkit.campaigns.statistics import (
+    ConfidenceInterval,
+    bootstrap,
+    differences,
+    quantile,
+    wilson,
+)
 from missionkit.campaigns.stopping_rule import StopDecision, decision
 from missionkit.campaigns.variants import name_of, variants
 
@@ -32,7 +38,7 @@ class Measure(NamedTuple):
 
     name: str
     values: tuple[float, ...]  # where it was measured
-    quantiles: tuple[Interval, ...]  # 5 %, 50 %, 95 %
+    quantiles: tuple[ConfidenceInterval, ...]  # 5 %, 50 %, 95 %
 
 
 class Variant(NamedTuple):
@@ -43,11 +49,11 @@ class Variant(NamedTuple):
     rows: tuple[Row, ...]
     outcomes: Mapping[str, int]
     reasons: tuple[tuple[str, int], ...]  # without success, the most frequent first
-    success: Interval
+    success: ConfidenceInterval
     decision: StopDecision | None
     measures: tuple[Measure, ...]
     chain: Chain
-    failure: Way | None  # the most probable one
+    failure: ChainPath | None  # the most probable one
 
 
 class Comparison(NamedTuple):
@@ -55,7 +61,7 @@ class Comparison(NamedTuple):
 
     name: str
     success: Paired
-    changes: tuple[tuple[str, Interval], ...]  # median of the differences of each number
+    changes: tuple[tuple[str, ConfidenceInterval], ...]  # median of the differences of each number
 
 
 class Analysis(NamedTuple):

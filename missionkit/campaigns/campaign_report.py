@@ -21,7 +21,7 @@ from missionkit.campaigns.report_chart import Drawable, drawable, never, simulat
 from missionkit.campaigns.report_template import PAGE
 from missionkit.campaigns.report_variant import variant_section
 from missionkit.campaigns.run_row import Row
-from missionkit.campaigns.statistics import Interval, wilson
+from missionkit.campaigns.statistics import ConfidenceInterval, wilson
 from missionkit.campaigns.variants import name_of
 from missionkit.recorder.run_folder import write_whole
 
@@ -188,7 +188,7 @@ def _comparison(each: Comparison) -> tuple[str, ...]:
 
 def _changes(results: Analysis, name: str) -> Iterator[str]:
     for each in results.comparisons:
-        change = dict(each.changes).get(name, Interval(float("nan"), 0.0, 0.0))
+        change = dict(each.changes).get(name, ConfidenceInterval(float("nan"), 0.0, 0.0))
         sure = "" if change.low <= 0.0 <= change.high else "<b>{}</b>"
         cell = (
             f"{number(change.value, name, sign=True)}, {between(change, lambda v: number(v, name))}"

@@ -17,7 +17,7 @@ from missionkit.campaigns.analysis import (
     conditions_of,
 )
 from missionkit.campaigns.markov_chain import Chain, absorbed, time_left
-from missionkit.campaigns.statistics import Interval
+from missionkit.campaigns.statistics import ConfidenceInterval
 from missionkit.recorder.run_folder import write_whole
 
 SUMMARY_FILE = "summary.json"
@@ -111,5 +111,5 @@ def _comparison(each: Comparison) -> dict[str, Any]:
     }
 
 
-def _interval(interval: Interval) -> list[float | None]:
+def _interval(interval: ConfidenceInterval) -> list[float | None]:
     return [value if math.isfinite(value) else None for value in interval]

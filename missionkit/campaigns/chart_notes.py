@@ -13,10 +13,10 @@ from missionkit.campaigns.number_format import percent, plural
 from missionkit.campaigns.visit_log import parts
 from missionkit.chart.drawing.chart_overlay import (
     End,
-    Move,
-    Note,
     Overlay,
+    OverlayNote,
     Tone,
+    UndeclaredArrow,
 )
 
 TONES: dict[str, Tone] = {"success": "good", "ended_safely": "fair", "crash": "bad"}
@@ -43,7 +43,9 @@ def notes(charted: Charted, counts: ChartCoverage, chain: Chain, name: str) -> O
         states={it: _state(it, counts, known.get(it)) for it in charted.names},
         ways={way: _way(counts, called) for way, called in charted.ways.items()},
         failsafes={
-            it.name: Note((plural(taken[it.name], "time") if taken[it.name] else NEVER_TAKEN,))
+            it.name: OverlayNote(
+                (plural(taken[it.name], "time") if taken[it.name] else NEVER_TAKEN,)
+            )
             for it in charted.mission.failsafes
         },
         ends=tuple(_ends(counts)),
@@ -72,11 +74,11 @@ def expected(chain: Chain) -> dict[str, Expected]:
     return dict(zip(chain.states, map(Expected, good, hurt, left.tolist()), strict=True))
 
 
-def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> Note:
+def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> OverlayNote:
     """Return a state's note; one that does not command is not a state of the chain."""
     runs, visits = counts.passed[name], counts.entries[name]
     if not visits:
-        return Note(("never reached",), pale=True)
+        return OverlayNote(("never reached",), pale=True)
     ended = counts.outcomes[name]
     dwell = f"{counts.seconds[name] / visits:.1f} s a visit"
     counted_chances = _chances(ended["success"] / runs, ended["crash"] / runs)
@@ -85,31 +87,33 @@ def _state(name: str, counts: ChartCoverage, chain: Expected | None) -> Note:
         lines[1] += f", {chain.left:.0f} s to the end"
         by_chain = _chances(chain.success, chain.crash)
         lines += [] if by_chain == counted_chances else [f"chain: {by_chain}"]
-    return Note(tuple(lines))
+    return OverlayNote(tuple(lines))
 
 
 def _chances(success: float, crash: float) -> str:
     return f"{percent(success)} succeed" + (f", {percent(crash)} crash" if crash > 0 else "")
 
 
-def _way(counts: ChartCoverage, called: str) -> Note:
+def _way(counts: ChartCoverage, called: str) -> OverlayNote:
     count = counts.ways[called]
-    return _taken(count, parts(called)[0], counts) if count else Note((NEVER_TAKEN,), pale=True)
+    return (
+        _taken(count, parts(called)[0], counts) if count else OverlayNote((NEVER_TAKEN,), pale=True)
+    )
 
 
-def _taken(count: int, source: str, counts: ChartCoverage) -> Note:
+def _taken(count: int, source: str, counts: ChartCoverage) -> OverlayNote:
     share = min(1.0, count / max(counts.entries[source], 1))
     weight = min(1.0, count / max(counts.flights, 1))
-    return Note((f"{plural(count, 'time')}, {percent(share)}",), weight)
+    return OverlayNote((f"{plural(count, 'time')}, {percent(share)}",), weight)
 
 
-def _undeclared(charted: Charted, counts: ChartCoverage) -> Iterator[Move]:
+def _undeclared(charted: Charted, counts: ChartCoverage) -> Iterator[UndeclaredArrow]:
     """Yield what was taken besides the chart's arrows."""
     known, drawn = set(charted.ways.values()), set(charted.mission.by_name())
     for called in sorted(counts.ways.keys() - known):
         source, to, reason = parts(called)
         if {source, to} <= drawn:
-            yield Move(source, to, reason, _way(counts, called))
+            yield UndeclaredArrow(source, to, reason, _way(counts, called))
 
 
 def _ends(counts: ChartCoverage) -> Iterator[End]:
@@ -122,9 +126,9 @@ def _ends(counts: ChartCoverage) -> Iterator[End]:
             yield End(_spelled(outcome), (f"{plural(totals[outcome], 'flight')}, {share}",), tone)
 
 
-def _endings(counts: ChartCoverage) -> Iterator[Move]:
+def _endings(counts: ChartCoverage) -> Iterator[UndeclaredArrow]:
     for (state, outcome), count in sorted(counts.ends.items()):
-        yield Move(state, _spelled(outcome), "", _taken(count, state, counts), ends=True)
+        yield UndeclaredArrow(state, _spelled(outcome), "", _taken(count, state, counts), ends=True)
 
 
 def _spelled(outcome: str) -> str:

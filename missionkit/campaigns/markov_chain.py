@@ -95,7 +95,7 @@ def time_left(inner: Numbers, dwell: Numbers) -> Numbers:
     return np.asarray(np.linalg.solve(np.eye(len(inner)) - inner, dwell))
 
 
-class Way(NamedTuple):
+class ChainPath(NamedTuple):
     """A path through the chart to an ending, and how probable exactly this one is."""
 
     states: tuple[str, ...]
@@ -103,7 +103,7 @@ class Way(NamedTuple):
     probability: float
 
 
-def likeliest(chain: Chain, endings: Collection[Ending]) -> Way | None:
+def likeliest(chain: Chain, endings: Collection[Ending]) -> ChainPath | None:
     """Return the most probable path from a beginning to one of `endings`, `None` if there is none.
 
     The shortest path where a step costs -ln p (Dijkstra, 1959).
@@ -120,7 +120,7 @@ def likeliest(chain: Chain, endings: Collection[Ending]) -> Way | None:
         cost, path, end = heapq.heappop(heap)
         if end >= 0:
             names = tuple(chain.states[state] for state in path)
-            return Way(names, chain.endings[end], math.exp(-cost))
+            return ChainPath(names, chain.endings[end], math.exp(-cost))
         if path[-1] in settled:
             continue
         settled.add(path[-1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 
-from missionkit.campaigns.statistics import Interval
+from missionkit.campaigns.statistics import ConfidenceInterval
 
 UNITS = {
     "duration": ("mission time", "s", 1.0, 1),
@@ -70,7 +70,7 @@ def plural(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def between(interval: Interval, shown: Callable[[float], str]) -> str:
+def between(interval: ConfidenceInterval, shown: Callable[[float], str]) -> str:
     """Return an interval's bounds in words."""
     return f"between {shown(interval.low)} and {shown(interval.high)}"
 

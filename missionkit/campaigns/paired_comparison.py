@@ -10,7 +10,7 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 from scipy.stats import binomtest, norm
 
-from missionkit.campaigns.statistics import Interval
+from missionkit.campaigns.statistics import ConfidenceInterval
 
 ABOVE = 1e-9  # where nothing was seen to differ, the test's own estimate is a root too
 
@@ -21,7 +21,7 @@ class Paired(NamedTuple):
     n: int  # seeds flown by both
     only_first: int  # seeds on which only the first succeeded
     only_second: int
-    gain: Interval  # of the second in success rate
+    gain: ConfidenceInterval  # of the second in success rate
     p_value: float  # of McNemar's exact test: that nothing but chance makes them differ
 
 
@@ -39,7 +39,7 @@ def compared(first: Sequence[bool], second: Sequence[bool]) -> Paired:
 
 
 @cache
-def gain_interval(up: int, down: int, n: int, confidence: float = 0.95) -> Interval:
+def gain_interval(up: int, down: int, n: int, confidence: float = 0.95) -> ConfidenceInterval:
     """Return the difference of two paired success rates with Tango's score interval.
 
     The bounds are where the score test of "the gain is d" is at the limit:
@@ -58,10 +58,10 @@ def gain_interval(up: int, down: int, n: int, confidence: float = 0.95) -> Inter
         confidence: of the interval.
     """
     if n == 0:
-        return Interval(math.nan, -1.0, 1.0)
+        return ConfidenceInterval(math.nan, -1.0, 1.0)
     z = float(norm.ppf(0.5 + confidence / 2))
     low = -_highest(down, up, n, z)
-    return Interval((up - down) / n, low, _highest(up, down, n, z))
+    return ConfidenceInterval((up - down) / n, low, _highest(up, down, n, z))
 
 
 def _highest(up: int, down: int, n: int, z: float) -> float:

@@ -30,7 +30,7 @@ from missionkit.sim.flight_grading import Grade
 from missionkit.sim.world_files import AnyWorld
 
 
-class Loaded(NamedTuple):
+class VariantMission(NamedTuple):
     """A mission with the parameters of one variant."""
 
     mission: Mission
@@ -49,7 +49,7 @@ def fly(order: RunOrder, case: Case) -> Row:
         return unflown(case, "error", f"{type(error).__name__}: {error} ({place})")
 
 
-def loaded(order: RunOrder, settings: Mapping[str, str]) -> Loaded:
+def loaded(order: RunOrder, settings: Mapping[str, str]) -> VariantMission:
     """Return the mission of a variant; read once by each process.
 
     Raises:
@@ -66,13 +66,13 @@ def _loaded(
     plugins: tuple[str, ...],
     faults: tuple[str, ...],
     settings: tuple[tuple[str, str], ...],
-) -> Loaded:
+) -> VariantMission:
     catalogue = builtin().with_entry_points()
     for file in plugins:
         catalogue = catalogue.with_file(Path(file))
     mission = load(Path(path), catalogue, dict(settings))
     world = world_of(mission, Path(path).parent)
-    return Loaded(mission, catalogue, world, tuple(map(parse_fault, faults)))
+    return VariantMission(mission, catalogue, world, tuple(map(parse_fault, faults)))
 
 
 def _row(order: RunOrder, case: Case) -> Row:

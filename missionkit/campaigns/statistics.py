@@ -17,7 +17,7 @@ RESAMPLES = 2000
 DRAWN_AT_A_TIME = 1_000_000  # numbers drawn at a time
 
 
-class Interval(NamedTuple):
+class ConfidenceInterval(NamedTuple):
     """An estimate with its bounds at the requested confidence."""
 
     value: float
@@ -30,7 +30,7 @@ class Interval(NamedTuple):
         return self.high - self.low
 
 
-def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
+def wilson(successes: int, n: int, confidence: float = 0.95) -> ConfidenceInterval:
     """Return a success rate with Wilson's score interval.
 
     (p + z²/2n ± z √(p(1-p)/n + z²/4n²)) / (1 + z²/n).  Source: E. B. Wilson, "Probable inference,
@@ -42,13 +42,13 @@ def wilson(successes: int, n: int, confidence: float = 0.95) -> Interval:
         confidence: of the two-sided interval, in (0, 1).
     """
     if n == 0:
-        return Interval(math.nan, 0.0, 1.0)
+        return ConfidenceInterval(math.nan, 0.0, 1.0)
     z = _z(confidence)
     p, shrink = successes / n, 1.0 + z * z / n
     middle = (p + z * z / (2 * n)) / shrink
     half = z / shrink * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
     low = 0.0 if successes == 0 else middle - half
-    return Interval(p, low, 1.0 if successes == n else middle + half)
+    return ConfidenceInterval(p, low, 1.0 if successes == n else middle + half)
 
 
 @cache
@@ -58,7 +58,7 @@ def _z(confidence: float) -> float:
 
 def quantile(
     values: Sequence[float], q: float, rng: np.random.Generator, confidence: float = 0.95
-) -> Interval:
+) -> ConfidenceInterval:
     """Return a quantile with its percentile bootstrap interval; NaN without values.
 
     Args:
@@ -76,7 +76,7 @@ def bootstrap(
     rng: np.random.Generator,
     confidence: float = 0.95,
     resamples: int = RESAMPLES,
-) -> Interval:
+) -> ConfidenceInterval:
     """Return a statistic with its percentile bootstrap interval.
 
     Args:
@@ -90,7 +90,7 @@ def bootstrap(
     """
     sample = np.asarray(values, dtype=float)
     if len(sample) == 0:
-        return Interval(math.nan, math.nan, math.nan)
+        return ConfidenceInterval(math.nan, math.nan, math.nan)
     found, left = [], resamples
     while left:
         some = min(left, max(1, DRAWN_AT_A_TIME // len(sample)))
@@ -99,7 +99,7 @@ def bootstrap(
         left -= some
     tails = (0.5 - confidence / 2, 0.5 + confidence / 2)
     low, high = np.quantile(np.concatenate(found), tails)
-    return Interval(float(statistic(sample)), float(low), float(high))
+    return ConfidenceInterval(float(statistic(sample)), float(low), float(high))
 
 
 def differences(first: Sequence[float | None], second: Sequence[float | None]) -> list[float]:

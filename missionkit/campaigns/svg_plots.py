@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from missionkit.campaigns.statistics import Interval, wilson
+from missionkit.campaigns.statistics import ConfidenceInterval, wilson
 from missionkit.recorder.palette import INK, MUTED, RULE
 
 GOOD, FAIR, BAD = "#009E73", "#E69F00", "#D55E00"
@@ -32,7 +32,7 @@ def svg(width: float, height: float, parts: Iterator[str], title: str) -> str:
 
 
 def rates(
-    named: Sequence[tuple[str, Interval]], goal: float | None = None, width: float = 640.0
+    named: Sequence[tuple[str, ConfidenceInterval]], goal: float | None = None, width: float = 640.0
 ) -> str:
     """Draw success rates with their intervals, one below the other.
 

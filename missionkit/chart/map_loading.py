@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.validation_problems import plain, problems_in
 from missionkit.chart.text.file_references import unfit
-from missionkit.chart.text.located_data import Table, shown
+from missionkit.chart.text.located_data import LocatedTable, shown
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
 from missionkit.messages import Occupancy, Spot
@@ -79,7 +79,7 @@ def _inside(root: Path, folder: Path, name: str, place: Place) -> Path:
 
 def _meta(path: Path) -> MapFile:
     document = read_file(path)
-    if document.problems or not isinstance(document.data, Table):
+    if document.problems or not isinstance(document.data, LocatedTable):
         wrong = Problem(document.start, f"expected a mapping, got {shown(document.data)}")
         raise FileError(document.problems or [wrong])
     try:

@@ -12,7 +12,7 @@ from missionkit.api.vehicle_camera import named, source_of
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.camera_report import (
-    Look,
+    ImageDetections,
     Subject,
     markers,
     others,
@@ -98,11 +98,11 @@ def _of(mission: Mission, dictionary: str | None) -> tuple[Aruco, ...]:
     return tuple(it for it in markers if dictionary in {None, it.dictionary})
 
 
-def _looked(subject: Subject, most: int) -> tuple[list[Look], Checkup]:
+def _looked(subject: Subject, most: int) -> tuple[list[ImageDetections], Checkup]:
     camera = subject.camera
     wanted = None if camera is None else CaptureSettings(camera.width, camera.height, camera.rate)
     model = None if camera is None else camera.model()
-    looks: list[Look] = []
+    looks: list[ImageDetections] = []
     checkup = Checkup(subject.names)
     for taken in islice(images(subject.source, wanted), most):
         if wanted is not None and (wrong := unfit(taken.image, wanted)):
@@ -114,5 +114,5 @@ def _looked(subject: Subject, most: int) -> tuple[list[Look], Checkup]:
         found = checkup.look(taken.image)
         own = tuple(it.detection for it in found)
         seen = own if subject.markers else checkup.all(taken.image)
-        looks.append(Look(taken, found, seen, wall() - before))
+        looks.append(ImageDetections(taken, found, seen, wall() - before))
     return looks, checkup

@@ -11,7 +11,7 @@ from missionkit.perception.aruco import Aruco
 from missionkit.perception.camera_section import Camera
 from missionkit.perception.marker_check import Found
 from missionkit.vehicle.camera.image_source import is_film
-from missionkit.vehicle.camera.image_stream import Taken
+from missionkit.vehicle.camera.image_stream import TakenImage
 
 
 class Subject(NamedTuple):
@@ -23,16 +23,16 @@ class Subject(NamedTuple):
     camera: Camera | None  # of the mission
 
 
-class Look(NamedTuple):
+class ImageDetections(NamedTuple):
     """Detections in one image."""
 
-    taken: Taken
+    taken: TakenImage
     found: tuple[Found, ...]  # of the mission
     seen: tuple[Detection, ...]  # the same; without markers of a mission all there are
     took: float  # s
 
 
-def timing(subject: Subject, looks: list[Look]) -> Iterator[str]:
+def timing(subject: Subject, looks: list[ImageDetections]) -> Iterator[str]:
     """Say how many images came, how fast, and how old they were if the driver stamps them."""
     camera, image = subject.camera, looks[-1].taken.image
     many = f"{len(looks)} image{'s' * (len(looks) > 1)} of {image.shape[1]}x{image.shape[0]}"
@@ -52,7 +52,7 @@ def timing(subject: Subject, looks: list[Look]) -> Iterator[str]:
         yield f"the driver does not report their age; {latency}"
 
 
-def markers(subject: Subject, looks: list[Look]) -> Iterator[str]:
+def markers(subject: Subject, looks: list[ImageDetections]) -> Iterator[str]:
     """Say of each marker of the mission how often it was seen, and how far from the camera."""
     for marker in subject.markers:
         found = [it for look in looks for it in look.found if it.marker is marker]

@@ -31,7 +31,7 @@ HEIGHTS = {"PX4": "GF_MAX_VER_DIST", "ArduPilot": "FENCE_ALT_MAX"}
 HOME_TIMEOUT = 10.0  # s to wait for home
 
 
-class Box(NamedTuple):
+class FenceBox(NamedTuple):
     """Box to stay inside of, relative to the take-off point."""
 
     north: Ground  # m, south and north limit
@@ -71,7 +71,7 @@ def fence(wanted: FenceOptions) -> ExitCode:
     return ExitCode.SUCCESS
 
 
-def box_of(mission: Mission, margin: float) -> Box:
+def box_of(mission: Mission, margin: float) -> FenceBox:
     """Return the box round all fences of the mission's failsafes, `margin` (m) wider.
 
     The mission's own failsafe is to act first, and the autopilot's if that fails.
@@ -86,7 +86,7 @@ def box_of(mission: Mission, margin: float) -> Box:
             "{when: {not: {use: inside_fence, north: [-20, 120], east: [-40, 60], height: 30}}, "
             "to: land}"
         )
-    return Box(
+    return FenceBox(
         (min(it.north[0] for it in found) - margin, max(it.north[1] for it in found) + margin),
         (min(it.east[0] for it in found) - margin, max(it.east[1] for it in found) + margin),
         max(it.height for it in found) + margin,
@@ -104,7 +104,7 @@ def _point(text: str) -> Point:
     return north, east, height
 
 
-async def _given(vehicle: MavsdkVehicle, around: Box, points: Sequence[Point]) -> list[str]:
+async def _given(vehicle: MavsdkVehicle, around: FenceBox, points: Sequence[Point]) -> list[str]:
     await vehicle.connect()
     try:
         home = await _home(vehicle)
@@ -135,7 +135,7 @@ async def _home(vehicle: MavsdkVehicle) -> Origin:
     return vehicle.observer.origin
 
 
-def _said(url: str, home: Origin, around: Box, points: Sequence[Point]) -> Iterable[str]:
+def _said(url: str, home: Origin, around: FenceBox, points: Sequence[Point]) -> Iterable[str]:
     (south, north), (west, east) = around.north, around.east
     yield f"{url}: the autopilot has the fence; it was read back as sent"
     yield f"  home   {home.latitude:.7f}, {home.longitude:.7f}"

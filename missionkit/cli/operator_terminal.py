@@ -64,7 +64,7 @@ def cockpit(
     elif not order.as_json:
         view = LineView(sys.stdout, logs_only=True)
     keys = Keys(sys.stdin, operator, events, deeds)
-    watch = _Watch(recorder, view, sinks.view, truth)
+    watch = _KeyWatch(recorder, view, sinks.view, truth)
     planned = Planned(order.events, operator)
     observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
@@ -73,7 +73,7 @@ def cockpit(
         yield Cockpit(operator, safe)
 
 
-class _Watch:
+class _KeyWatch:
     """Passes every tick on to the recorder and the view."""
 
     def __init__(

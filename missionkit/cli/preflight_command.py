@@ -10,7 +10,7 @@ from missionkit.errors import ExitCode, UsageError, VehicleError
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import inspect, parameters
-from missionkit.vehicle.preflight.parameter_setting import Change, proposed, write
+from missionkit.vehicle.preflight.parameter_setting import ParameterChange, proposed, write
 from missionkit.vehicle.preflight.preflight_report import PreflightReport
 
 
@@ -75,7 +75,7 @@ async def _made_safe(vehicle: MavsdkVehicle, *, yes: bool) -> bool:
     return done
 
 
-def _agreed(change: Change) -> bool:
+def _agreed(change: ParameterChange) -> bool:
     try:
         return input(f"{change.question} [y/N] ").strip().lower() in {"y", "yes"}
     except EOFError:

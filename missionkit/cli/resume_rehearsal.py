@@ -50,7 +50,7 @@ def since(folder: Path, gap: float, stamp: str) -> Since:
     return Since(loaded, again, flight_track.with_rows(contents.track, loaded.journals["ticks"]))
 
 
-class Saving:
+class RehearsalCheckpointWriter:
     """Writes the checkpoints of one run."""
 
     def __init__(

@@ -7,7 +7,7 @@ from missionkit.api.simulation import fault_of
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli.operator_terminal import cockpit
-from missionkit.cli.resume_rehearsal import Saving, Since, since
+from missionkit.cli.resume_rehearsal import RehearsalCheckpointWriter, Since, since
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
@@ -58,7 +58,9 @@ def _flown(order: RunOptions, ready: Stage, folder: Folder, past: Since | None) 
     sinks = inline()
     recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
     again = None if past is None else past.again
-    save = Saving(folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past)
+    save = RehearsalCheckpointWriter(
+        folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past
+    )
     with cockpit(order, ready.mission, recorder, sinks, lambda: ready.vehicle.truth) as seat:
         result = rehearse(
             ready,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from missionkit.api.run_origin import Origins
 from missionkit.api.vehicle_checkpoints import (
     Before,
-    Saving,
+    VehicleCheckpointWriter,
     before,
     woken,
 )
@@ -65,11 +65,11 @@ def run_on_vehicle(
         system=order.system,
     )
     with folder_of(order, mission, origins, "vehicle", before) as (folder, past):
-        flight = Ready(mission, world, plan, vehicle, folder, past)
+        flight = FlightResources(mission, world, plan, vehicle, folder, past)
         return guarded(order, folder.path, lambda: _flown(order, flight))
 
 
-class Ready(NamedTuple):
+class FlightResources(NamedTuple):
     """Resources of one flight: what flies it, and the folder it is recorded into."""
 
     mission: Mission
@@ -80,12 +80,14 @@ class Ready(NamedTuple):
     past: Before | None  # what it resumes from
 
 
-def _flown(order: RunOptions, ready: Ready) -> Summary:
+def _flown(order: RunOptions, ready: FlightResources) -> Summary:
     mission, world, plan, vehicle, folder, past = ready
     scenery, speed = scenery_of(world, mission), order.speed or 1.0
     sinks = background()
     recorder = folder.recorder(plan, scenery, past, sinks.record)
-    save = Saving(folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past)
+    save = VehicleCheckpointWriter(
+        folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past
+    )
     log = FlightLog(plan.chart, None if past is None else past.track)
     with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
         flown = fly_vehicle(

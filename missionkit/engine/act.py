@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from missionkit.chart.semantics.compiled_chart import State
+from missionkit.chart.semantics.compiled_chart import CompiledState
 from missionkit.engine.control_law import ControlLaw, Controlled
 from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.position_hold import standing
@@ -116,7 +116,7 @@ def _begun(
 
 def _stepped(
     behavior: BehaviorProtocol,
-    state: State,
+    state: CompiledState,
     acting: BehaviorState,
     seen: Estimate,
     contain: Containment,

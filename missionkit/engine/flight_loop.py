@@ -97,7 +97,7 @@ class Operator:
         return sent
 
 
-class _Watch:
+class _FlightWatch:
     """Notices when the flight is over."""
 
     def __init__(self, time_limit: float, since: FlightState) -> None:
@@ -220,7 +220,7 @@ async def fly(
         stack.enter_context(marking_interrupts())
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(contain.interrupting())
-        life, watch, aside = _started(course), _Watch(time_limit, course), _Aside()
+        life, watch, aside = _started(course), _FlightWatch(time_limit, course), _Aside()
         memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:
             count += 1

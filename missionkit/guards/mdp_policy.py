@@ -13,7 +13,7 @@ from typing_extensions import override
 from missionkit.errors import nearest
 from missionkit.guards.estimated_chain import MOST_STATES, EstimatedChain
 from missionkit.guards.transition_entries import REST, SUM_ERROR
-from missionkit.markov.decision_process import SWEEPS, Choice, Solution, solve
+from missionkit.markov.decision_process import SWEEPS, Choice, MdpSolution, solve
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import CompositeGuard, InFile
 from missionkit.plugin_protocols import Inputs, NamedInput
@@ -99,7 +99,7 @@ class MdpPolicy(CompositeGuard):
                 yield from (leads,) if isinstance(leads, str) else leads
 
     @cached_property
-    def solution(self) -> Solution | None:
+    def solution(self) -> MdpSolution | None:
         """The best policy, None if there is none."""
         choices = [list(self._choices(state)) for state in self.names]
         return solve(choices, [self.final.get(it, 0.0) for it in self.names], self.discount)

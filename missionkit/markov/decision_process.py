@@ -33,7 +33,7 @@ class Choice(NamedTuple):
     leads: Mapping[int, float]  # next state -> probability; they add up to 1
 
 
-class Solution(NamedTuple):
+class MdpSolution(NamedTuple):
     """The best policy."""
 
     values: tuple[float, ...]  # least expected cost from each state
@@ -43,7 +43,7 @@ class Solution(NamedTuple):
 
 def solve(
     choices: Sequence[Sequence[Choice]], final: Sequence[float], discount: float
-) -> Solution | None:
+) -> MdpSolution | None:
     """Return the policy with the least expected cost, None if the sweeps do not converge.
 
     Args:
@@ -103,10 +103,10 @@ def _solution(
     Q: Array,
     spans: Sequence[tuple[int, int, int]],
     best: Mapping[int, int],
-) -> Solution:
+) -> MdpSolution:
     costs: list[Mapping[int, float]] = [{} for _ in choices]
     policy: list[int | None] = [None] * len(choices)
     for s, a, b in spans:
         costs[s] = dict(zip((it.action for it in choices[s]), map(float, Q[a:b]), strict=True))
         policy[s] = choices[s][best[s] - a].action
-    return Solution(tuple(map(float, V)), tuple(policy), tuple(costs))
+    return MdpSolution(tuple(map(float, V)), tuple(policy), tuple(costs))

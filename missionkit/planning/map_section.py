@@ -17,20 +17,20 @@ Polygon = Annotated[tuple[tuple[Metres, Metres], ...], Field(min_length=3)]
 MOST_CELLS = 4_000_000
 
 
-class Frozen(BaseModel):
+class MapModel(BaseModel):
     """Unknown keys are errors, values never change."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Weight(Frozen):
+class Weight(MapModel):
     """Ground to avoid unless the detour is long."""
 
     polygon: Polygon
     cost: Number = Field(ge=1, description="of a metre; 1 elsewhere")
 
 
-class KnownMap(Frozen):
+class KnownMap(MapModel):
     """The known map of the ground, in metres north and east of the take-off point."""
 
     file: str | None = Field(default=None, description="of ROS map_server, beside the mission")

@@ -23,7 +23,7 @@ from missionkit.recorder.scenery import Scenery, scene_update
 LEVEL_INFO, LEVEL_WARNING = 2, 3
 
 
-class Pace:
+class RateLimit:
     """Says yes at most `rate` times a second of mission time."""
 
     def __init__(self, rate: float) -> None:
@@ -81,8 +81,8 @@ class FlightRecorder:
         self._channels = Channels(folder / name)
         self._camera = camera
         self._scenery = scenery
-        self._standing, self._status, self._kept = Pace(10.0), Pace(1.0), Pace(20.0)
-        self._images = Pace(image_rate) if image_rate > 0.0 else None
+        self._standing, self._status, self._kept = RateLimit(10.0), RateLimit(1.0), RateLimit(20.0)
+        self._images = RateLimit(image_rate) if image_rate > 0.0 else None
         self._seen = Seen()
         self._hash = ""
         self._closed = False

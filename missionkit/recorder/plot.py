@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK, MUTED, RULE, Style, styles
 from missionkit.recorder.plot_close_up import draw_close_up, last_goal
-from missionkit.recorder.plot_ground import Flown, Scene
+from missionkit.recorder.plot_ground import Flown, MapScene
 from missionkit.recorder.plot_guards import draw_guards
 from missionkit.recorder.plot_list import draw_list
 from missionkit.recorder.plot_map import draw_map, view_of
@@ -80,7 +80,7 @@ def picture(track: FlightTrack, scenery: Scenery, title: str, subtitle: str = ""
     ruler = Ruler(figure)
     _head(figure, ruler, title, subtitle)
     looks = styles(it.state for it in track.visits)
-    scene = Scene(ruler, flown, scenery, looks)
+    scene = MapScene(ruler, flown, scenery, looks)
     draw_map(page.map, scene, view)
     if goal is not None and page.close_up is not None:
         draw_close_up(page.close_up, scene, goal)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from missionkit.messages import Goal
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.palette import INK
-from missionkit.recorder.plot_ground import Flown, Scene, draw_ground
+from missionkit.recorder.plot_ground import Flown, MapScene, draw_ground
 from missionkit.recorder.plot_map import frame
 from missionkit.recorder.plot_map_labels import NAME_FONT, dots, label_close_up
 
@@ -26,7 +26,7 @@ def last_goal(track: FlightTrack) -> Goal | None:
     return aims[-1] if aims and track.times else None
 
 
-def draw_close_up(axes: Axes, scene: Scene, goal: Goal) -> None:
+def draw_close_up(axes: Axes, scene: MapScene, goal: Goal) -> None:
     """Draw the map again around `goal`, with a bar that gives the scale.
 
     Args:

@@ -79,7 +79,7 @@ def _from_above(places: Sequence[Place]) -> Ground:
     return np.array(places, dtype=float).reshape(-1, 3)[:, 1::-1]
 
 
-class Scene(NamedTuple):
+class MapScene(NamedTuple):
     """Contents of a map, and the ruler that measures its labels."""
 
     ruler: Ruler
@@ -88,7 +88,7 @@ class Scene(NamedTuple):
     looks: dict[str, Style]  # of each state
 
 
-def draw_ground(axes: Axes, scene: Scene) -> None:
+def draw_ground(axes: Axes, scene: MapScene) -> None:
     """Draw obstacles, fences, paths, home, targets and markers.
 
     Args:

@@ -9,14 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from missionkit.recorder.palette import FENCE_COLOUR, FENCE_DASHES, INK, MUTED
-from missionkit.recorder.plot_ground import Flown, Goals, Scene, draw_goals, draw_ground
+from missionkit.recorder.plot_ground import Flown, Goals, MapScene, draw_goals, draw_ground
 from missionkit.recorder.plot_map_labels import dots, label_map
 from missionkit.recorder.scenery import Fence, Ground, Scenery
 
 SHRUNK = 1.8  # how much smaller all may be drawn for a fence to be seen whole
 
 
-class View(NamedTuple):
+class MapView(NamedTuple):
     """Limits of a map (m)."""
 
     west: float
@@ -31,7 +31,7 @@ class View(NamedTuple):
         return (self.north - self.south) / (self.east - self.west)
 
 
-def view_of(flown: Flown, scenery: Scenery) -> View:
+def view_of(flown: Flown, scenery: Scenery) -> MapView:
     """Return what the map shows: the flight, what stands there, and fences not too far off."""
     places = [flown.path, np.zeros((1, 2)), *(it.footprint()[:, ::-1] for it in scenery.obstacles)]
     places += [np.array([it.position[1::-1]]) for it in scenery.markers]
@@ -44,10 +44,10 @@ def view_of(flown: Flown, scenery: Scenery) -> View:
             hidden.append(fence)
         else:
             low, high = wider
-    return View(low[0], high[0], low[1], high[1], tuple(hidden))
+    return MapView(low[0], high[0], low[1], high[1], tuple(hidden))
 
 
-def draw_map(axes: Axes, scene: Scene, view: View) -> None:
+def draw_map(axes: Axes, scene: MapScene, view: MapView) -> None:
     """Draw the ground seen from above: what stands there, where it flew, where it switched.
 
     Args:
@@ -87,7 +87,7 @@ def _limits(places: Ground, share: float = 0.06) -> tuple[Ground, Ground]:
     return low - room, high + room
 
 
-def _key(axes: Axes, scene: Scene, goals: Goals) -> None:
+def _key(axes: Axes, scene: MapScene, goals: Goals) -> None:
     lines = []
     if scene.flown.track.true:
         lines.append(Line2D([], [], color=INK, lw=0.9, label="estimate"))

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionkit.recorder.palette import INK, MUTED, OTHER_STYLE, darker, disc, letters_on
-from missionkit.recorder.plot_ground import ARROW, Scene, Spot
+from missionkit.recorder.plot_ground import ARROW, MapScene, Spot
 from missionkit.recorder.plot_labels import (
     Boxes,
     Pixels,
@@ -47,7 +47,7 @@ class Label(NamedTuple):
     needed: bool = True
 
 
-def label_map(axes: Axes, scene: Scene, goals: Sequence[Spot]) -> None:
+def label_map(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> None:
     """Write all labels of a map whose limits are set.
 
     Args:
@@ -58,7 +58,7 @@ def label_map(axes: Axes, scene: Scene, goals: Sequence[Spot]) -> None:
     _write(axes, scene, [*_names(scene), *_transitions(axes, scene), *_states(axes, scene)], goals)
 
 
-def label_close_up(axes: Axes, scene: Scene, goal: Spot) -> None:
+def label_close_up(axes: Axes, scene: MapScene, goal: Spot) -> None:
     """Write the labels of a close-up: those of the map without the names of states.
 
     Args:
@@ -69,7 +69,7 @@ def label_close_up(axes: Axes, scene: Scene, goal: Spot) -> None:
     _write(axes, scene, [*_names(scene), *_transitions(axes, scene)], [goal])
 
 
-def dots(axes: Axes, scene: Scene) -> None:
+def dots(axes: Axes, scene: MapScene) -> None:
     """Dot the places where the chart switched, in the colour of the state it switched to."""
     transitions = scene.flown.track.transitions
     if len(scene.flown.path) and transitions:
@@ -79,7 +79,7 @@ def dots(axes: Axes, scene: Scene) -> None:
         axes.scatter(east, north, 26, shades, edgecolors="white", linewidths=0.8, zorder=7)
 
 
-def _write(axes: Axes, scene: Scene, labels: Sequence[Label], goals: Sequence[Spot]) -> None:
+def _write(axes: Axes, scene: MapScene, labels: Sequence[Label], goals: Sequence[Spot]) -> None:
     """Write labels beside their anchors, none over another, the most important first."""
     panel = axes.get_window_extent()
     seen = [it for it in labels if panel.contains(*_pixel(axes, it.at))]
@@ -102,7 +102,7 @@ def _write(axes: Axes, scene: Scene, labels: Sequence[Label], goals: Sequence[Sp
         )
 
 
-def _transitions(axes: Axes, scene: Scene) -> list[Label]:
+def _transitions(axes: Axes, scene: MapScene) -> list[Label]:
     """Return the numbers of the transitions, those of places near to each other together."""
     transitions = scene.flown.track.transitions
     if not len(scene.flown.path) or not transitions:
@@ -117,13 +117,13 @@ def _transitions(axes: Axes, scene: Scene) -> list[Label]:
     return found
 
 
-def _shades(scene: Scene) -> list[str]:
+def _shades(scene: MapScene) -> list[str]:
     """Return the colour of the state that each transition leads to."""
     transitions = scene.flown.track.transitions
     return [scene.looks.get(fired.to, OTHER_STYLE).colour for _, fired in transitions]
 
 
-def _names(scene: Scene) -> list[Label]:
+def _names(scene: MapScene) -> list[Label]:
     targets = [Label(it.name, (it.at[1], it.at[0]), NAME_FONT) for it in scene.scenery.targets]
     markers = [
         Label(it.name, (float(it.position[1]), float(it.position[0])), STATE_FONT, MUTED)
@@ -132,7 +132,7 @@ def _names(scene: Scene) -> list[Label]:
     return targets + markers
 
 
-def _states(axes: Axes, scene: Scene) -> list[Label]:
+def _states(axes: Axes, scene: MapScene) -> list[Label]:
     """Return the name of each state, beside the middle of its longest stretch if that is long."""
     path, times = scene.flown.path, scene.flown.times
     if not len(path) or len(scene.looks) > MOST_STATES_NAMED:
@@ -154,7 +154,7 @@ def _states(axes: Axes, scene: Scene) -> list[Label]:
     return found
 
 
-def _wanted(axes: Axes, scene: Scene, label: Label) -> Wanted:
+def _wanted(axes: Axes, scene: MapScene, label: Label) -> Wanted:
     wide, high = scene.ruler.width(label.text, label.font), HIGH
     if label.face:
         wide, high = max(wide + DISC[0], DISC[1]), DISC[1]
@@ -166,12 +166,12 @@ def _pixel(axes: Axes, at: Spot) -> tuple[float, float]:
     return x, y
 
 
-def _path(axes: Axes, scene: Scene) -> Pixels:
+def _path(axes: Axes, scene: MapScene) -> Pixels:
     path = scene.flown.path[:: max(len(scene.flown.path) // POINTS, 1)]
     return np.asarray(axes.transData.transform(path)).reshape(-1, 2)
 
 
-def _icons(axes: Axes, scene: Scene, goals: Sequence[Spot]) -> Boxes:
+def _icons(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> Boxes:
     """Return what no label may cover: home, goals, transitions, targets, markers with arrows."""
     targets = [(it.at[1], it.at[0]) for it in scene.scenery.targets]
     switched = [scene.flown.place(at) for at, _ in scene.flown.track.transitions]

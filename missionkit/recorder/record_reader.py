@@ -21,7 +21,7 @@ MAGIC = b"\x89MCAP0\r\n"
 TRUNCATED = (McapError, ZstdError, struct.error, UnicodeDecodeError)
 
 
-class Entry(NamedTuple):
+class RecordEntry(NamedTuple):
     """One message of a record."""
 
     topic: str
@@ -29,7 +29,7 @@ class Entry(NamedTuple):
     data: dict[str, Any]
 
 
-def read(path: Path, *topics: str) -> Iterator[Entry]:
+def read(path: Path, *topics: str) -> Iterator[RecordEntry]:
     """Yield the messages of a record in the order they were written.
 
     Args:
@@ -41,7 +41,7 @@ def read(path: Path, *topics: str) -> Iterator[Entry]:
     """
     for topic, at, data in raw_messages(path):
         if not topics or topic in topics:
-            yield Entry(topic, at * 1e-9, json.loads(data))
+            yield RecordEntry(topic, at * 1e-9, json.loads(data))
 
 
 def raw_messages(path: Path) -> Iterator[tuple[str, int, bytes]]:

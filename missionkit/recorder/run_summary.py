@@ -38,7 +38,7 @@ class Stay(_Part):
     duration: float  # s
 
 
-class Change(_Part):
+class StateChange(_Part):
     """One transition that was taken."""
 
     at: float  # s
@@ -47,7 +47,7 @@ class Change(_Part):
     reason: str
 
 
-class Condition(_Part):
+class ConditionSummary(_Part):
     """One condition of success, and what came of it."""
 
     condition: str
@@ -86,10 +86,10 @@ class Summary(_Part):
     reason: str
     duration: float  # s, mission time
     states: tuple[Stay, ...]
-    transitions: tuple[Change, ...]
+    transitions: tuple[StateChange, ...]
     problems: tuple[str, ...]
     grade: dict[str, Any]
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[ConditionSummary, ...] = ()
     timing: Timing | None
     record_hash: str
 
@@ -139,13 +139,14 @@ def summarise(
             Stay(state=it.state, start=it.start, duration=it.end - it.start) for it in track.visits
         ),
         transitions=tuple(
-            Change(at=at, source=it.source, to=it.to, reason=it.reason)
+            StateChange(at=at, source=it.source, to=it.to, reason=it.reason)
             for at, it in track.transitions
         ),
         problems=tuple(it.line() for it in track.problems),
         grade=dict(grade or {}),
         conditions=tuple(
-            Condition(condition=says, met=met, figure=figure) for says, met, figure in conditions
+            ConditionSummary(condition=says, met=met, figure=figure)
+            for says, met, figure in conditions
         ),
         timing=timing_of(track.cycles),
         record_hash=record_hash,

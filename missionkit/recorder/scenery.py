@@ -35,7 +35,7 @@ class Round(NamedTuple):
         return np.asarray(self.at) + self.radius * np.column_stack([np.cos(turn), np.sin(turn)])
 
 
-class Box(NamedTuple):
+class DrawnBox(NamedTuple):
     """A box with its sides along north and east."""
 
     low: Spot
@@ -49,7 +49,7 @@ class Box(NamedTuple):
         return np.array([(n0, e0), (n1, e0), (n1, e1), (n0, e1), (n0, e0)])
 
 
-class Marker(NamedTuple):
+class DrawnMarker(NamedTuple):
     """A square marker."""
 
     name: str
@@ -63,7 +63,7 @@ class Marker(NamedTuple):
         return rotate(self.attitude, vec(0.0, 0.0, 1.0))
 
 
-class Target(NamedTuple):
+class DrawnTarget(NamedTuple):
     """Where the mission file says that a target is."""
 
     name: str
@@ -85,9 +85,9 @@ class Fence(NamedTuple):
 class Scenery(NamedTuple):
     """Everything in the world, and the mission's places in it."""
 
-    obstacles: tuple[Round | Box, ...] = ()
-    markers: tuple[Marker, ...] = ()
-    targets: tuple[Target, ...] = ()
+    obstacles: tuple[Round | DrawnBox, ...] = ()
+    markers: tuple[DrawnMarker, ...] = ()
+    targets: tuple[DrawnTarget, ...] = ()
     fences: tuple[Fence, ...] = ()
 
 
@@ -104,17 +104,17 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
     return Scenery(
         tuple(map(_obstacle, world.obstacles)),
         tuple(
-            Marker(f"marker {it.id}", vec(*it.position), it.attitude, it.size)
+            DrawnMarker(f"marker {it.id}", vec(*it.position), it.attitude, it.size)
             for it in world.markers
         ),
-        tuple(Target(name, it.position[:2]) for name, it in targets.items()),
+        tuple(DrawnTarget(name, it.position[:2]) for name, it in targets.items()),
         tuple(dict.fromkeys(Fence(it.north, it.east) for it in fences)),
     )
 
 
-def _obstacle(it: Any) -> Round | Box:
+def _obstacle(it: Any) -> Round | DrawnBox:
     if it.use == "box":
-        return Box(it.min, it.max, it.bottom, it.height)
+        return DrawnBox(it.min, it.max, it.bottom, it.height)
     if it.use == "sphere":
         north, east, down = it.at
         return Round((north, east), it.radius, -down - it.radius, -down + it.radius, ball=True)
@@ -132,7 +132,7 @@ def scene_update(scenery: Scenery, at: str, frame: str) -> str:
     round_ones = [it for it in scenery.obstacles if isinstance(it, Round)]
     balls = [_solid(*_round(it)) for it in round_ones if it.ball]
     cylinders = [_cylinder(it) for it in round_ones if not it.ball]
-    cubes = [_box(it) for it in scenery.obstacles if isinstance(it, Box)]
+    cubes = [_box(it) for it in scenery.obstacles if isinstance(it, DrawnBox)]
     cubes += [_marker(it) for it in scenery.markers]
     return (
         f'{{"deletions":[],"entities":[{{"timestamp":{at},"frame_id":"{frame}","id":"world",'
@@ -157,13 +157,13 @@ def _cylinder(it: Round) -> str:
     )
 
 
-def _box(it: Box) -> str:
+def _box(it: DrawnBox) -> str:
     (n0, e0), (n1, e1) = it.low, it.high
     middle = vec(0.5 * (n0 + n1), 0.5 * (e0 + e1), -0.5 * (it.bottom + it.top))
     return _solid(json_fragments.pose(middle, IDENTITY), vec(n1 - n0, e1 - e0, it.top - it.bottom))
 
 
-def _marker(it: Marker) -> str:
+def _marker(it: DrawnMarker) -> str:
     return _solid(json_fragments.pose(it.position, it.attitude), vec(it.size, it.size, 0.02), PAPER)
 
 

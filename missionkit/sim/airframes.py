@@ -10,7 +10,7 @@ from missionkit.sim.vehicle_parameters import ImuModel, InnerAutopilotModel, Qua
 from missionkit.sim.world import World
 
 
-class Airframe(NamedTuple):
+class SimulatedAirframe(NamedTuple):
     """Body, inner autopilot and inertial unit that belong together."""
 
     quadrotor: Quadrotor
@@ -18,7 +18,7 @@ class Airframe(NamedTuple):
     imu: ImuModel
 
 
-SIH = Airframe(
+SIH = SimulatedAirframe(
     Quadrotor(
         mass=1.0,
         inertia=(0.025, 0.025, 0.030),
@@ -48,7 +48,7 @@ while nothing turns.
 Source: PX4-Autopilot, `simulator_sih/sih_params.c` and `sih.cpp`, version 1.16.
 """
 
-AIRFRAMES: Mapping[str, Airframe] = {"sih": SIH}
+AIRFRAMES: Mapping[str, SimulatedAirframe] = {"sih": SIH}
 
 
 def flown_with(world: World, name: str) -> World:

@@ -10,8 +10,8 @@ import numpy as np
 from missionkit.geometry import Transform, Vec3, rotate, to_matrix
 from missionkit.messages import CameraModel, Image
 from missionkit.sim import ground_drawing, lens_model
-from missionkit.sim.occlusion import Scene
-from missionkit.sim.perspective_canvas import View, paint, view_of
+from missionkit.sim.occlusion import OcclusionScene
+from missionkit.sim.perspective_canvas import CanvasView, paint, view_of
 from missionkit.sim.solid_shapes import Solid, solids
 from missionkit.sim.world import World
 
@@ -37,7 +37,7 @@ class Renderer:
         self._bands = ground_drawing.bands(
             world.ground.texture, math.ceil(math.hypot(*self._lens.size))
         )
-        self._scene = Scene(solids(world))
+        self._scene = OcclusionScene(solids(world))
 
     def render(
         self,
@@ -70,7 +70,7 @@ class Renderer:
         flow = exposure * self._flow(view, body, velocity, rates, focus)
         return self._sensor.expose(lens_model.blur(canvas, float(flow[0]), float(flow[1])))
 
-    def _focus(self, view: View, visible: list[Solid]) -> Vec3:
+    def _focus(self, view: CanvasView, visible: list[Solid]) -> Vec3:
         """Return the point (3,), m, camera frame, whose motion blurs the image."""
         centres = [view.turn @ (s.centre - view.eye) for s in visible if s.marker is not None]
         ahead = [c for c in centres if c[2] > 0.1 and math.hypot(c[0], c[1]) < c[2]]
@@ -81,7 +81,9 @@ class Renderer:
         depth = max(0.3, height / sink) if ground_ahead else BLUR_DEPTH
         return np.array([0.0, 0.0, depth])
 
-    def _flow(self, view: View, body: Transform, velocity: Vec3, rates: Vec3, focus: Vec3) -> Vec3:
+    def _flow(
+        self, view: CanvasView, body: Transform, velocity: Vec3, rates: Vec3, focus: Vec3
+    ) -> Vec3:
         """Return the image velocity (2,), px/s, of a fixed point `focus` (camera frame)."""
         mount = self._camera.mount
         moving = velocity + rotate(body.rotation, np.cross(rates, mount.translation))

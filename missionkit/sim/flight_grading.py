@@ -16,7 +16,7 @@ from missionkit.sim.world import Marker
 NO_HEADING_BELOW = 0.17  # a normal with a smaller horizontal part has no heading
 
 
-class Success(Protocol):
+class SuccessTolerances(Protocol):
     """The `success` section of a mission, as far as grading needs it."""
 
     @property
@@ -32,7 +32,7 @@ class Success(Protocol):
         """Allowed error of the heading (deg)."""
 
 
-class Visit(NamedTuple):
+class GradedVisit(NamedTuple):
     """How well the vehicle stood while the mission was in the state that counts."""
 
     position_error: float  # m, on entry
@@ -45,7 +45,7 @@ class Grade(NamedTuple):
     """Grade of a flight by ground truth."""
 
     succeeded: bool
-    visit: Visit | None  # None: the state that counts was never entered
+    visit: GradedVisit | None  # None: the state that counts was never entered
     landed: bool  # on the ground, disarmed, unhurt, after having flown
     crashed: bool
     in_air: bool  # at the end of the record
@@ -81,7 +81,7 @@ def true_goal(marker: Marker, standoff: tuple[float, float, float]) -> Transform
 
 def judge_visit(
     rows: Mat, marker: Marker, standoff: tuple[float, float, float], span: tuple[float, float]
-) -> Visit:
+) -> GradedVisit:
     """Measure the visit that lasted over `span` (s).
 
     Args:
@@ -98,7 +98,7 @@ def judge_visit(
     normal = rotate(marker.attitude, vec(0.0, 0.0, 1.0))
     sideways = gaps - np.outer(gaps @ normal, normal)
     yaw_error = abs(wrap(yaw_of(rows[first, 7:11]) - yaw_of(goal.rotation)))
-    return Visit(
+    return GradedVisit(
         _length(gaps[0]),
         yaw_error if math.hypot(normal[0], normal[1]) > NO_HEADING_BELOW else None,
         max(map(_length, gaps)),
@@ -112,7 +112,7 @@ def _length(gap: Vec3) -> float:
 
 def grade(
     rows: Mat,
-    success: Success | None = None,
+    success: SuccessTolerances | None = None,
     marker: Marker | None = None,
     span: tuple[float, float] | None = None,
 ) -> Grade:
@@ -169,7 +169,7 @@ def in_flight(rows: Mat) -> list[tuple[float, float, float]]:
     return [(north, east, down) for north, east, down in places.tolist()]
 
 
-def _good(visit: Visit | None, success: Success) -> bool:
+def _good(visit: GradedVisit | None, success: SuccessTolerances) -> bool:
     if visit is None or visit.position_error > success.position:
         return False
     return visit.yaw_error is None or math.degrees(visit.yaw_error) <= success.yaw_deg

@@ -17,7 +17,7 @@ import numpy as np
 from missionkit.geometry import Mat, Vec3
 from missionkit.messages import Image
 from missionkit.sim import textures
-from missionkit.sim.perspective_canvas import View
+from missionkit.sim.perspective_canvas import CanvasView
 from missionkit.sim.texture_patches import (
     Polygon,
     clip,
@@ -74,7 +74,7 @@ def _faded(image: Image, towards: int, share: float) -> Image:
     return textures.grey((1.0 - share) * image.astype(np.float32) + share * towards)
 
 
-def paint(canvas: Image, view: View, layers: tuple[Band, ...]) -> None:
+def paint(canvas: Image, view: CanvasView, layers: tuple[Band, ...]) -> None:
     """Draw sky, horizon and ground on the whole canvas, in place.
 
     Args:

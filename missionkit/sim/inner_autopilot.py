@@ -11,7 +11,7 @@ import math
 from missionkit.geometry import GRAVITY, Vec3, yaw_of
 from missionkit.jit import compiled
 from missionkit.sim import kernel_layout as at
-from missionkit.sim.kernel_layout import Body, Gains
+from missionkit.sim.kernel_layout import Body, LoopGains
 
 HOLD_GAIN = 0.9  # 1/s
 HOLD_SPEED = 1.5  # m/s
@@ -20,7 +20,7 @@ heading = compiled(yaw_of)
 
 
 @compiled
-def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
+def blur(memory: Vec3, noise: Vec3, gains: LoopGains) -> None:
     """Advance the errors of the autopilot's own velocity and position by one step.
 
     Velocity error: Gauss-Markov with GNSS, random walk without, about the bias of a fault. Position
@@ -46,7 +46,7 @@ def blur(memory: Vec3, noise: Vec3, gains: Gains) -> None:
 
 
 @compiled
-def switch(x: Vec3, memory: Vec3, now: float, gains: Gains) -> None:
+def switch(x: Vec3, memory: Vec3, now: float, gains: LoopGains) -> None:
     """Take over the setpoint that has arrived; fall back to hold when none came for too long.
 
     Args:
@@ -99,7 +99,7 @@ def stay(x: Vec3, memory: Vec3, want: Vec3) -> None:
 
 
 @compiled
-def decide(x: Vec3, memory: Vec3, gains: Gains, want: Vec3) -> None:
+def decide(x: Vec3, memory: Vec3, gains: LoopGains, want: Vec3) -> None:
     """Write the velocity and yaw rate (4,) wanted in the present mode into `want`.
 
     Args:
@@ -127,7 +127,7 @@ def decide(x: Vec3, memory: Vec3, gains: Gains, want: Vec3) -> None:
 
 
 @compiled
-def accelerate(x: Vec3, memory: Vec3, now: float, gains: Gains, want: Vec3, push: Vec3) -> None:
+def accelerate(x: Vec3, memory: Vec3, now: float, gains: LoopGains, want: Vec3, push: Vec3) -> None:
     """Write the acceleration (3,), m/s², NED, that brings the velocity to `want` into `push`.
 
     a = k (v_want - v) + i, with i the clamped integral of k_i (v_want - v). A loop that is too slow
@@ -165,7 +165,7 @@ def accelerate(x: Vec3, memory: Vec3, now: float, gains: Gains, want: Vec3, push
 
 
 @compiled
-def mix(x: Vec3, push: Vec3, spin: float, body: Body, gains: Gains, u: Vec3) -> None:
+def mix(x: Vec3, push: Vec3, spin: float, body: Body, gains: LoopGains, u: Vec3) -> None:
     """Write the rotor thrusts (4,), N, that turn the thrust axis to `push` into `u`.
 
     With t = a - g e3 the wanted body axis is z = -t/|t|; the tilt error is the rotation axis
@@ -205,7 +205,7 @@ def mix(x: Vec3, push: Vec3, spin: float, body: Body, gains: Gains, u: Vec3) -> 
 
 @compiled
 def command(
-    x: Vec3, memory: Vec3, now: float, body: Body, gains: Gains, work: Vec3, u: Vec3
+    x: Vec3, memory: Vec3, now: float, body: Body, gains: LoopGains, work: Vec3, u: Vec3
 ) -> None:
     """Write the rotor thrusts (4,), N, wanted at time `now` (s) into `u`.
 

@@ -77,7 +77,7 @@ class Body(NamedTuple):
     power: float  # W/N^1.5 of one rotor, without a model of it
 
 
-class Gains(NamedTuple):
+class LoopGains(NamedTuple):
     """Constants of the inner autopilot (SI)."""
 
     velocity: float
@@ -109,7 +109,7 @@ class Air(NamedTuple):
     kick: float
 
 
-class Inertial(NamedTuple):
+class ImuNoise(NamedTuple):
     """Per-sample standard deviations of the inertial unit."""
 
     accel: float
@@ -133,7 +133,7 @@ def gauss_markov(sd: float, tau: float, dt: float) -> tuple[float, float]:
     return keep, sd * math.sqrt(1.0 - keep * keep)
 
 
-def constants(world: World) -> tuple[Body, RotorModel, Gains, Air, Inertial]:
+def constants(world: World) -> tuple[Body, RotorModel, LoopGains, Air, ImuNoise]:
     """Turn the parameters of `world` into what the kernels read."""
     quad, auto, imu = world.quadrotor, world.autopilot, world.sensors.imu
     weight = quad.mass * GRAVITY
@@ -149,7 +149,7 @@ def constants(world: World) -> tuple[Body, RotorModel, Gains, Air, Inertial]:
         radius=quad.radius,
         power=quad.hover_power / (4.0 * (weight / 4.0) ** 1.5),
     )
-    gains = Gains(
+    gains = LoopGains(
         auto.velocity_gain,
         auto.climb_gain,
         auto.integral_gain,
@@ -169,7 +169,7 @@ def constants(world: World) -> tuple[Body, RotorModel, Gains, Air, Inertial]:
     )
     air = Air(*world.wind.mean, *gauss_markov(world.wind.gust, world.wind.gust_tau, DT))
     period = IMU_EVERY * DT
-    inertial = Inertial(
+    inertial = ImuNoise(
         imu.accel_noise / math.sqrt(period),
         imu.gyro_noise / math.sqrt(period),
         imu.accel_walk * math.sqrt(period),

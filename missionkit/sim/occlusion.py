@@ -11,8 +11,8 @@ import numpy.typing as npt
 from missionkit.messages import Image, Points
 from missionkit.sim import textures
 from missionkit.sim.perspective_canvas import (
+    CanvasView,
     Hull,
-    View,
     in_sight,
     outline,
 )
@@ -37,7 +37,7 @@ def separator(a: Solid, b: Solid) -> tuple[float, float, float, float]:
     return n, e, d, float(0.5 * (low[best] + high[best]))
 
 
-class Scene:
+class OcclusionScene:
     """The solids of a world, with what has been learnt about their order."""
 
     def __init__(self, solids: Sequence[Solid]) -> None:
@@ -47,7 +47,7 @@ class Scene:
         self._shadows = [_shadow(s.hull) for s in solids if s.marker is None]
         self._shaded = _spheres(self._shadows)
 
-    def arranged(self, view: View, hidden: frozenset[int]) -> list[Solid]:
+    def arranged(self, view: CanvasView, hidden: frozenset[int]) -> list[Solid]:
         """Return the solids that may be seen, back to front.
 
         Each pair is ordered by a plane that parts it; a solid in front of n others comes n-th.
@@ -68,7 +68,7 @@ class Scene:
             self._planes[i, j] = separator(self._solids[i], self._solids[j])
         return self._planes[i, j]
 
-    def shade(self, canvas: Image, view: View) -> None:
+    def shade(self, canvas: Image, view: CanvasView) -> None:
         """Darken the ground where obstacles shut out the sun, in place."""
         for i in np.flatnonzero(in_sight(view, *self._shaded)).tolist():
             for patch in patches_of(canvas, outline(view, self._shadows[i])):

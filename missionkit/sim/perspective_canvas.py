@@ -24,7 +24,7 @@ NEAR_PLANE = 0.05  # m, nothing closer to the camera is drawn
 SPLIT = 16_000  # px², smaller patches are not split
 
 
-class View(NamedTuple):
+class CanvasView(NamedTuple):
     """Where the canvas stands: pixel ~ projection (point - eye)."""
 
     eye: Vec3  # (3,), m, NED
@@ -56,13 +56,13 @@ class Face(NamedTuple):
     fine: bool = False  # antialiased by supersampling
 
 
-def view_of(camera: Transform, lens: Lens) -> View:
+def view_of(camera: Transform, lens: Lens) -> CanvasView:
     """Return the view through `lens` of a camera at `camera` (camera to world)."""
     turn = to_matrix(camera.rotation).T
-    return View(camera.translation, turn, lens.matrix @ turn, lens.size)
+    return CanvasView(camera.translation, turn, lens.matrix @ turn, lens.size)
 
 
-def in_sight(view: View, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_]:
+def in_sight(view: CanvasView, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_]:
     """Say which spheres (N, 3), (N,), m, NED, reach into the pyramid of sight.
 
     Args:
@@ -82,7 +82,7 @@ def in_sight(view: View, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_]:
     return np.asarray((gaps > -radii[:, None]).all(axis=1))
 
 
-def outline(view: View, hull: Hull) -> Polygon:
+def outline(view: CanvasView, hull: Hull) -> Polygon:
     """Return the silhouette of a convex body on the canvas; empty when out of sight."""
     image = (hull.points - view.eye) @ view.projection.T
     depth = image[:, 2]
@@ -118,7 +118,7 @@ def crop(polygon: Polygon, size: tuple[int, int]) -> Polygon:
     return polygon
 
 
-def paint(canvas: Image, view: View, face: Face) -> None:
+def paint(canvas: Image, view: CanvasView, face: Face) -> None:
     """Draw `face` on the canvas, in place.
 
     Args:

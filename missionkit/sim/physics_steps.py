@@ -17,8 +17,8 @@ from missionkit.sim.inner_autopilot import blur, command
 from missionkit.sim.kernel_layout import (
     Air,
     Body,
-    Gains,
-    Inertial,
+    ImuNoise,
+    LoopGains,
 )
 from missionkit.sim.obstacle_distance import nearest_gap
 from missionkit.sim.rigid_body import advance, electrical_power, touch
@@ -72,7 +72,7 @@ def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
 
 
 @compiled
-def sample(memory: Vec3, noise: Vec3, inertial: Inertial, out: Vec3) -> None:
+def sample(memory: Vec3, noise: Vec3, inertial: ImuNoise, out: Vec3) -> None:
     """Write one inertial sample (6,), accel and gyro, into `out`; `noise` is (12,).
 
     Args:
@@ -119,9 +119,9 @@ def fly(
     things: Mat,
     body: Body,
     rotor: RotorModel,
-    gains: Gains,
+    gains: LoopGains,
     air: Air,
-    inertial: Inertial,
+    inertial: ImuNoise,
     wind_noise: Mat,
     own_noise: Mat,
     imu_noise: Mat,

@@ -24,13 +24,13 @@ from missionkit.units import (
 )
 
 
-class Frozen(BaseModel):
+class ParameterModel(BaseModel):
     """Base of every part of a world file: unknown keys are errors, values never change."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Quadrotor(Frozen):
+class Quadrotor(ParameterModel):
     """Rigid body with four rotors in X configuration.
 
     Drag is `-(drag_linear + drag_quadratic |v|) v` with v the velocity relative to the air. The
@@ -65,7 +65,7 @@ class Quadrotor(Frozen):
         return self.hover_power if self.rotors is None else self.rotors.hover(self.mass)
 
 
-class InnerAutopilotModel(Frozen):
+class InnerAutopilotModel(ParameterModel):
     """Gains and limits of the inner autopilot: velocity, attitude and rate loops.
 
     It knows its velocity up to a Gauss-Markov error, so it holds a velocity, not a position.
@@ -94,7 +94,7 @@ class InnerAutopilotModel(Frozen):
     latency: tuple[Seconds, Seconds] = Field(default=(0.02, 0.04), description="of commands")
 
 
-class ImuModel(Frozen):
+class ImuModel(ParameterModel):
     """100 Hz inertial unit: white noise, turn-on bias and bias random walk, per axis."""
 
     accel_noise: Number = Field(default=0.02, ge=0, description="m/s²/√Hz")
@@ -106,7 +106,7 @@ class ImuModel(Frozen):
     disarmed: Fraction = Field(default=1.0, description="share of the noise without turning rotors")
 
 
-class GnssModel(Frozen):
+class GnssModel(ParameterModel):
     """Position: white noise plus a Gauss-Markov error, as multipath and the ionosphere give."""
 
     rate: Hertz = 5.0
@@ -118,7 +118,7 @@ class GnssModel(Frozen):
     velocity_sd: MetresPerSecond = Field(default=0.08, ge=0)
 
 
-class BaroModel(Frozen):
+class BaroModel(ParameterModel):
     """Barometric height: zero at power-up, white noise plus slow drift with the weather."""
 
     rate: Hertz = 10.0
@@ -127,7 +127,7 @@ class BaroModel(Frozen):
     drift_tau: Seconds = Field(default=300.0, gt=0)
 
 
-class MagnetometerModel(Frozen):
+class MagnetometerModel(ParameterModel):
     """Direction of the field, with declination 0 (north is magnetic north)."""
 
     rate: Hertz = 10.0
@@ -136,7 +136,7 @@ class MagnetometerModel(Frozen):
     inclination_deg: Degrees = Field(default=60.0, ge=-90, le=90)
 
 
-class ScanModel(Frozen):
+class ScanModel(ParameterModel):
     """Levelled ring of range finders, 72 sectors of 5 degrees, the first one straight ahead."""
 
     rate: Hertz = 10.0
@@ -144,7 +144,7 @@ class ScanModel(Frozen):
     sd: Metres = Field(default=0.03, ge=0)
 
 
-class FlowModel(Frozen):
+class FlowModel(ParameterModel):
     """Optical flow of flat ground, mean over the sampling interval, as a PX4Flow measures it.
 
     The noise is P2's, 0.006017 and 0.00995 m²/s² at 2 m. Its gyroscope is its own.
@@ -164,7 +164,7 @@ class FlowModel(Frozen):
     fastest: RadiansPerSecond = Field(default=5.0, gt=0, description="blind above this flow")
 
 
-class RangeModel(Frozen):
+class RangeModel(ParameterModel):
     """Range finder along the body's z, over flat ground."""
 
     rate: Hertz = 20.0
@@ -173,7 +173,7 @@ class RangeModel(Frozen):
     most: Metres = Field(default=12.0, gt=0, description="nothing above this distance")
 
 
-class Sensors(Frozen):
+class Sensors(ParameterModel):
     """All sensors except the camera, which the mission file describes."""
 
     imu: ImuModel = ImuModel()
@@ -185,7 +185,7 @@ class Sensors(Frozen):
     range: RangeModel = RangeModel()
 
 
-class BatteryModel(Frozen):
+class BatteryModel(ParameterModel):
     """Four lithium cells; the charge falls with the energy the rotors take."""
 
     capacity: Number = Field(default=22.5, gt=0, description="Wh")

@@ -18,8 +18,8 @@ from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
 from missionkit.sim.fault_injection import FAULT_KINDS, Kind
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
-    Frozen,
     InnerAutopilotModel,
+    ParameterModel,
     Quadrotor,
     Sensors,
 )
@@ -30,13 +30,13 @@ Spot = tuple[Metres, Metres]
 """North, east (m)."""
 
 
-class Ground(Frozen):
+class Ground(ParameterModel):
     """The plane down = 0 and what it looks like."""
 
     texture: Literal["grass", "soil", "gravel", "concrete"] = "grass"
 
 
-class Wind(Frozen):
+class Wind(ParameterModel):
     """Mean wind (NED, where the air goes to) and first-order Gauss-Markov gusts.
 
     Each horizontal axis of the gust has standard deviation `gust`, the vertical one half of it.
@@ -48,7 +48,7 @@ class Wind(Frozen):
     gust_tau: Seconds = Field(default=3.0, gt=0)
 
 
-class Cylinder(Frozen):
+class Cylinder(ParameterModel):
     """An upright cylinder standing on the ground, such as a trunk."""
 
     use: Literal["cylinder"]
@@ -57,7 +57,7 @@ class Cylinder(Frozen):
     height: Metres = Field(gt=0)
 
 
-class Box(Frozen):
+class Box(ParameterModel):
     """A box with sides along north and east, from `bottom` to `height` above the ground."""
 
     use: Literal["box"]
@@ -75,7 +75,7 @@ class Box(Frozen):
         return self
 
 
-class Sphere(Frozen):
+class Sphere(ParameterModel):
     """A ball, such as a crown or a balloon; `at` is its centre, NED."""
 
     use: Literal["sphere"]
@@ -86,7 +86,7 @@ class Sphere(Frozen):
 Obstacle = Annotated[Cylinder | Box | Sphere, Field(discriminator="use")]
 
 
-class Marker(Frozen):
+class Marker(ParameterModel):
     """A printed fiducial, where it really hangs.
 
     `facing_deg` is the heading of its normal; `tilt_deg` raises the normal (90: lying face up, its
@@ -157,7 +157,7 @@ def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 
     return multiply(upright, multiply(tilt, roll))
 
 
-class World(Frozen):
+class World(ParameterModel):
     """Everything the simulator needs to know beyond the mission file."""
 
     VEHICLE: ClassVar[str] = "a multicopter"

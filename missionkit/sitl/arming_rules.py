@@ -9,7 +9,7 @@ https://ardupilot.org/copter/docs/common-prearm-safety-checks.html.
 
 from __future__ import annotations
 
-from missionkit.sitl.flight_modes import Flight, Mode
+from missionkit.sitl.flight_modes import FlightMode, FlightTask
 from missionkit.sitl.sitl_state import GCS, SEVERITY_WARNING, SitlState
 
 WARMING_UP = 1.0  # s after boot
@@ -68,11 +68,11 @@ def disarm(state: SitlState, *, force: bool) -> bool:
     return True
 
 
-def cannot_run(state: SitlState, mode: Mode) -> str:
+def cannot_run(state: SitlState, mode: FlightMode) -> str:
     """Return why a mode cannot be flown now, empty if it can."""
     if mode.needs_position and state.blind:
         return "no position"
-    if mode.does is Flight.MISSION and not state.plans.mission:
+    if mode.does is FlightTask.MISSION and not state.plans.mission:
         return "no mission"
     if mode.name == "OFFBOARD" and not streaming(state):
         return "no offboard signal"
@@ -85,11 +85,11 @@ def streaming(state: SitlState) -> bool:
     return target is not None and state.now - target.at <= state.parameters["COM_OF_LOSS_T"]
 
 
-def change(state: SitlState, mode: Mode) -> bool:
+def change(state: SitlState, mode: FlightMode) -> bool:
     """Enter a mode if it can be flown; say why not otherwise."""
     if refusal := cannot_run(state, mode):
         lenient = state.dialect.name == "px4" and not state.armed
-        if not lenient or mode.does is Flight.MISSION:
+        if not lenient or mode.does is FlightTask.MISSION:
             state.say(f"Mode {mode.name} refused: {refusal}", SEVERITY_WARNING)
             return False
     state.enter(mode)

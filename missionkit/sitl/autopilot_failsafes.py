@@ -14,27 +14,36 @@ import math
 from collections.abc import Callable, Mapping
 
 from missionkit.sitl import fence_breach
-from missionkit.sitl.flight_modes import Flight
+from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.setpoint_tracking import SetpointTarget
 from missionkit.sitl.sitl_state import ALERT, GCS, SitlState, take_over
 
-OFFBOARD_LOSS = {3: Flight.RETURN, 4: Flight.LAND, 5: Flight.HOLD}  # COM_OBL_RC_ACT
+OFFBOARD_LOSS = {3: FlightTask.RETURN, 4: FlightTask.LAND, 5: FlightTask.HOLD}  # COM_OBL_RC_ACT
 OFFBOARD_PILOT = {0: "POSCTL", 1: "ALTCTL", 2: "STABILIZED"}
-LINK_LOSS = {1: Flight.HOLD, 2: Flight.RETURN, 3: Flight.LAND}  # NAV_DLL_ACT
+LINK_LOSS = {1: FlightTask.HOLD, 2: FlightTask.RETURN, 3: FlightTask.LAND}  # NAV_DLL_ACT
 GCS_LOSS = {  # FS_GCS_ENABLE
-    1: Flight.RETURN,
-    2: Flight.RETURN,
-    3: Flight.RETURN,
-    4: Flight.RETURN,
-    5: Flight.LAND,
-    7: Flight.HOLD,
+    1: FlightTask.RETURN,
+    2: FlightTask.RETURN,
+    3: FlightTask.RETURN,
+    4: FlightTask.RETURN,
+    5: FlightTask.LAND,
+    7: FlightTask.HOLD,
 }
 UNMONITORED, VOLTAGE_ONLY = 0, 3  # BATT_MONITOR
-BATTERY_LOW = {1: Flight.LAND, 2: Flight.RETURN, 3: Flight.RETURN, 4: Flight.RETURN}
-RC_LOSS = {1: Flight.HOLD, 2: Flight.RETURN, 3: Flight.LAND}  # NAV_RCL_ACT
-RC_EXCEPT = {Flight.MISSION: 1, Flight.HOLD: 2, Flight.COMMANDED: 4}  # bits of COM_RCL_EXCEPT
-RADIO_LOSS = {1: Flight.RETURN, 3: Flight.LAND, 4: Flight.RETURN, 5: Flight.RETURN}  # FS_THR_ENABLE
-RADIO_GOES_ON = {Flight.MISSION: 1, Flight.COMMANDED: 4}  # bits of FS_OPTIONS
+BATTERY_LOW = {1: FlightTask.LAND, 2: FlightTask.RETURN, 3: FlightTask.RETURN, 4: FlightTask.RETURN}
+RC_LOSS = {1: FlightTask.HOLD, 2: FlightTask.RETURN, 3: FlightTask.LAND}  # NAV_RCL_ACT
+RC_EXCEPT = {
+    FlightTask.MISSION: 1,
+    FlightTask.HOLD: 2,
+    FlightTask.COMMANDED: 4,
+}  # bits of COM_RCL_EXCEPT
+RADIO_LOSS = {
+    1: FlightTask.RETURN,
+    3: FlightTask.LAND,
+    4: FlightTask.RETURN,
+    5: FlightTask.RETURN,
+}  # FS_THR_ENABLE
+RADIO_GOES_ON = {FlightTask.MISSION: 1, FlightTask.COMMANDED: 4}  # bits of FS_OPTIONS
 PILOT_GOES_ON = 16  # bit of FS_OPTIONS
 CRASHED_FOR = 2.0  # s until a crashed vehicle disarms
 Watch = Callable[[SitlState], None]
@@ -83,7 +92,7 @@ def _patience(state: SitlState) -> float:
 
 
 def _offboard_lost(state: SitlState) -> None:
-    if state.mode.does is not Flight.COMMANDED or state.target is None:
+    if state.mode.does is not FlightTask.COMMANDED or state.target is None:
         return
     if state.now - state.target.at <= state.parameters["COM_OF_LOSS_T"]:
         return
@@ -94,7 +103,7 @@ def _offboard_lost(state: SitlState) -> None:
     elif action in {6, 7}:
         state.body.kill()
     elif not _has_rc(state):  # without a remote control a manual mode cannot be flown
-        state.fly(Flight.RETURN)
+        state.fly(FlightTask.RETURN)
     else:
         state.enter(state.dialect.named(OFFBOARD_PILOT.get(action, "POSCTL")))
     state.failsafe = "offboard signal lost"
@@ -102,7 +111,7 @@ def _offboard_lost(state: SitlState) -> None:
 
 def _guided_lost(state: SitlState) -> None:
     target = state.target
-    if state.mode.does is not Flight.COMMANDED or target is None or not target.moves:
+    if state.mode.does is not FlightTask.COMMANDED or target is None or not target.moves:
         return
     if state.now - target.at > state.parameters["GUID_TIMEOUT"]:
         state.target = SetpointTarget(math.inf, velocity=(0.0, 0.0, 0.0))
@@ -110,7 +119,7 @@ def _guided_lost(state: SitlState) -> None:
 
 def _link_lost(state: SitlState) -> None:
     action = LINK_LOSS.get(int(state.parameters["NAV_DLL_ACT"]))
-    if state.mode.does is Flight.LAND:
+    if state.mode.does is FlightTask.LAND:
         return
     if action and state.in_air and state.silence(kind=GCS) > state.parameters["COM_DL_LOSS_T"]:
         take_over(state, "GCS connection lost", action, wait=state.parameters["COM_FAIL_ACT_T"])
@@ -118,7 +127,7 @@ def _link_lost(state: SitlState) -> None:
 
 def _gcs_lost(state: SitlState) -> None:
     action = GCS_LOSS.get(int(state.parameters["FS_GCS_ENABLE"]))
-    if state.mode.does is Flight.PILOT and int(state.parameters["FS_OPTIONS"]) & PILOT_GOES_ON:
+    if state.mode.does is FlightTask.PILOT and int(state.parameters["FS_OPTIONS"]) & PILOT_GOES_ON:
         return
     gone = state.silence(system=int(state.parameters["SYSID_MYGCS"]))
     if action and state.in_air and state.parameters["FS_GCS_TIMEOUT"] < gone < math.inf:
@@ -145,7 +154,7 @@ def _rc_lost(state: SitlState) -> None:
         return
     action = RC_LOSS.get(int(value["NAV_RCL_ACT"]))
     excepted = int(value["COM_RCL_EXCEPT"]) & RC_EXCEPT.get(does, 0)
-    if action and state.in_air and does is not Flight.LAND and not excepted:
+    if action and state.in_air and does is not FlightTask.LAND and not excepted:
         take_over(state, "RC lost", action, wait=value["COM_FAIL_ACT_T"])
 
 
@@ -157,7 +166,7 @@ def _radio_lost(state: SitlState) -> None:
         return
     action = RADIO_LOSS.get(int(value["FS_THR_ENABLE"]))
     goes_on = int(value["FS_OPTIONS"]) & RADIO_GOES_ON.get(does, 0)
-    if action and state.in_air and does is not Flight.LAND and not goes_on:
+    if action and state.in_air and does is not FlightTask.LAND and not goes_on:
         take_over(state, "radio", action)
 
 
@@ -165,9 +174,9 @@ def _battery_low(state: SitlState) -> None:
     value, charge = state.parameters, state.body.charge
     action = int(value["COM_LOW_BAT_ACT"])
     if charge < value["BAT_EMERGEN_THR"] and action:
-        take_over(state, "battery emergency", Flight.LAND)
+        take_over(state, "battery emergency", FlightTask.LAND)
     elif charge < value["BAT_CRIT_THR"] and action:
-        flight = Flight.LAND if action == 2 else Flight.RETURN
+        flight = FlightTask.LAND if action == 2 else FlightTask.RETURN
         take_over(state, "battery critical", flight, wait=value["COM_FAIL_ACT_T"])
     elif charge < value["BAT_LOW_THR"]:
         state.warn_once("battery", "Low battery level! Return advised")
@@ -199,7 +208,7 @@ def _ekf_lost(state: SitlState) -> None:
 def _blind(state: SitlState, name: str) -> None:
     if state.mode.needs_position and state.in_air:
         state.warned.discard(name)
-        take_over(state, name, Flight.LAND)
+        take_over(state, name, FlightTask.LAND)
 
 
 WATCHES: Mapping[str, tuple[Watch, ...]] = {

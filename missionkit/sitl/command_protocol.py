@@ -14,7 +14,7 @@ from missionkit.geometry import norm
 from missionkit.sim.fault_injection import Fault
 from missionkit.sitl import arming_rules, mission_protocol, stream_scheduler
 from missionkit.sitl.command_fields import CommandFields, order_of
-from missionkit.sitl.flight_modes import Flight, Mode
+from missionkit.sitl.flight_modes import FlightMode, FlightTask
 from missionkit.sitl.peer_channel import Channel, Sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.setpoint_tracking import towards
@@ -90,7 +90,7 @@ def _arm(state: SitlState, order: CommandFields) -> int:
     return _done(state, well=arming_rules.disarm(state, force=force))
 
 
-def change_mode(state: SitlState, mode: Mode | None) -> int:
+def change_mode(state: SitlState, mode: FlightMode | None) -> int:
     """Enter a mode that a station requests."""
     if mode is None:
         return refused(state)
@@ -109,8 +109,8 @@ def _take_off(state: SitlState, order: CommandFields) -> int:
         state.height = state.parameters["MIS_TAKEOFF_ALT"]
         if order.height is not None:
             state.height = order.height - (state.earth.origin.height - float(state.home[2]))
-        return change_mode(state, state.dialect.doing(Flight.TAKE_OFF))
-    ready = state.mode.does is Flight.COMMANDED and state.armed and not state.in_air
+        return change_mode(state, state.dialect.doing(FlightTask.TAKE_OFF))
+    ready = state.mode.does is FlightTask.COMMANDED and state.armed and not state.in_air
     if not ready or order.height is None:
         return int(FAILED)
     state.height, state.target = order.height, None
@@ -118,7 +118,7 @@ def _take_off(state: SitlState, order: CommandFields) -> int:
     return int(RESULT_ACCEPTED)
 
 
-def _fly(flight: Flight) -> Handler:
+def _fly(flight: FlightTask) -> Handler:
     def handler(state: SitlState, _: CommandFields) -> int:
         return change_mode(state, state.dialect.doing(flight))
 
@@ -128,7 +128,7 @@ def _fly(flight: Flight) -> Handler:
 def _reposition(state: SitlState, order: CommandFields) -> int:
     """Fly to a place: PX4 holds there, ArduPilot is guided there."""
     px4 = state.dialect.name == "px4"
-    mode = state.dialect.doing(Flight.HOLD if px4 else Flight.COMMANDED)
+    mode = state.dialect.doing(FlightTask.HOLD if px4 else FlightTask.COMMANDED)
     if state.mode is not mode and not round(order.number(2)) & CHANGE_MODE:
         return int(DENIED)
     if not state.in_air or not arming_rules.change(state, mode):
@@ -157,15 +157,15 @@ def _orbit(state: SitlState, order: CommandFields) -> int:
 
 def _pause(state: SitlState, order: CommandFields) -> int:
     if order.number(1) == 1.0:
-        return change_mode(state, state.dialect.doing(Flight.MISSION))
-    return change_mode(state, state.dialect.doing(Flight.HOLD))
+        return change_mode(state, state.dialect.doing(FlightTask.MISSION))
+    return change_mode(state, state.dialect.doing(FlightTask.HOLD))
 
 
 def _start_mission(state: SitlState, order: CommandFields) -> int:
     ready = bool(state.plans.mission) and (state.armed or state.dialect.name == "px4")
     if not ready or not mission_protocol.set_current(state, round(order.number(1))):
         return refused(state)
-    return change_mode(state, state.dialect.doing(Flight.MISSION))
+    return change_mode(state, state.dialect.doing(FlightTask.MISSION))
 
 
 def _speed(state: SitlState, order: CommandFields) -> int:
@@ -271,8 +271,8 @@ HANDLERS: Mapping[int, Handler] = {
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM: _arm,
     mavlink.MAV_CMD_DO_SET_MODE: _set_mode,
     mavlink.MAV_CMD_NAV_TAKEOFF: _take_off,
-    mavlink.MAV_CMD_NAV_LAND: _fly(Flight.LAND),
-    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: _fly(Flight.RETURN),
+    mavlink.MAV_CMD_NAV_LAND: _fly(FlightTask.LAND),
+    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: _fly(FlightTask.RETURN),
     mavlink.MAV_CMD_DO_REPOSITION: _reposition,
     mavlink.MAV_CMD_DO_ORBIT: _orbit,
     mavlink.MAV_CMD_DO_PAUSE_CONTINUE: _pause,

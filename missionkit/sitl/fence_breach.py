@@ -12,7 +12,7 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from missionkit.sitl.flight_modes import Flight
+from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.geodetic import Earth, Spot
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.sitl.sitl_state import SitlState, take_over
@@ -31,12 +31,12 @@ CIRCLES = (
     mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
 )
 FENCE_HEIGHT, FENCE_CIRCLE, FENCE_POLYGON = 1, 2, 4  # bits of FENCE_TYPE
-PX4_ACTIONS = {2: Flight.HOLD, 3: Flight.RETURN, 5: Flight.LAND}  # GF_ACTION
-ARDUPILOT_ACTIONS = {1: Flight.RETURN, 2: Flight.LAND, 4: Flight.HOLD}  # FENCE_ACTION
+PX4_ACTIONS = {2: FlightTask.HOLD, 3: FlightTask.RETURN, 5: FlightTask.LAND}  # GF_ACTION
+ARDUPILOT_ACTIONS = {1: FlightTask.RETURN, 2: FlightTask.LAND, 4: FlightTask.HOLD}  # FENCE_ACTION
 Place = tuple[float, float]  # m, north and east
 
 
-class Shape(NamedTuple):
+class FenceShape(NamedTuple):
     """A polygon, or a circle around its only corner."""
 
     inclusion: bool
@@ -58,7 +58,7 @@ class Shape(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def shapes(items: tuple[Item, ...], earth: Earth) -> tuple[Shape, ...]:
+def shapes(items: tuple[Item, ...], earth: Earth) -> tuple[FenceShape, ...]:
     """Return the shapes that the items of a fence describe."""
     found, at = [], 0
     while at < len(items):
@@ -66,7 +66,7 @@ def shapes(items: tuple[Item, ...], earth: Earth) -> tuple[Shape, ...]:
         count = max(1, round(item.params[0])) if item.command in CORNERS else 1
         if item.command in {*CORNERS, *CIRCLES}:
             corners = tuple(_place(corner, earth) for corner in items[at : at + count])
-            found.append(Shape(item.command in INSIDE, corners, item.params[0]))
+            found.append(FenceShape(item.command in INSIDE, corners, item.params[0]))
         at += count
     return tuple(found)
 

@@ -16,7 +16,7 @@ CUSTOM_FLAG, AUTO_FLAG, GUIDED_FLAG = 1, 4, 8  # MAV_MODE_FLAG
 STABILIZE_FLAG, MANUAL_FLAG, ARMED_FLAG = 16, 64, 128
 
 
-class Flight(StrEnum):
+class FlightTask(StrEnum):
     """Behaviour of the vehicle in a mode. A pilot's sticks are centred: it hovers."""
 
     PILOT = auto()
@@ -28,12 +28,12 @@ class Flight(StrEnum):
     LAND = auto()
 
 
-class Mode(NamedTuple):
+class FlightMode(NamedTuple):
     """One flight mode of an autopilot."""
 
     name: str
     number: int  # custom_mode
-    does: Flight
+    does: FlightTask
     arming: bool = True  # may be armed in
     base: int = STABILIZE_FLAG | MANUAL_FLAG  # MAV_MODE_FLAG, besides CUSTOM_FLAG and ARMED_FLAG
     needs_position: bool = True
@@ -45,33 +45,35 @@ def _px4(main: int, sub: int = 0) -> int:
 
 _SELF = STABILIZE_FLAG | GUIDED_FLAG | AUTO_FLAG
 PX4_MODES = (
-    Mode("MANUAL", _px4(1), Flight.PILOT, base=MANUAL_FLAG, needs_position=False),
-    Mode("ALTCTL", _px4(2), Flight.PILOT, needs_position=False),
-    Mode("POSCTL", _px4(3), Flight.PILOT, base=STABILIZE_FLAG | GUIDED_FLAG | MANUAL_FLAG),
-    Mode("ACRO", _px4(5), Flight.PILOT, base=MANUAL_FLAG, needs_position=False),
-    Mode("OFFBOARD", _px4(6), Flight.COMMANDED, base=_SELF),
-    Mode("STABILIZED", _px4(7), Flight.PILOT, needs_position=False),
-    Mode("TAKEOFF", _px4(4, 2), Flight.TAKE_OFF, base=_SELF),
-    Mode("LOITER", _px4(4, 3), Flight.HOLD, base=_SELF),
-    Mode("MISSION", _px4(4, 4), Flight.MISSION, base=_SELF),
-    Mode("RTL", _px4(4, 5), Flight.RETURN, arming=False, base=_SELF),
-    Mode("LAND", _px4(4, 6), Flight.LAND, arming=False, base=_SELF, needs_position=False),
-    Mode("ORBIT", _px4(3, 1), Flight.HOLD, arming=False, base=_SELF),
+    FlightMode("MANUAL", _px4(1), FlightTask.PILOT, base=MANUAL_FLAG, needs_position=False),
+    FlightMode("ALTCTL", _px4(2), FlightTask.PILOT, needs_position=False),
+    FlightMode(
+        "POSCTL", _px4(3), FlightTask.PILOT, base=STABILIZE_FLAG | GUIDED_FLAG | MANUAL_FLAG
+    ),
+    FlightMode("ACRO", _px4(5), FlightTask.PILOT, base=MANUAL_FLAG, needs_position=False),
+    FlightMode("OFFBOARD", _px4(6), FlightTask.COMMANDED, base=_SELF),
+    FlightMode("STABILIZED", _px4(7), FlightTask.PILOT, needs_position=False),
+    FlightMode("TAKEOFF", _px4(4, 2), FlightTask.TAKE_OFF, base=_SELF),
+    FlightMode("LOITER", _px4(4, 3), FlightTask.HOLD, base=_SELF),
+    FlightMode("MISSION", _px4(4, 4), FlightTask.MISSION, base=_SELF),
+    FlightMode("RTL", _px4(4, 5), FlightTask.RETURN, arming=False, base=_SELF),
+    FlightMode("LAND", _px4(4, 6), FlightTask.LAND, arming=False, base=_SELF, needs_position=False),
+    FlightMode("ORBIT", _px4(3, 1), FlightTask.HOLD, arming=False, base=_SELF),
 )
 
 _ALONE = STABILIZE_FLAG | GUIDED_FLAG | MANUAL_FLAG
 ARDUPILOT_MODES = (
-    Mode("STABILIZE", 0, Flight.PILOT, needs_position=False),
-    Mode("ACRO", 1, Flight.PILOT, needs_position=False),
-    Mode("ALT_HOLD", 2, Flight.PILOT, needs_position=False),
-    Mode("AUTO", 3, Flight.MISSION, arming=False, base=_ALONE),
-    Mode("GUIDED", 4, Flight.COMMANDED, base=_ALONE),
-    Mode("LOITER", 5, Flight.PILOT, base=_ALONE),
-    Mode("RTL", 6, Flight.RETURN, arming=False, base=_ALONE),
-    Mode("LAND", 9, Flight.LAND, arming=False, needs_position=False),
-    Mode("POSHOLD", 16, Flight.PILOT, base=_ALONE),
-    Mode("BRAKE", 17, Flight.HOLD, arming=False, base=_ALONE),
-    Mode("SMART_RTL", 21, Flight.RETURN, arming=False, base=_ALONE),
+    FlightMode("STABILIZE", 0, FlightTask.PILOT, needs_position=False),
+    FlightMode("ACRO", 1, FlightTask.PILOT, needs_position=False),
+    FlightMode("ALT_HOLD", 2, FlightTask.PILOT, needs_position=False),
+    FlightMode("AUTO", 3, FlightTask.MISSION, arming=False, base=_ALONE),
+    FlightMode("GUIDED", 4, FlightTask.COMMANDED, base=_ALONE),
+    FlightMode("LOITER", 5, FlightTask.PILOT, base=_ALONE),
+    FlightMode("RTL", 6, FlightTask.RETURN, arming=False, base=_ALONE),
+    FlightMode("LAND", 9, FlightTask.LAND, arming=False, needs_position=False),
+    FlightMode("POSHOLD", 16, FlightTask.PILOT, base=_ALONE),
+    FlightMode("BRAKE", 17, FlightTask.HOLD, arming=False, base=_ALONE),
+    FlightMode("SMART_RTL", 21, FlightTask.RETURN, arming=False, base=_ALONE),
 )
 
 
@@ -80,17 +82,17 @@ class ModeTable(NamedTuple):
 
     name: str
     autopilot: int  # MAV_AUTOPILOT
-    modes: tuple[Mode, ...]
-    initial: Mode
+    modes: tuple[FlightMode, ...]
+    initial: FlightMode
     bytewise: bool  # integer parameters keep their bytes, PX4; else their value
     capabilities: int
     version: int  # flight_sw_version
 
-    def mode(self, number: int) -> Mode | None:
+    def mode(self, number: int) -> FlightMode | None:
         """Return the mode with that custom_mode."""
         return next((mode for mode in self.modes if mode.number == number), None)
 
-    def named(self, name: str) -> Mode:
+    def named(self, name: str) -> FlightMode:
         """Return the mode with that name, in any case.
 
         Raises:
@@ -102,7 +104,7 @@ class ModeTable(NamedTuple):
         hint = nearest(name.upper(), [mode.name for mode in self.modes])
         raise UsageError(f"{self.name} has no mode {name!r}: {hint}")
 
-    def doing(self, flight: Flight) -> Mode:
+    def doing(self, flight: FlightTask) -> FlightMode:
         """Return the first mode that does so."""
         return next(mode for mode in self.modes if mode.does is flight)
 

@@ -16,7 +16,7 @@ from missionkit.sitl import (
     status_messages,
     stream_scheduler,
 )
-from missionkit.sitl.flight_modes import Flight, ModeTable
+from missionkit.sitl.flight_modes import FlightTask, ModeTable
 from missionkit.sitl.geodetic import (
     ARDUPILOT_RADIUS,
     PX4_RADIUS,
@@ -165,7 +165,7 @@ def restart(state: SitlState, silent: float) -> None:
     state.warned.clear()
     state.late_acks.clear()
     state.target = state.speed = None
-    state.enter(state.dialect.doing(Flight.HOLD) if state.in_air else state.dialect.initial)
+    state.enter(state.dialect.doing(FlightTask.HOLD) if state.in_air else state.dialect.initial)
     for channel in state.channels:
         channel.pending.clear()
         stream_scheduler.begin(state, channel)
@@ -183,7 +183,7 @@ def _set_mode(state: SitlState, _: Channel, message: Message) -> None:
 
 def _setpoint(state: SitlState, _: Channel, message: Message) -> None:
     target = setpoint_messages.read(state, message)
-    guided = state.mode.does is Flight.COMMANDED
+    guided = state.mode.does is FlightTask.COMMANDED
     state.note("setpoint", message.get_type())
     if target is None or (state.dialect.name == "ardupilot" and not guided):
         return

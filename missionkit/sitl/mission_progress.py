@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from missionkit.geometry import Vec3, vec
-from missionkit.sitl.flight_modes import Flight
+from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.geodetic import Spot
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.sitl.setpoint_tracking import SetpointTarget, towards
@@ -26,17 +26,17 @@ RELATIVE_FRAMES = (
 )
 PLACES = (mavlink.MAV_CMD_NAV_WAYPOINT, mavlink.MAV_CMD_NAV_LOITER_TIME)
 ACTIONS = {
-    mavlink.MAV_CMD_NAV_TAKEOFF: Flight.TAKE_OFF,
-    mavlink.MAV_CMD_NAV_LAND: Flight.LAND,
-    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: Flight.RETURN,
+    mavlink.MAV_CMD_NAV_TAKEOFF: FlightTask.TAKE_OFF,
+    mavlink.MAV_CMD_NAV_LAND: FlightTask.LAND,
+    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: FlightTask.RETURN,
 }
 
 
-class Leg(NamedTuple):
+class MissionLeg(NamedTuple):
     """One item that takes time."""
 
     aim: SetpointTarget | None = None
-    action: Flight | None = None
+    action: FlightTask | None = None
     height: float = 0.0  # m above home, of a take-off
     radius: float = 1.0  # m
     stay: float = 0.0  # s
@@ -57,7 +57,7 @@ def place(state: SitlState, item: Item) -> Vec3:
     return here(Spot(item.x / 1e7, item.y / 1e7, height))
 
 
-def leg(state: SitlState, cruise: float) -> Leg | None:
+def leg(state: SitlState, cruise: float) -> MissionLeg | None:
     """Return the present leg, passing over items that take no time; `None` after the last."""
     plans = state.plans
     if plans.current == 0 and state.dialect.name == "ardupilot":
@@ -66,7 +66,7 @@ def leg(state: SitlState, cruise: float) -> Leg | None:
         item = plans.mission[plans.current]
         if item.command in ACTIONS:
             height = float(state.home[2] - place(state, item)[2])
-            return Leg(action=ACTIONS[item.command], height=height)
+            return MissionLeg(action=ACTIONS[item.command], height=height)
         if item.command in PLACES:
             return _way(state, item, cruise)
         if item.command == mavlink.MAV_CMD_DO_CHANGE_SPEED and item.params[1] > 0.0:
@@ -75,17 +75,17 @@ def leg(state: SitlState, cruise: float) -> Leg | None:
     return None
 
 
-def _way(state: SitlState, item: Item, cruise: float) -> Leg:
+def _way(state: SitlState, item: Item, cruise: float) -> MissionLeg:
     yaw = math.radians(item.params[3]) if math.isfinite(item.params[3]) else None
     if state.dialect.name == "ardupilot":
         yaw, radius = None, state.parameters["WPNAV_RADIUS"] / 100.0
     else:
         radius = item.params[1] or state.parameters["NAV_ACC_RAD"]
     aim = towards(state.now, place(state, item), yaw=yaw, speed=cruise)
-    return Leg(aim=aim, radius=radius, stay=max(0.0, item.params[0]))
+    return MissionLeg(aim=aim, radius=radius, stay=max(0.0, item.params[0]))
 
 
-def arrived(state: SitlState, leg: Leg) -> None:
+def arrived(state: SitlState, leg: MissionLeg) -> None:
     """Go on to the next item once it has stayed long enough."""
     if state.phase != "stay":
         state.begin("stay")

@@ -11,7 +11,7 @@ import math
 from missionkit.geometry import wrap
 from missionkit.messages import Action, Command
 from missionkit.sitl import mission_progress, return_home
-from missionkit.sitl.flight_modes import Flight
+from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.flight_primitives import (
     act,
     cruise,
@@ -32,15 +32,15 @@ def steer(state: SitlState, dt: float) -> None:
 
 
 def _command(state: SitlState, dt: float) -> Command | None:
-    if state.mode.does is Flight.COMMANDED:
+    if state.mode.does is FlightTask.COMMANDED:
         return _commanded(state, dt)
-    if state.mode.does is Flight.TAKE_OFF:
-        return _take_off(state, land_in=Flight.HOLD)
-    if state.mode.does is Flight.MISSION:
+    if state.mode.does is FlightTask.TAKE_OFF:
+        return _take_off(state, land_in=FlightTask.HOLD)
+    if state.mode.does is FlightTask.MISSION:
         return _mission(state)
-    if state.mode.does is Flight.RETURN:
+    if state.mode.does is FlightTask.RETURN:
         return return_home.steer(state)
-    if state.mode.does is Flight.LAND:
+    if state.mode.does is FlightTask.LAND:
         return act(state, Action.LAND, "land")
     return _stay(state)
 
@@ -74,7 +74,7 @@ def _commanded(state: SitlState, dt: float) -> Command | None:
     return to(state, state.target)
 
 
-def _take_off(state: SitlState, land_in: Flight | None) -> Command | None:
+def _take_off(state: SitlState, land_in: FlightTask | None) -> Command | None:
     """Climb; enter the mode that does `land_in` at the top."""
     if state.phase != "climb":
         state.begin("climb")
@@ -99,13 +99,13 @@ def _mission(state: SitlState) -> Command | None:
     return None if leg.aim is None else to(state, leg.aim)
 
 
-def _mission_action(state: SitlState, leg: mission_progress.Leg) -> Command | None:
-    if leg.action is Flight.TAKE_OFF:
+def _mission_action(state: SitlState, leg: mission_progress.MissionLeg) -> Command | None:
+    if leg.action is FlightTask.TAKE_OFF:
         state.height = leg.height
         command = _take_off(state, land_in=None)
         if command is None and state.phase == "":
             mission_progress.arrived(state, leg)
         return command
-    if leg.action is Flight.RETURN:
+    if leg.action is FlightTask.RETURN:
         return return_home.steer(state)
     return act(state, Action.LAND, "land")

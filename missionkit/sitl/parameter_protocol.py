@@ -113,7 +113,7 @@ ARDUPILOT_PARAMETERS: dict[str, float] = {  # an int is an INT16
 TABLES = {"px4": PX4_PARAMETERS, "ardupilot": ARDUPILOT_PARAMETERS}
 
 
-class Entry(NamedTuple):
+class ParameterEntry(NamedTuple):
     """One parameter as it is now."""
 
     name: str
@@ -128,7 +128,7 @@ class Parameters:
         whole = INT32 if bytewise else INT16
         self._bytewise = bytewise
         self._entries = {
-            name: Entry(name, value, whole if isinstance(value, int) else REAL32)
+            name: ParameterEntry(name, value, whole if isinstance(value, int) else REAL32)
             for name, value in TABLES[dialect].items()
         }
         self._names = sorted(self._entries)
@@ -174,12 +174,12 @@ class Parameters:
         self.set(name, self._decoded(entry, value))
         return True
 
-    def _encoded(self, entry: Entry) -> float:
+    def _encoded(self, entry: ParameterEntry) -> float:
         if entry.kind == REAL32 or not self._bytewise:
             return float(entry.value)
         return float(struct.unpack("<f", struct.pack("<i", int(entry.value)))[0])
 
-    def _decoded(self, entry: Entry, value: float) -> float:
+    def _decoded(self, entry: ParameterEntry, value: float) -> float:
         if entry.kind == REAL32 or not self._bytewise:
             return value
         return float(struct.unpack("<i", struct.pack("<f", value))[0])

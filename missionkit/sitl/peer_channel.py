@@ -29,7 +29,7 @@ class Channel:
 
     def __init__(self, write: Callable[[bytes], None], system: int, weather: Weather) -> None:
         self.heard = False  # has the peer ever sent anything?
-        self.streams: dict[int, Beat] = {}
+        self.streams: dict[int, StreamSchedule] = {}
         self.pending: list[Message] = []  # a long answer, sent little by little
         self._write = write
         self._mav = mavlink.MAVLink(None, system, COMPONENT)
@@ -61,7 +61,7 @@ class Channel:
             self._write(data)
 
 
-class Beat:
+class StreamSchedule:
     """When a stream is due, and what was sent last."""
 
     def __init__(self, interval: float, now: float) -> None:

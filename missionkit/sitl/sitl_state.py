@@ -20,7 +20,7 @@ from missionkit.messages import (
     Range,
     Scan,
 )
-from missionkit.sitl.flight_modes import Flight, Mode, ModeTable
+from missionkit.sitl.flight_modes import FlightMode, FlightTask, ModeTable
 from missionkit.sitl.geodetic import Earth
 from missionkit.sitl.parameter_protocol import Parameters
 from missionkit.sitl.peer_channel import Channel, Sender
@@ -42,7 +42,7 @@ JOURNAL_LENGTH = 100_000  # notes
 TEXT_LENGTH = 50  # characters of a STATUSTEXT
 
 
-class Note(NamedTuple):
+class JournalNote(NamedTuple):
     """Something that happened."""
 
     at: float  # s, simulated
@@ -98,10 +98,10 @@ class SitlState:
     earth: Earth
     parameters: Parameters
     troubles: WireFaults
-    mode: Mode
+    mode: FlightMode
     home: Vec3  # (3,), m, NED
     wall: Callable[[], float]
-    journal: deque[Note] = field(default_factory=lambda: deque(maxlen=JOURNAL_LENGTH))
+    journal: deque[JournalNote] = field(default_factory=lambda: deque(maxlen=JOURNAL_LENGTH))
     channels: list[Channel] = field(default_factory=list)
     sensed: Sensed = field(default_factory=Sensed)
     plans: Plans = field(default_factory=Plans)
@@ -120,7 +120,7 @@ class SitlState:
     flown: bool = False  # since it was armed
     peers: dict[Sender, tuple[float, int]] = field(default_factory=dict)  # last heartbeat, type
     failsafe: str = ""  # the one that took over, until the mode is changed or it disarms
-    pending: tuple[float, Flight] | None = None  # what a failsafe does, and when
+    pending: tuple[float, FlightTask] | None = None  # what a failsafe does, and when
     payload: str | None = None  # actuator that is on
     height: float = 2.5  # m above home, of the next take-off
     grounded_at: float = 0.0
@@ -180,7 +180,7 @@ class SitlState:
         """Return a simulated time as µs since boot, not before it."""
         return max(0, round(1e6 * (at - self.booted)))
 
-    def enter(self, mode: Mode) -> None:
+    def enter(self, mode: FlightMode) -> None:
         """Change the flight mode; the failsafe, if any, is over."""
         if mode is not self.mode:
             self.mode = mode
@@ -194,7 +194,7 @@ class SitlState:
         """Begin a phase of an autonomous flight."""
         self.phase, self.phase_since, self.aim, self.orbit = phase, self.now, None, None
 
-    def fly(self, flight: Flight) -> None:
+    def fly(self, flight: FlightTask) -> None:
         """Change to the mode that does so."""
         self.enter(self.dialect.doing(flight))
 
@@ -209,7 +209,7 @@ class SitlState:
 
     def note(self, what: str, which: str) -> None:
         """Keep in the journal that something happened now."""
-        self.journal.append(Note(self.now, self.wall(), what, which))
+        self.journal.append(JournalNote(self.now, self.wall(), what, which))
 
     def say(self, text: str, severity: int = SEVERITY_INFO) -> None:
         """Tell everyone."""
@@ -232,7 +232,7 @@ class SitlState:
             self.say(text, severity)
 
 
-def take_over(state: SitlState, name: str, flight: Flight, *, wait: float = 0.0) -> None:
+def take_over(state: SitlState, name: str, flight: FlightTask, *, wait: float = 0.0) -> None:
     """Let a failsafe fly; `wait` (s) of holding come first. Each takes over once.
 
     Args:
@@ -245,7 +245,7 @@ def take_over(state: SitlState, name: str, flight: Flight, *, wait: float = 0.0)
         return
     state.warn_once(name, f"Failsafe activated: {name}", ALERT)
     if wait > 0.0:
-        state.fly(Flight.HOLD)
+        state.fly(FlightTask.HOLD)
         state.pending = (state.now + wait, flight)
     else:
         state.fly(flight)

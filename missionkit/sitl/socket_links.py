@@ -22,7 +22,7 @@ SOCKET_READ_BYTES = 65536
 TCP_BACKLOG = 1 << 20  # bytes waiting for a slow TCP peer; more are lost
 
 
-class Link(Protocol):
+class SocketLink(Protocol):
     """One socket and the peers behind it."""
 
     address: Address
@@ -31,7 +31,9 @@ class Link(Protocol):
         """Let go of the socket."""
 
 
-def open_link(text: str, autopilot: MavlinkAutopilot, selector: selectors.BaseSelector) -> Link:
+def open_link(
+    text: str, autopilot: MavlinkAutopilot, selector: selectors.BaseSelector
+) -> SocketLink:
     """Open a link.
 
     Args:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from missionkit.geometry import to_euler, yaw_of
-from missionkit.sitl.flight_modes import ARMED_FLAG, CUSTOM_FLAG, Flight
+from missionkit.sitl.flight_modes import ARMED_FLAG, CUSTOM_FLAG, FlightTask
 from missionkit.sitl.geodetic import e7
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
@@ -81,7 +81,7 @@ def system_time(state: SitlState) -> Message:
 def mission_current(state: SitlState) -> Message:
     """Return MISSION_CURRENT."""
     plans = state.plans
-    flying = state.mode.does is Flight.MISSION
+    flying = state.mode.does is FlightTask.MISSION
     if not plans.mission:
         stage = mavlink.MISSION_STATE_NO_MISSION
     elif flying and plans.current >= len(plans.mission):

@@ -15,7 +15,7 @@ from missionkit.sitl import (
     sensor_messages,
     status_messages,
 )
-from missionkit.sitl.peer_channel import Beat, Channel
+from missionkit.sitl.peer_channel import Channel, StreamSchedule
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
@@ -170,10 +170,10 @@ def known(state: SitlState, number: int) -> bool:
 def begin(state: SitlState, channel: Channel) -> None:
     """Set the rates of a link to those it has after a start."""
     channel.streams = {
-        number: Beat(1.0 / rate, state.now)
+        number: StreamSchedule(1.0 / rate, state.now)
         for number, rate in DEFAULT_RATES[state.dialect.name].items()
     }
-    channel.streams[HEARTBEAT_ID] = Beat(state.heartbeat, state.now)
+    channel.streams[HEARTBEAT_ID] = StreamSchedule(state.heartbeat, state.now)
 
 
 def ask(state: SitlState, channel: Channel, number: int, interval: float) -> bool:
@@ -195,7 +195,7 @@ def ask(state: SitlState, channel: Channel, number: int, interval: float) -> boo
     if interval <= 0.0:
         channel.streams.pop(number, None)
     else:
-        channel.streams[number] = Beat(max(interval, 1.0 / FASTEST_STREAM), state.now)
+        channel.streams[number] = StreamSchedule(max(interval, 1.0 / FASTEST_STREAM), state.now)
     return True
 
 

@@ -9,7 +9,7 @@ from missionkit.messages import Estimate, Mode, Verdict
 
 
 @dataclass(frozen=True, slots=True)
-class Failsafe:
+class KindFailsafe:
     """A transition that a state has unless the mission file gives it one to the same kind.
 
     Written as data, just as a mission file would: the guard's name and parameters. With
@@ -25,7 +25,7 @@ class Failsafe:
 
 
 @dataclass(frozen=True, slots=True)
-class Invariant:
+class KindInvariant:
     """Condition that must hold in the state: I(s) of P1, section 7.3.
 
     A violation is recorded at once; when it lasts `tolerated` seconds the vehicle leaves for
@@ -48,5 +48,5 @@ class StateKind:
     flying: bool
     default_behavior: str | None = None
     must_reach: tuple[str, ...] = ()
-    invariant: Invariant | None = None
-    failsafes: tuple[Failsafe, ...] = ()
+    invariant: KindInvariant | None = None
+    failsafes: tuple[KindFailsafe, ...] = ()

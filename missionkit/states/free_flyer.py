@@ -12,7 +12,7 @@ from types import MappingProxyType
 from missionkit.geometry import norm
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.number_text import beside
-from missionkit.states.contract import Failsafe, Invariant
+from missionkit.states.contract import KindFailsafe, KindInvariant
 from missionkit.states.custom import CUSTOM_KIND
 from missionkit.states.gps import GPS_KIND
 from missionkit.states.hover import HOVER_STATE
@@ -62,13 +62,13 @@ _FLYER_STATE_KINDS = (
         SEARCH,
         summary="Turning until the camera looks at the target.",
         failsafes=(
-            Failsafe("search-timeout", "elapsed", {"longer_than": TURNING_LIMIT}, "return"),
+            KindFailsafe("search-timeout", "elapsed", {"longer_than": TURNING_LIMIT}, "return"),
         ),
     ),
     replace(
         TASK,
         summary="At the docked place, within its tolerance.",
-        invariant=Invariant("‖e_p‖ ≤ 2 cm", _docked, tolerated=SLIPPED_FOR, to_kind="visual"),
+        invariant=KindInvariant("‖e_p‖ ≤ 2 cm", _docked, tolerated=SLIPPED_FOR, to_kind="visual"),
         failsafes=(),
     ),
     replace(RETURN_KIND, summary="Backing off.", failsafes=(replace(STUCK, to_kind="land"),)),

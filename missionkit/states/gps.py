@@ -1,7 +1,7 @@
 """GPS: waypoint flight."""
 
 from missionkit.messages import Estimate, Mode, Verdict
-from missionkit.states.contract import Invariant, StateKind
+from missionkit.states.contract import KindInvariant, StateKind
 from missionkit.states.shared_failsafes import HOVER, UNREACHABLE
 
 
@@ -16,6 +16,6 @@ GPS_KIND = StateKind(
     mode=Mode.GPS,
     flying=True,
     must_reach=("land",),
-    invariant=Invariant("gps_target ≠ ∅", _has_goal, tolerated=1.0, to_kind=HOVER),
+    invariant=KindInvariant("gps_target ≠ ∅", _has_goal, tolerated=1.0, to_kind=HOVER),
     failsafes=(UNREACHABLE,),
 )

@@ -5,7 +5,7 @@ import math
 from missionkit.geometry import norm, wrap
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.number_text import beside
-from missionkit.states.contract import Failsafe, Invariant, StateKind
+from missionkit.states.contract import KindFailsafe, KindInvariant, StateKind
 from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST
 
 TASK_POSITION = 0.10  # m, ε_pos
@@ -26,7 +26,7 @@ def _on_goal(seen: Estimate, _: str | None) -> Verdict:
     return Verdict.at_most(turned, YAW, aside if turned > YAW else "")
 
 
-LEAVE_WHEN_PUSHED = Failsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)
+LEAVE_WHEN_PUSHED = KindFailsafe("disturbed", "disturbed", {}, to_kind="visual", emergency=True)
 """A gust at work: leave it backwards, to where it was approached from."""
 
 TASK = StateKind(
@@ -35,7 +35,7 @@ TASK = StateKind(
     mode=Mode.VISUAL,
     flying=True,
     must_reach=("land",),
-    invariant=Invariant(
+    invariant=KindInvariant(
         "‖e_p‖ ≤ ε_pos ∧ |e_ψ| ≤ ε_yaw", _on_goal, tolerated=LOCK_LIMIT, to_kind="visual"
     ),
     failsafes=(LEAVE_WHEN_PUSHED, LOCK_LOST),

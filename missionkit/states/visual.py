@@ -7,7 +7,7 @@ the last half second. C_aruco is the guard `aruco_confidence`.
 
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.number_text import beside
-from missionkit.states.contract import Invariant, StateKind
+from missionkit.states.contract import KindInvariant, StateKind
 from missionkit.states.shared_failsafes import LOCK_LIMIT, LOCK_LOST, UNREACHABLE
 
 SURE_WITHIN = 0.5  # s: a lock this fresh needs more than half of 20 Hz frames
@@ -31,7 +31,7 @@ VISUAL = StateKind(
     mode=Mode.VISUAL,
     flying=True,
     must_reach=("search", "land"),
-    invariant=Invariant(
+    invariant=KindInvariant(
         "visual_target ≠ ∅ ∧ t - t_seen ≤ 0.5 s", _locked, LOCK_LIMIT, to_kind="search"
     ),
     failsafes=(LOCK_LOST, UNREACHABLE),

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from missionkit.errors import VehicleError
 from missionkit.messages import CONTROL_RESUMED, Command, Observation, Record, Setpoint
 from missionkit.vehicle.autopilot_dialect import Dialect, dialect_of
-from missionkit.vehicle.camera.frame_source import Camera, NoCamera
+from missionkit.vehicle.camera.frame_source import FrameSource, NoCamera
 from missionkit.vehicle.command import velocity_correction
 from missionkit.vehicle.command.autopilot_commands import CommandReport
 from missionkit.vehicle.command.command_transaction import CommandOutcome
@@ -68,7 +68,7 @@ class MavsdkVehicle:
     def __init__(
         self,
         address: Address,
-        camera: Camera | None = None,
+        camera: FrameSource | None = None,
         pace: float = 1.0,
         patience: float = ANSWER_TIMEOUT,
         lock: LinkLock | None = None,

@@ -5,7 +5,13 @@ from types import SimpleNamespace
 import pytest
 from rehearsed import short_stage
 
-from missionkit.api.vehicle_checkpoints import Afield, Before, Saving, before, woken
+from missionkit.api.vehicle_checkpoints import (
+    Afield,
+    Before,
+    VehicleCheckpointWriter,
+    before,
+    woken,
+)
 from missionkit.engine.flight_state import FlightState
 from missionkit.engine.prepared_mission import begin
 from missionkit.recorder import flight_track
@@ -42,7 +48,7 @@ def vehicle(link, control):
 def test_the_states_of_link_and_control_are_saved_and_told_on_resume(link, control, said, tmp_path):
     track, reports = flight_track.begin(), Reports()
     flown, sink = SimpleNamespace(track=track), Inline("checkpoints", reports)
-    save = Saving(tmp_path, vehicle(link, control), flown, "digest", sink)
+    save = VehicleCheckpointWriter(tmp_path, vehicle(link, control), flown, "digest", sink)
     save(FlightState(begin(short_stage(MISSION).plan)), ("it was lost",))
     assert reports.all == []
     past = before(tmp_path, "digest")

@@ -55,14 +55,14 @@ def killed(call, stay, tmp_path, monkeypatch):
     """Fly until a moment, then die; return the folder."""
 
     def fly(at=5.0, *arguments):
-        save = command.Saving.__call__
+        save = command.RehearsalCheckpointWriter.__call__
 
         def last(self, kept: Kept):
             save(self, kept)
             if kept.course.memory.now >= at - 1e-6:
                 raise KilledError
 
-        monkeypatch.setattr(command.Saving, "__call__", last)
+        monkeypatch.setattr(command.RehearsalCheckpointWriter, "__call__", last)
         with pytest.raises(KilledError):
             call("run", "stay.yaml", *arguments)
         monkeypatch.undo()
@@ -115,7 +115,7 @@ def test_a_timer_that_ran_out_meanwhile_acts_at_once(call, killed):
 
 def test_a_run_may_be_killed_twice(call, killed, monkeypatch):
     folder = killed(4.0)
-    save = command.Saving.__call__
+    save = command.RehearsalCheckpointWriter.__call__
 
     def last(self, kept):
         save(self, kept)
@@ -123,7 +123,7 @@ def test_a_run_may_be_killed_twice(call, killed, monkeypatch):
             raise KilledError
 
     with monkeypatch.context() as patch:
-        patch.setattr(command.Saving, "__call__", last)
+        patch.setattr(command.RehearsalCheckpointWriter, "__call__", last)
         with pytest.raises(KilledError):
             call("run", "--resume", str(folder))
     assert call("run", "--resume", str(folder)).exit_code == 0
@@ -420,14 +420,14 @@ def test_one_flight_cannot_be_resumed_twice(call, killed):
 
 def test_a_running_flight_cannot_be_resumed_by_another_process(call, stay, monkeypatch):
     inner = []
-    save = command.Saving.__call__
+    save = command.RehearsalCheckpointWriter.__call__
 
     def meanwhile(self, kept):
         save(self, kept)
         if not inner:
             inner.append(call("run", "--resume", "runs/stay-seed0"))
 
-    monkeypatch.setattr(command.Saving, "__call__", meanwhile)
+    monkeypatch.setattr(command.RehearsalCheckpointWriter, "__call__", meanwhile)
     assert call("run", "stay.yaml").exit_code == 0
     assert inner[0].exit_code == 2
     assert "another missionkit is flying this run" in inner[0].stderr

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.arming_check import against_arming
-from missionkit.chart.semantics.compiled_chart import Transition
+from missionkit.chart.semantics.compiled_chart import CompiledTransition
 from missionkit.cli.app import app
 from missionkit.engine.flight_loop import ARMING_TIMEOUT, FlightEnd
 from missionkit.engine.prepared_mission import begin, prepare
@@ -79,7 +79,7 @@ def test_anyway_takes_off_all_the_same():
 def test_an_unknown_failsafe_counts_if_it_would_act_at_once(verdict, hold, unknown_takes, against):
     plan = prepare(parse(HOP, "hop", builtin()), builtin())
     memory = begin(plan)
-    failsafe = Transition(
+    failsafe = CompiledTransition(
         1,
         ("land",),
         "failsafe battery",

@@ -24,7 +24,7 @@ from missionkit.messages import (
     VehicleStatus,
     Verdict,
 )
-from missionkit.recorder.scenery import Box, Marker, Round, Scenery
+from missionkit.recorder.scenery import DrawnBox, DrawnMarker, Round, Scenery
 
 PLAN = (  # state, until (s), mode, why it ended
     ("idle", 4.0, Mode.NONE, "when done"),
@@ -147,17 +147,17 @@ def orchard() -> Scenery:
         (
             Round((25.0, 1.5), 0.8, 0.0, 9.0),
             Round((45.0, 8.0), 1.0, 0.0, 9.0),
-            Box((58.0, 8.0), (60.0, 14.0), 0.0, 8.0),
+            DrawnBox((58.0, 8.0), (60.0, 14.0), 0.0, 8.0),
             Round((84.75, 12.3), 0.35, 0.0, 5.0),
         ),
         (
-            Marker(
+            DrawnMarker(
                 "marker 23",
                 vec(84.35, 12.3, -2.4),
                 multiply(from_euler(0.0, 0.0, math.radians(3.0)), SOUTH),
                 0.40,
             ),
-            Marker("marker 62", vec(58.0, 11.0, -2.0), SOUTH, 0.25),
+            DrawnMarker("marker 62", vec(58.0, 11.0, -2.0), SOUTH, 0.25),
         ),
     )
 

@@ -10,7 +10,7 @@ from missionkit.geometry import vec
 from missionkit.messages import Fired, Goal
 from missionkit.recorder import flight_track as tracks
 from missionkit.recorder.flight_track import FlightTrack, Span, Visit
-from missionkit.recorder.scenery import Fence, Marker, Round, Scenery, Target
+from missionkit.recorder.scenery import DrawnMarker, DrawnTarget, Fence, Round, Scenery
 
 REASONS = (
     "when done",
@@ -30,8 +30,11 @@ def poles(count: int, north: float, east: float, seed: int = 0) -> Scenery:
     ]
     return Scenery(
         tuple(Round((n + 0.5, e), 0.4, 0.0, 5.0) for n, e in spots),
-        tuple(Marker(f"marker {k}", vec(n, e, -2.0), SOUTH, 0.4) for k, (n, e) in enumerate(spots)),
-        tuple(Target(f"pole-{k}", spot) for k, spot in enumerate(spots)),
+        tuple(
+            DrawnMarker(f"marker {k}", vec(n, e, -2.0), SOUTH, 0.4)
+            for k, (n, e) in enumerate(spots)
+        ),
+        tuple(DrawnTarget(f"pole-{k}", spot) for k, spot in enumerate(spots)),
         (Fence((-15.0, north + 15.0), (-0.5 * east - 15.0, 0.5 * east + 15.0)),),
     )
 

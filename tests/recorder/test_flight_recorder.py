@@ -23,7 +23,7 @@ from missionkit.messages import (
 )
 from missionkit.perception.opencv_helpers import decode_grey
 from missionkit.recorder import message_encoding
-from missionkit.recorder.flight_recorder import FlightRecorder, Pace
+from missionkit.recorder.flight_recorder import FlightRecorder, RateLimit
 from missionkit.recorder.message_encoding import UPRIGHT
 from missionkit.recorder.record_digest import hash_of
 from missionkit.recorder.record_reader import read
@@ -128,7 +128,7 @@ def test_the_state_says_since_when(tmp_path, flight):
 
 @pytest.mark.parametrize("rate", [1.0, 20.0, 25.0, 30.0, 50.0])
 def test_a_slot_as_long_as_a_tick_takes_every_tick(rate):
-    pace = Pace(rate)
+    pace = RateLimit(rate)
     assert all(pace.due(n * (1.0 / rate)) for n in range(1000))
     assert not pace.due(999 * (1.0 / rate))
 

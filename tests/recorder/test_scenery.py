@@ -6,7 +6,7 @@ import numpy as np
 
 from missionkit.messages import Verdict
 from missionkit.recorder.json_fragments import verdict
-from missionkit.recorder.scenery import Box, Round, scenery_of
+from missionkit.recorder.scenery import DrawnBox, Round, scenery_of
 
 
 def test_a_world_becomes_scenery():
@@ -22,7 +22,7 @@ def test_a_world_becomes_scenery():
     scenery = scenery_of(world)
     assert scenery.obstacles == (
         Round((25.0, 1.5), 0.8, 0.0, 9.0),
-        Box((58.0, 8.0), (60.0, 14.0), 1.0, 8.0),
+        DrawnBox((58.0, 8.0), (60.0, 14.0), 1.0, 8.0),
         Round((5.0, 6.0), 2.0, 5.0, 9.0, ball=True),
     )
     (marker,) = scenery.markers
@@ -33,7 +33,7 @@ def test_a_world_becomes_scenery():
 def test_footprints_have_the_size_of_the_obstacle():
     circle = Round((10.0, 20.0), 3.0, 0.0, 5.0).footprint()
     np.testing.assert_allclose(np.hypot(*(circle - (10.0, 20.0)).T), 3.0)
-    box = Box((0.0, 1.0), (2.0, 5.0), 0.0, 3.0).footprint()
+    box = DrawnBox((0.0, 1.0), (2.0, 5.0), 0.0, 3.0).footprint()
     np.testing.assert_allclose(np.ptp(box, axis=0), (2.0, 4.0))
 
 

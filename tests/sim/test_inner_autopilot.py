@@ -9,7 +9,7 @@ import pytest
 from missionkit.geometry import to_euler, wrap
 from missionkit.messages import Action, Command
 from missionkit.sim.inner_autopilot import mix
-from missionkit.sim.kernel_layout import Body, Gains, constants
+from missionkit.sim.kernel_layout import Body, LoopGains, constants
 from missionkit.sim.rigid_body import advance
 from missionkit.sim.vehicle_parameters import BatteryModel, InnerAutopilotModel
 from missionkit.sim.world import Wind, World
@@ -19,7 +19,7 @@ Make = Callable[..., Any]
 
 def test_tilt_steps_within_a_third_of_a_second_without_ringing() -> None:
     body: Body
-    gains: Gains
+    gains: LoopGains
     body, _, gains, _, _ = constants(World(world="test"))
     state, u, work = np.zeros(17), np.zeros(4), np.empty((5, 17))
     state[6], state[13:17] = 1.0, body.mass * 9.80665 / 4

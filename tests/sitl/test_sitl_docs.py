@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from missionkit.sitl.command_protocol import HANDLERS
 from missionkit.sitl.control_socket import REQUESTS
-from missionkit.sitl.flight_modes import MODE_TABLES, Flight
+from missionkit.sitl.flight_modes import MODE_TABLES, FlightTask
 from missionkit.sitl.parameter_protocol import TABLES
 from missionkit.sitl.stream_scheduler import DEFAULT_RATES, MESSAGE_BUILDERS, MISSING_MESSAGES
 from missionkit.sitl.wire_faults import WIRE
@@ -37,7 +37,7 @@ def test_commands_are_those_of_the_page() -> None:
 
 def test_modes_are_those_of_the_page() -> None:
     rows = {row[2]: row[:2] for row in table(PAGE, "Modes")}
-    assert set(rows) == set(Flight)
+    assert set(rows) == set(FlightTask)
     for column, dialect in enumerate(MODE_TABLES.values()):
         for flight, row in rows.items():
             names = [mode.name for mode in dialect.modes if mode.does == flight]

@@ -10,7 +10,7 @@ from vehicle.flying import flying, sitl
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
-from missionkit.cli.fence_command import Box, box_of
+from missionkit.cli.fence_command import FenceBox, box_of
 from missionkit.errors import UsageError
 
 FENCE = "{{use: inside_fence, north: [{}, {}], east: [-40, 60], height: {}}}"
@@ -34,7 +34,7 @@ def asked(tmp_path, monkeypatch, *words, text=None):
 
 def test_the_box_is_round_all_fences_and_wider():
     mission = parse(fenced(INNER, OUTER), "hop", builtin())
-    assert box_of(mission, 2.0) == Box((-32.0, 102.0), (-42.0, 62.0), 32.0)
+    assert box_of(mission, 2.0) == FenceBox((-32.0, 102.0), (-42.0, 62.0), 32.0)
 
 
 def test_a_mission_without_a_fence_gets_an_example_of_one():

@@ -8,9 +8,9 @@ import pytest
 
 from missionkit.vehicle.guardian import mavlink_frames
 from missionkit.vehicle.guardian.autopilot_link import Line, Poller, open_link
-from missionkit.vehicle.guardian.mavlink_frames import Route
+from missionkit.vehicle.guardian.mavlink_frames import FrameRoute
 
-FRAME = mavlink_frames.still(Route(1, 1, 1, 1), 7, 99)
+FRAME = mavlink_frames.still(FrameRoute(1, 1, 1, 1), 7, 99)
 LIMIT = 200  # looks of at most 0.05 s
 
 

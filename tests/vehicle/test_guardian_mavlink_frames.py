@@ -6,7 +6,7 @@ import pytest
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.vehicle.autopilot_dialect import PX4
 from missionkit.vehicle.guardian import mavlink_frames
-from missionkit.vehicle.guardian.mavlink_frames import Frame, Route
+from missionkit.vehicle.guardian.mavlink_frames import FrameRoute, MavlinkFrame
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 12, 0x81, 6 << 16, 4, 3)
 POSITION = mavlink.MAVLink_local_position_ned_message(9, 1.0, 2.0, 3.0, 3.0, 4.0, 0.0)
@@ -72,11 +72,11 @@ def test_what_matters_is_read():
     assert mavlink_frames.order(said(MODE)) == (176, 1.0, 6.0)
     for message in (VELOCITY, ATTITUDE, GLOBAL):
         assert mavlink_frames.target(said(message)) == (7, 1)
-    assert isinstance(said(HEARTBEAT, 1), Frame)
+    assert isinstance(said(HEARTBEAT, 1), MavlinkFrame)
 
 
 def test_pymavlink_reads_the_frames_written():
-    to = Route(245, 191, 7, 1)
+    to = FrameRoute(245, 191, 7, 1)
     mav = mavlink.MAVLink(None)
     still, mode = mav.parse_buffer(
         mavlink_frames.still(to, 3, 77) + mavlink_frames.mode(to, 4, PX4.hold, 2)

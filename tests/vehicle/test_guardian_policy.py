@@ -3,16 +3,16 @@
 import pytest
 
 from missionkit.vehicle.guardian import policy
-from missionkit.vehicle.guardian.policy import NEVER_YET, GuardianState, Phase
+from missionkit.vehicle.guardian.policy import NEVER_YET, GuardianPhase, GuardianState
 
-STEERED = GuardianState(Phase.STEERED, last_setpoint_at=10.0, ours=True)
+STEERED = GuardianState(GuardianPhase.STEERED, last_setpoint_at=10.0, ours=True)
 STATES = {
     "watching": GuardianState(),
     "streaming": GuardianState(last_setpoint_at=10.0),  # setpoints, in another mode than theirs
     "steered": STEERED,
-    "braking": STEERED._replace(phase=Phase.BRAKING),
-    "holding": STEERED._replace(phase=Phase.HOLDING, since=10.5),
-    "held": STEERED._replace(phase=Phase.HELD, since=10.5),
+    "braking": STEERED._replace(phase=GuardianPhase.BRAKING),
+    "holding": STEERED._replace(phase=GuardianPhase.HOLDING, since=10.5),
+    "held": STEERED._replace(phase=GuardianPhase.HELD, since=10.5),
 }
 EVENTS = {
     "setpoint": lambda guard: policy.setpoint(guard, 10.6),
@@ -95,7 +95,7 @@ def test_a_mission_that_wakes_up_is_refused_until_a_person_gives_control_back():
         held = EVENTS[event](held)
         assert held.refuses
     awake = policy.setpoint(policy.given(policy.heard(held, ours=True)), 20.0)
-    assert awake == GuardianState(Phase.STEERED, last_setpoint_at=20.0, ours=True)
+    assert awake == GuardianState(GuardianPhase.STEERED, last_setpoint_at=20.0, ours=True)
 
 
 def test_setpoints_from_before_the_process_took_control_count_for_nothing():

@@ -10,7 +10,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.sitl import arming_rules
-from missionkit.sitl.flight_modes import Flight
+from missionkit.sitl.flight_modes import FlightTask
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.link.link_address import parse as address_of
 from missionkit.vehicle.link.link_lock import LinkLock
@@ -53,7 +53,7 @@ class Pilot:
         if record.step_note == "waiting for the pilot to take off":
             arming_rules.arm(self.state)
             self.state.height = 2.0
-            self.state.fly(Flight.TAKE_OFF)
+            self.state.fly(FlightTask.TAKE_OFF)
             self._next = self._hover
 
     def _hover(self, _):

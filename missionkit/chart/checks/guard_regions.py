@@ -80,7 +80,7 @@ class RegionReader:
                 return self._plugin(guard, source)
             case ex.Hysteresis():
                 return self._latch(guard)
-            case ex.Variable(name=name, op=op, value=value):
+            case ex.VariableGuard(name=name, op=op, value=value):
                 interval = self._interval(name, op, value)
                 return _exact(({self.quantities[name]: interval},))
             case ex.In(state=state):

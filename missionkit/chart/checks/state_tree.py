@@ -122,10 +122,10 @@ class StateTree:
             if state.invariant.holds is not None:
                 yield name, state.invariant.holds
 
-    def compared(self) -> Iterator[ex.Variable]:
+    def compared(self) -> Iterator[ex.VariableGuard]:
         """Yield every comparison with a variable."""
         waiting = [*self.mission.guards.values(), *(guard for _, guard in self.guards())]
         for guard in waiting:
             for part in ex.parts_of(guard):
-                if isinstance(part, ex.Variable):
+                if isinstance(part, ex.VariableGuard):
                     yield part

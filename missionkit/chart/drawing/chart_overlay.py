@@ -14,7 +14,7 @@ from missionkit.chart.drawing.problem_marks import Way
 Tone = Literal["good", "fair", "bad"]
 
 
-class Note(NamedTuple):
+class OverlayNote(NamedTuple):
     """Note at a state, a transition or a failsafe."""
 
     lines: tuple[str, ...] = ()
@@ -30,13 +30,13 @@ class End(NamedTuple):
     tone: Tone
 
 
-class Move(NamedTuple):
+class UndeclaredArrow(NamedTuple):
     """An arrow that the chart does not declare."""
 
     source: str  # state
     to: str  # state, or name of an end
     text: str
-    note: Note
+    note: OverlayNote
     ends: bool = False  # leads to an end; others are drawn dashed
 
 
@@ -44,13 +44,13 @@ class Move(NamedTuple):
 class Overlay:
     """Notes of a chart, its ends, more arrows, and a heading with lines that explain them."""
 
-    states: Mapping[str, Note] = field(default_factory=dict)
-    ways: Mapping[Way, Note] = field(default_factory=dict)
-    failsafes: Mapping[str, Note] = field(default_factory=dict)
+    states: Mapping[str, OverlayNote] = field(default_factory=dict)
+    ways: Mapping[Way, OverlayNote] = field(default_factory=dict)
+    failsafes: Mapping[str, OverlayNote] = field(default_factory=dict)
     ends: tuple[End, ...] = ()
-    moves: tuple[Move, ...] = ()
+    moves: tuple[UndeclaredArrow, ...] = ()
     lines: tuple[str, ...] = ()
 
 
 NO_OVERLAY = Overlay()
-NO_NOTE = Note()
+NO_NOTE = OverlayNote()

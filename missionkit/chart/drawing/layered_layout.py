@@ -35,7 +35,7 @@ class LayoutLink(NamedTuple):
     label: LayoutBox
 
 
-class Row(NamedTuple):
+class LayerRow(NamedTuple):
     """The middle of a layer and half its height (px)."""
 
     y: float
@@ -211,17 +211,17 @@ def _spread(graph: _Graph, layer: list[int], wanted: list[float]) -> list[float]
     return [(a + b) / 2 for a, b in zip(left, right, strict=True)]
 
 
-def _rows(graph: _Graph, layers: list[list[int]]) -> list[Row]:
+def _rows(graph: _Graph, layers: list[list[int]]) -> list[LayerRow]:
     rows, top = [], 0.0
     for layer in layers:
         height = max((graph.boxes[vertex].height for vertex in layer), default=0.0)
-        rows.append(Row(top + height / 2, height / 2))
+        rows.append(LayerRow(top + height / 2, height / 2))
         top += height + GAP_Y
     return rows
 
 
 def _routes(
-    graph: _Graph, centres: list[Point], rows: list[Row], links: Sequence[LayoutLink]
+    graph: _Graph, centres: list[Point], rows: list[LayerRow], links: Sequence[LayoutLink]
 ) -> tuple[tuple[Point, ...], ...]:
     """Return each arrow's points, from its source to its target."""
     routes = []

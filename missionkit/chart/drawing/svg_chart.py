@@ -11,8 +11,8 @@ from missionkit.chart.drawing import svg_shapes
 from missionkit.chart.drawing.chart_overlay import (
     NO_NOTE,
     NO_OVERLAY,
-    Note,
     Overlay,
+    OverlayNote,
 )
 from missionkit.chart.drawing.layered_layout import LayoutBox
 from missionkit.chart.drawing.mermaid_text import (
@@ -45,12 +45,12 @@ class Shown(NamedTuple):
     marks: Marks = UNMARKED
     overlay: Overlay = NO_OVERLAY
 
-    def note(self, name: str) -> Note:
+    def note(self, name: str) -> OverlayNote:
         """Return what stands at a state."""
         return self.overlay.states.get(name, NO_NOTE)
 
 
-class Way(NamedTuple):
+class LabelledArrow(NamedTuple):
     """An arrow: its place, the words on it, what is noted below them, how it looks."""
 
     arrow: Arrow
@@ -113,10 +113,10 @@ def svg(
     )
 
 
-def _ways(shown: Shown) -> Iterator[Way]:
+def _ways(shown: Shown) -> Iterator[LabelledArrow]:
     """Yield every arrow."""
     mission, marks, overlay = shown
-    yield from (Way(Arrow(None, to, _size([]))) for to in mission.initial.to)
+    yield from (LabelledArrow(Arrow(None, to, _size([]))) for to in mission.initial.to)
     for name, state, _ in mission.walk():
         for number, each in enumerate(state.transitions):
             found = numbered(marks.ways.get((name, number), ()))
@@ -125,17 +125,19 @@ def _ways(shown: Shown) -> Iterator[Way]:
             style = "marked" if found else "pale" if note.pale else ""
             for to in each.targets or (name,):
                 arrow = Arrow(name, to, _size([*lines, *note.lines]))
-                yield Way(arrow, lines, note.lines, style, note.weight)
+                yield LabelledArrow(arrow, lines, note.lines, style, note.weight)
         if state.initial is not None:
-            yield from (Way(Arrow(None, to, _size([]), name)) for to in state.initial.to)
+            yield from (LabelledArrow(Arrow(None, to, _size([]), name)) for to in state.initial.to)
         if state.default is not None:
             lines = ["the first time"]
-            yield from (Way(Arrow(name, to, _size(lines)), lines) for to in state.default.to)
+            yield from (
+                LabelledArrow(Arrow(name, to, _size(lines)), lines) for to in state.default.to
+            )
     for move in overlay.moves:
         to, style = (END_PREFIX + move.to, "") if move.ends else (move.to, "dashed")
         lines, note = _wrapped(move.text), move.note
         arrow = Arrow(move.source, to, _size([*lines, *note.lines]))
-        yield Way(arrow, lines, note.lines, style, note.weight)
+        yield LabelledArrow(arrow, lines, note.lines, style, note.weight)
 
 
 def _wrapped(label: str) -> list[str]:
@@ -171,12 +173,12 @@ def _title(mission: Mission) -> Iterator[str]:
     yield f'<text class="small" x="{PICTURE_MARGIN}" y="50">{escape(summary)}</text>'
 
 
-def _arrows(drawn: Drawing, ways: Sequence[Way], key: str) -> Iterator[str]:
+def _arrows(drawn: Drawing, ways: Sequence[LabelledArrow], key: str) -> Iterator[str]:
     for route, way in zip(drawn.routes, ways, strict=True):
         yield svg_shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
 
 
-def _labels(drawn: Drawing, ways: Sequence[Way]) -> Iterator[str]:
+def _labels(drawn: Drawing, ways: Sequence[LabelledArrow]) -> Iterator[str]:
     for (x, y), (_, lines, noted, style, _) in zip(drawn.labels, ways, strict=True):
         words = [*((it, "small") for it in lines), *((it, "note") for it in noted)]
         if words:

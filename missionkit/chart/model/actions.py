@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.variables import Value
-from missionkit.chart.text.located_data import Table, shown
+from missionkit.chart.text.located_data import LocatedTable, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
@@ -95,7 +95,7 @@ Action = Annotated[Act, ActionField]
 
 
 def _parse(data: object, scope: Scope) -> Act:
-    if not isinstance(data, Table) or len(data) != 1:
+    if not isinstance(data, LocatedTable) or len(data) != 1:
         one_of = " or ".join(f"{{{key}: ...}}" for key in _PARSERS)
         raise sentences(sentence(f"expected one action, {one_of}, got {shown(data)}"))
     ((key, value),) = data.items()
@@ -111,15 +111,15 @@ def _text(key: str, value: object) -> str:
     return value
 
 
-def _log(value: object, data: Table, _: Scope) -> Log:
+def _log(value: object, data: LocatedTable, _: Scope) -> Log:
     return Log(_text("log", value), data.place)
 
 
-def _raise(value: object, data: Table, _: Scope) -> Raise:
+def _raise(value: object, data: LocatedTable, _: Scope) -> Raise:
     return Raise(_text("raise", value), data.place)
 
 
-def _order(value: object, data: Table, _: Scope) -> Order:
+def _order(value: object, data: LocatedTable, _: Scope) -> Order:
     word = _text("vehicle", value)
     if word not in VEHICLE_ORDERS:
         unknown = f"unknown action of the vehicle {word!r}"
@@ -127,8 +127,8 @@ def _order(value: object, data: Table, _: Scope) -> Order:
     return Order(word, data.place)
 
 
-def _assign(value: object, data: Table, scope: Scope) -> Assign:
-    if not isinstance(value, Table) or len(value) != 1:
+def _assign(value: object, data: LocatedTable, scope: Scope) -> Assign:
+    if not isinstance(value, LocatedTable) or len(value) != 1:
         expected = f"'assign': expected one {{variable: value}}, got {shown(value)}"
         raise sentences(sentence(expected, "assign"))
     ((name, wanted),) = value.items()
@@ -137,7 +137,7 @@ def _assign(value: object, data: Table, scope: Scope) -> Assign:
         at = ("assign", name)
         raise sentences(sentence(unknown, *at, word=name, known=scope.variables, at_key=True))
     operation, operand = "set", wanted
-    if isinstance(wanted, Table) and len(wanted) == 1:
+    if isinstance(wanted, LocatedTable) and len(wanted) == 1:
         ((operation, operand),) = wanted.items()
     if operation not in OPERATIONS or not isinstance(operand, bool | int | float | str):
         expected = f"expected a value or one of {', '.join(OPERATIONS)}, got {shown(wanted)}"
@@ -149,7 +149,7 @@ def _assign(value: object, data: Table, scope: Scope) -> Assign:
     return Assign(name, operation, operand, data.place)
 
 
-_PARSERS: dict[str, Callable[[object, Table, Scope], Act]] = {
+_PARSERS: dict[str, Callable[[object, LocatedTable, Scope], Act]] = {
     "log": _log,
     "raise": _raise,
     "assign": _assign,

@@ -71,7 +71,7 @@ class Hysteresis:
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
+class VariableGuard:
     """Compares a variable of the mission."""
 
     name: str
@@ -98,7 +98,7 @@ class Finished:
 
 
 COMPARISONS = ("equals", "below", "above", "at_least", "at_most")
-Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis | Variable | In | Finished
+Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis | VariableGuard | In | Finished
 
 
 def text(expression: Expression) -> str:
@@ -119,9 +119,9 @@ def text(expression: Expression) -> str:
             return _chart_text(expression)
 
 
-def _chart_text(expression: Variable | In | Finished) -> str:
+def _chart_text(expression: VariableGuard | In | Finished) -> str:
     match expression:
-        case Variable(name=name, op=op, value=value):
+        case VariableGuard(name=name, op=op, value=value):
             return f"{name} {op.replace('_', ' ')} {_value(value)}"
         case In(state=state):
             return f"in {state}"

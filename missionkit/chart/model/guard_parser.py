@@ -14,8 +14,8 @@ from missionkit.chart.model.plugin_references import needs_parameters, resolve
 from missionkit.chart.model.validation_problems import error_details, relocated
 from missionkit.chart.model.variables import is_number
 from missionkit.chart.text.located_data import (
-    Row,
-    Table,
+    LocatedList,
+    LocatedTable,
     place_of,
     shown,
 )
@@ -71,7 +71,7 @@ def parse(data: object, scope: Scope) -> ex.Expression:
     """
     if isinstance(data, str):
         return _word(data, scope)
-    if not isinstance(data, Table):
+    if not isinstance(data, LocatedTable):
         raise sentences(sentence(f"expected a guard, got {shown(data)}"))
     forms = [form for form in GUARD_FORMS if form in data]
     if len(forms) != 1:
@@ -105,7 +105,7 @@ def _word(word: str, scope: Scope) -> ex.Expression:
     return resolve(word, "guards", scope)
 
 
-def _combined(form: str, data: Table, scope: Scope) -> ex.Expression:
+def _combined(form: str, data: LocatedTable, scope: Scope) -> ex.Expression:
     errors = [
         sentence(f"unknown key {key!r} beside {form!r}", key, at_key=True)
         for key in data
@@ -114,7 +114,7 @@ def _combined(form: str, data: Table, scope: Scope) -> ex.Expression:
     inner = data[form]
     if form == "not":
         parts = _parsed([((form,), inner)], scope, errors)
-    elif isinstance(inner, Row) and inner:
+    elif isinstance(inner, LocatedList) and inner:
         parts = _parsed([((form, at), item) for at, item in enumerate(inner)], scope, errors)
     else:
         message = f"{form!r}: expected a list of guards, got {shown(inner)}"
@@ -126,7 +126,7 @@ def _combined(form: str, data: Table, scope: Scope) -> ex.Expression:
     return (ex.All if form == "all" else ex.Any)(parts, data.place)
 
 
-def _hysteresis(data: Table, scope: Scope) -> ex.Expression:
+def _hysteresis(data: LocatedTable, scope: Scope) -> ex.Expression:
     errors: list[InitErrorDetails] = []
     parts = _parsed([(("hysteresis",), data["hysteresis"])], scope, errors)
     if parts and not isinstance(parts[0], ex.Use | ex.Named):
@@ -144,7 +144,7 @@ def _hysteresis(data: Table, scope: Scope) -> ex.Expression:
     return ex.Hysteresis(parts[0], limits.enter, limits.exit, data.place)
 
 
-def _variable(data: Table, scope: Scope) -> ex.Expression:
+def _variable(data: LocatedTable, scope: Scope) -> ex.Expression:
     name, ops = data["variable"], [key for key in data if key in ex.COMPARISONS]
     if not isinstance(name, str) or name not in scope.variables:
         unknown = f"unknown variable {shown(name)}"
@@ -157,10 +157,10 @@ def _variable(data: Table, scope: Scope) -> ex.Expression:
     if not isinstance(value, bool | int | float | str) or (op != "equals" and not is_number(value)):
         wanted = "a value" if op == "equals" else "a number"
         raise sentences(sentence(f"{op!r}: expected {wanted}, got {shown(value)}", op))
-    return ex.Variable(name, op, value, data.place)
+    return ex.VariableGuard(name, op, value, data.place)
 
 
-def _in(data: Table, scope: Scope) -> ex.Expression:
+def _in(data: LocatedTable, scope: Scope) -> ex.Expression:
     errors = [
         sentence(f"unknown key {key!r} beside 'in'", key, at_key=True)
         for key in data

@@ -20,7 +20,7 @@ from missionkit.chart.model.mission_sections import (
     Settings,
     Success,
     TargetPlace,
-    Vehicle,
+    VehicleSection,
     one_or_more,
 )
 from missionkit.chart.model.model_base import (
@@ -34,10 +34,10 @@ from missionkit.chart.model.model_base import (
     scope_of,
 )
 from missionkit.chart.model.placed_states import Placed, walk
-from missionkit.chart.model.plugin_references import Reference
+from missionkit.chart.model.plugin_references import PluginReference
 from missionkit.chart.model.state_definitions import Begins, Failsafe, State
 from missionkit.chart.model.variables import Variable
-from missionkit.chart.text.located_data import Table, Text
+from missionkit.chart.text.located_data import LocatedTable, Text
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.control.controller_protocol import ControllerProtocol
@@ -69,20 +69,20 @@ class Mission(MissionPart):
     summary: str = ""
     params: dict[str, Any] = Field(default={}, description="values that $name stands for")
     world: str | None = Field(default=None, description="for the simulator, beside this file")
-    vehicle: Vehicle = Vehicle()
-    navigation: Annotated[Use[Plugin], Reference("navigators")] = Field(
+    vehicle: VehicleSection = VehicleSection()
+    navigation: Annotated[Use[Plugin], PluginReference("navigators")] = Field(
         default=_use("visual_inertial_ekf"), validate_default=True
     )
     camera: Annotated[Camera, Plain] = Camera()
     map: Annotated[KnownMap, Plain] | None = None
     targets: dict[Name, TargetPlace] = Field(default={})
     perception: Annotated[
-        tuple[Annotated[Use[Plugin], Reference("detectors")], ...], Field(strict=False)
+        tuple[Annotated[Use[Plugin], PluginReference("detectors")], ...], Field(strict=False)
     ] = ()
-    avoid: Annotated[Use[AvoidancePlanner] | None, Reference("planners", optional=True)] = Field(
-        default=_use("potential_field"), validate_default=True
+    avoid: Annotated[Use[AvoidancePlanner] | None, PluginReference("planners", optional=True)] = (
+        Field(default=_use("potential_field"), validate_default=True)
     )
-    control: Annotated[Use[ControllerProtocol], Reference("controllers")] = Field(
+    control: Annotated[Use[ControllerProtocol], PluginReference("controllers")] = Field(
         default=_use("velocity_pid"), validate_default=True
     )
     variables: dict[GuardName, Annotated[Variable, Short("a value", _SCALAR)]] = Field(
@@ -103,14 +103,14 @@ class Mission(MissionPart):
     @classmethod
     def _sections(cls, data: object, info: ValidationInfo) -> object:
         """Name the plug-ins that the kind of vehicle flies with where the file does not."""
-        if not isinstance(data, Table):
+        if not isinstance(data, LocatedTable):
             return data
         vehicle = scope_of(info).catalogue.vehicle
         for section, kind in vehicle.sections.items():
             if section not in data and cls.model_fields[section].default != _use(kind):
                 data = data.extended(section, Text(kind, data.place), data.place)
         control = data.get("control")
-        if isinstance(control, Table) and "use" not in control:
+        if isinstance(control, LocatedTable) and "use" not in control:
             word = Text(vehicle.sections["control"], control.place)
             data = data.extended(
                 "control", control.extended("use", word, control.place), data.place_of("control")

@@ -7,14 +7,14 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from missionkit.chart.model.model_base import MissionPart, StateName, TargetName
-from missionkit.chart.text.located_data import Row, Table
+from missionkit.chart.text.located_data import LocatedList, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
 
 Place3 = Annotated[Point, Field(strict=False)]
 
 
-class Vehicle(MissionPart):
+class VehicleSection(MissionPart):
     """The kind of vehicle, simulated; `--vehicle` replaces a multicopter by a real one."""
 
     use: Literal["sim", "free_flyer"] = Field(
@@ -77,8 +77,8 @@ class Success(MissionPart):
 
 def one_or_more(data: object) -> object:
     """Return a list of conditions; one alone may be written without the list."""
-    if not isinstance(data, Table):
+    if not isinstance(data, LocatedTable):
         return data
-    row = Row(data.place)
+    row = LocatedList(data.place)
     row.put(data, data.place)
     return row

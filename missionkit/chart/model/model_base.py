@@ -26,7 +26,7 @@ from typing_extensions import override
 
 from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.chart.text.located_data import FILE_START, Table
+from missionkit.chart.text.located_data import FILE_START, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
@@ -83,13 +83,13 @@ class _Unreadable(frozenset[str]):
 def _names(section: object) -> frozenset[str]:
     if section is None:
         return frozenset()
-    return frozenset(section) if isinstance(section, Table) else _Unreadable()
+    return frozenset(section) if isinstance(section, LocatedTable) else _Unreadable()
 
 
 def _states(section: object) -> frozenset[str]:
     """Return the names of all states, those inside others too."""
     names = _names(section)
-    if not isinstance(section, Table):
+    if not isinstance(section, LocatedTable):
         return names
     inner = [_states(state["states"]) for state in section.values() if _has_states(state)]
     unreadable = next((each for each in inner if isinstance(each, _Unreadable)), None)
@@ -97,7 +97,7 @@ def _states(section: object) -> frozenset[str]:
 
 
 def _has_states(state: object) -> bool:
-    return isinstance(state, Table) and state.get("states") is not None
+    return isinstance(state, LocatedTable) and state.get("states") is not None
 
 
 def scope_of(info: ValidationInfo) -> Scope:
@@ -110,7 +110,7 @@ class MissionPart(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
-    _source: Table | None = PrivateAttr(default=None)
+    _source: LocatedTable | None = PrivateAttr(default=None)
 
     def place(self, key: str | None = None) -> Place:
         """Return the place of this part in its file, or of the value of one of its keys."""
@@ -122,7 +122,7 @@ class MissionPart(BaseModel):
     @classmethod
     def _locate(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
         part = handler(data)
-        if isinstance(data, Table):
+        if isinstance(data, LocatedTable):
             part._source = data  # noqa: SLF001  its own class
         return part
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.validation_problems import plain, problems_in
 from missionkit.chart.text.file_references import unfit
-from missionkit.chart.text.located_data import Table, place_of, shown
+from missionkit.chart.text.located_data import LocatedTable, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Problem
@@ -50,7 +50,7 @@ def _content(written: object, key: str, model: type[BaseModel], scope: Scope) ->
     if wrong:
         raise sentences(sentence(f"{key} {shown(written)}: {wrong}", key))
     document = read_file(path)
-    if document.problems or not isinstance(document.data, Table):
+    if document.problems or not isinstance(document.data, LocatedTable):
         what = f"expected a mapping, got {shown(document.data)}"
         raise FileError(document.problems or [Problem(document.start, what)])
     try:

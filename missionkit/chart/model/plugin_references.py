@@ -14,7 +14,7 @@ from missionkit.chart.model.model_base import HOME, Scope
 from missionkit.chart.model.parameter_files import with_files
 from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
-from missionkit.chart.text.located_data import Table, place_of, shown
+from missionkit.chart.text.located_data import LocatedTable, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
@@ -29,7 +29,7 @@ NO_PLUGIN = "none"
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class PluginReference:
     """Marks a field that holds a plug-in of one group of the catalogue."""
 
     group: str
@@ -74,7 +74,7 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     if not isinstance(data, dict):
         if not isinstance(data, str):
             raise sentences(sentence(f"expected a {word}, {{use: ...}}, got {shown(data)}"))
-        data = Table(place_of(data)).extended("use", data, place_of(data))
+        data = LocatedTable(place_of(data)).extended("use", data, place_of(data))
     if "use" not in data:
         missing = f"missing key 'use': the kind of {word}"
         raise sentences(sentence(missing, word="", known=known))

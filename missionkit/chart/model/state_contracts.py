@@ -18,7 +18,7 @@ from missionkit.chart.model.placed_states import Placed, firsts
 from missionkit.chart.model.state_definitions import State, Transition
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import NO_PLACE, Problem
-from missionkit.states.contract import Failsafe
+from missionkit.states.contract import KindFailsafe
 from missionkit.states.shared_failsafes import HOVER
 
 HOVER_FOR = 20.0  # s before a vehicle whose goal is out of reach goes home
@@ -30,7 +30,7 @@ def fulfilled(mission: Mission, catalogue: Catalogue) -> Mission:
     catalogue = catalogue.flying(mission.vehicle.use)
     nearest = nearest_in(mission, catalogue)
     hovers = _hovers(mission, catalogue, nearest)
-    work = _Work(catalogue, nearest, {scope: name for scope, (name, _) in hovers.items()})
+    work = _ContractWork(catalogue, nearest, {scope: name for scope, (name, _) in hovers.items()})
     states = {name: work.carried_out(name, state) for name, state in mission.states.items()}
     for scope, (name, hover) in hovers.items():
         states = _added(states, scope, name, hover)
@@ -44,7 +44,7 @@ def nearest_in(mission: Mission, catalogue: Catalogue) -> Nearest:
     return Nearest(mission, flying)
 
 
-def due(state: State, nearest: Nearest, catalogue: Catalogue) -> Iterator[Failsafe]:
+def due(state: State, nearest: Nearest, catalogue: Catalogue) -> Iterator[KindFailsafe]:
     """Yield the default failsafes of a state's kind that its own transitions do not replace.
 
     A transition that waits for `done` alone or for an event from outside replaces none, nor does
@@ -67,7 +67,7 @@ def due(state: State, nearest: Nearest, catalogue: Catalogue) -> Iterator[Failsa
             yield failsafe
 
 
-class _Work(NamedTuple):
+class _ContractWork(NamedTuple):
     """Working data of the contract checks."""
 
     catalogue: Catalogue
@@ -115,7 +115,7 @@ def _plan_only(transition: Transition) -> bool:
 
 
 def _transition(
-    failsafe: Failsafe, to: str, targets: tuple[str, ...], catalogue: Catalogue
+    failsafe: KindFailsafe, to: str, targets: tuple[str, ...], catalogue: Catalogue
 ) -> Transition:
     parameters: dict[str, Any] = dict(failsafe.parameters)
     if failsafe.of_target:

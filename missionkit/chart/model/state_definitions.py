@@ -27,10 +27,10 @@ from missionkit.chart.model.model_base import (
     StateName,
     scope_of,
 )
-from missionkit.chart.model.plugin_references import Reference
+from missionkit.chart.model.plugin_references import PluginReference
 from missionkit.chart.text.located_data import (
-    Row,
-    Table,
+    LocatedList,
+    LocatedTable,
     Text,
     place_of,
 )
@@ -46,7 +46,7 @@ SHAPE_KEYS = ("states", "parallel", "final", "history")
 def _listed(data: object) -> object:
     if not isinstance(data, str):
         return data
-    row = Row(place_of(data))
+    row = LocatedList(place_of(data))
     row.put(data, place_of(data))
     return row
 
@@ -142,8 +142,8 @@ class Start(MissionPart):
     @model_validator(mode="before")
     @classmethod
     def _written_short(cls, data: object) -> object:
-        if isinstance(data, str | Row):
-            return Table(place_of(data)).extended("to", data, place_of(data))
+        if isinstance(data, str | LocatedList):
+            return LocatedTable(place_of(data)).extended("to", data, place_of(data))
         return data
 
 
@@ -155,7 +155,7 @@ class State(MissionPart):
 
     kind: KindName
     summary: str = ""
-    behavior: Annotated[Use[BehaviorProtocol], Reference("behaviors")] | None = None
+    behavior: Annotated[Use[BehaviorProtocol], PluginReference("behaviors")] | None = None
     transitions: Annotated[tuple[Transition, ...], Field(strict=False)] = ()
     entry: Actions = ()
     exit: Actions = ()
@@ -174,7 +174,7 @@ class State(MissionPart):
     @model_validator(mode="before")
     @classmethod
     def _defaults(cls, data: object, info: ValidationInfo) -> object:
-        if not isinstance(data, Table):
+        if not isinstance(data, LocatedTable):
             return data
         if "kind" not in data and any(shape in data for shape in SHAPE_KEYS):
             data = data.extended("kind", Text(GROUP_KIND, data.place), data.place)

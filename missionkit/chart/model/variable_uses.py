@@ -23,7 +23,7 @@ def problems_of(mission: Mission) -> Iterator[Problem]:
                 yield Problem(action.place, f"assign {action.variable}: {wrong}")
     for guard in guards_of(mission):
         for part in ex.parts_of(guard):
-            if isinstance(part, ex.Variable):
+            if isinstance(part, ex.VariableGuard):
                 yield from _compared(mission.variables, part)
         yield from _read(mission.variables, guard)
 
@@ -55,7 +55,7 @@ def _read(variables: Variables, guard: ex.Expression) -> Iterator[Problem]:
             yield Problem(place, what)
 
 
-def _compared(variables: Variables, guard: ex.Variable) -> Iterator[Problem]:
+def _compared(variables: Variables, guard: ex.VariableGuard) -> Iterator[Problem]:
     variable, value = variables[guard.name], guard.value
     if not alike(variable.initial, value):
         comparison_text = f"{guard.name} {guard.op.replace('_', ' ')} {value!r}"

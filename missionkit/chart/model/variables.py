@@ -9,7 +9,7 @@ from typing import Annotated, Self, TypeGuard
 from pydantic import Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
 
 from missionkit.chart.model.model_base import MissionPart
-from missionkit.chart.text.located_data import Table, place_of
+from missionkit.chart.text.located_data import LocatedTable, place_of
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import nearest
 from missionkit.units import Number
@@ -34,7 +34,7 @@ class Variable(MissionPart):
     def _written_short(cls, data: object) -> object:
         if isinstance(data, bool | int | float | str):
             place = place_of(data)
-            return Table(place).extended("initial", data, place)
+            return LocatedTable(place).extended("initial", data, place)
         return data
 
     @model_validator(mode="after")

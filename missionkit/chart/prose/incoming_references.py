@@ -89,7 +89,7 @@ def readers(mission: Mission) -> Clauses:
 
 
 def _variables(guard: ex.Expression) -> Iterator[str]:
-    yield from (part.name for part in ex.parts_of(guard) if isinstance(part, ex.Variable))
+    yield from (part.name for part in ex.parts_of(guard) if isinstance(part, ex.VariableGuard))
     yield from (name for name, _ in ex.variables_in(guard))
 
 

@@ -31,7 +31,7 @@ def guard(expression: ex.Expression, done: str = OWN_DONE) -> str:
             return _negated(part, done)
         case ex.Use(kind=kind) if kind == DONE_GUARD:
             return done
-        case ex.In() | ex.Finished() | ex.Variable():
+        case ex.In() | ex.Finished() | ex.VariableGuard():
             return _of_chart(expression)
         case _:
             return f"{ex.text(expression)} holds"
@@ -65,13 +65,13 @@ def _is_noun(expression: ex.Expression) -> bool:
     return isinstance(expression, ex.Named | ex.Hysteresis)
 
 
-def _of_chart(expression: ex.In | ex.Finished | ex.Variable) -> str:
+def _of_chart(expression: ex.In | ex.Finished | ex.VariableGuard) -> str:
     match expression:
         case ex.In(state=state):
             return f"{state} is active"
         case ex.Finished(state=state):
             return f"{state} is done"
-        case ex.Variable(name=name, op=op, value=operand):
+        case ex.VariableGuard(name=name, op=op, value=operand):
             return f"{name} {_COMPARISON_WORDS[op]} {value(operand)}"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from missionkit.chart.semantics.chart_memory import ChartMemory
-from missionkit.chart.semantics.compiled_chart import Chart, GuardContext, Transition
+from missionkit.chart.semantics.compiled_chart import Chart, CompiledTransition, GuardContext
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin_containment import Containment
 
@@ -33,7 +33,7 @@ def against_arming(chart: Chart, memory: ChartMemory, seen: Estimate, contain: C
     return ""
 
 
-def _said(failsafe: Transition, verdict: Verdict, question: GuardContext) -> str:
+def _said(failsafe: CompiledTransition, verdict: Verdict, question: GuardContext) -> str:
     """Return such as `failsafe battery holds: battery below (floor 0.2), now 0.12`."""
     read = [(name, question.answers[name]) for name in failsafe.reads if name in question.answers]
     parts = [_figure(name, answer) for name, answer in read] or [verdict.why]

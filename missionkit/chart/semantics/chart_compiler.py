@@ -15,12 +15,12 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.compiled_chart import (
     ROOT_STATE,
     Chart,
+    CompiledState,
+    CompiledTransition,
     DefaultEntry,
     GuardFunction,
     Output,
     Shape,
-    State,
-    Transition,
 )
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
 from missionkit.errors import NO_PLACE
@@ -75,8 +75,8 @@ class _Compiler:
             moves={},
         )
 
-    def _root(self) -> State:
-        return State(
+    def _root(self) -> CompiledState:
+        return CompiledState(
             name=ROOT_STATE,
             kind=self.catalogue.kinds[GROUP_KIND],
             behavior=None,
@@ -93,14 +93,14 @@ class _Compiler:
             return plugin
         return plugin.with_camera(self.mission.camera.model())
 
-    def _state(self, placed: Placed, order: int) -> State:
+    def _state(self, placed: Placed, order: int) -> CompiledState:
         name, state, parent = placed
         kind = self.catalogue.kinds[state.kind]
         behavior = None if state.behavior is None else self._behavior(state.behavior.plugin)
         targets = () if behavior is None else behavior.targets()
         promise = state.invariant.holds
         ancestors = (*around(self.placed, parent), ROOT_STATE)
-        return State(
+        return CompiledState(
             name=name,
             kind=kind,
             behavior=behavior,
@@ -121,9 +121,9 @@ class _Compiler:
             remembered=not self.with_history.isdisjoint((name, *ancestors)),
         )
 
-    def _transition(self, model: TransitionModel, source: Placed) -> Transition:
+    def _transition(self, model: TransitionModel, source: Placed) -> CompiledTransition:
         when = None if model.when is None else _of_source(model.when, source)
-        return Transition(
+        return CompiledTransition(
             number=self._next(),
             to=model.targets,
             text=_text(model, when),
@@ -140,8 +140,8 @@ class _Compiler:
             default=model.name is not None and not model.place().file,
         )
 
-    def _failsafe(self, model: Failsafe) -> Transition:
-        return Transition(
+    def _failsafe(self, model: Failsafe) -> CompiledTransition:
+        return CompiledTransition(
             number=self._next(),
             to=(model.to,),
             text=f"failsafe {model.name}",
@@ -152,12 +152,12 @@ class _Compiler:
             reads=self._names(model.when),
         )
 
-    def _touched(self, land: str) -> tuple[Transition, ...]:
+    def _touched(self, land: str) -> tuple[CompiledTransition, ...]:
         """Return what happens when the ground is touched outside landing and take-off."""
         guard: ex.Expression = ex.Use(
             "ground_touched", self.catalogue.group("guards")["ground_touched"](), NO_PLACE
         )
-        touched = Transition(
+        touched = CompiledTransition(
             number=self._next(),
             to=(land,),
             text="failsafe ground touched",
@@ -166,14 +166,14 @@ class _Compiler:
         )
         return (touched,) if land else ()
 
-    def _stuck(self, land: str) -> tuple[Transition, ...]:
+    def _stuck(self, land: str) -> tuple[CompiledTransition, ...]:
         """Return what happens when plug-ins keep failing, after the mission's own failsafes."""
         plugin = self.catalogue.group("guards")["plugin_failed"]()
         guard: ex.Expression = ex.Use("plugin_failed", plugin, NO_PLACE)
         ask: GuardFunction = self.asker.ask(guard)
         home = self.firsts.get("return", land)
         return tuple(
-            Transition(
+            CompiledTransition(
                 number=self._next(),
                 to=(to,),
                 text="failsafe plug-in failed",

@@ -93,7 +93,7 @@ NO_DEFAULT_ENTRY = DefaultEntry()
 
 
 @dataclass(frozen=True, slots=True)
-class Transition:
+class CompiledTransition:
     """When to leave, and where to."""
 
     number: int  # unique in the chart
@@ -114,7 +114,7 @@ class Transition:
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class CompiledState:
     """One state of the mission."""
 
     name: str
@@ -122,7 +122,7 @@ class State:
     behavior: BehaviorProtocol | None
     target: str | None  # what the behaviour works on
     dwell: float  # s, least time before a transition other than a failsafe
-    transitions: tuple[Transition, ...] = ()
+    transitions: tuple[CompiledTransition, ...] = ()
     entry: tuple[Output, ...] = ()
     exit: tuple[Output, ...] = ()
     violated_to: str | None = None  # where a broken invariant leads
@@ -149,7 +149,7 @@ class DirectGuard(NamedTuple):
 class TimedTransition(NamedTuple):
     """A transition and the time since the entry of its source that it needs at least."""
 
-    transition: Transition
+    transition: CompiledTransition
     wait: float  # s
 
 
@@ -159,14 +159,14 @@ class Configuration:
 
     direct: tuple[DirectGuard, ...]  # guards of the package, evaluated directly without containment
     plain: tuple[tuple[GuardFunction, float, str], ...]  # others, with the wait (s) and the source
-    timed: tuple[Transition, ...]  # those whose guard must hold for some time
+    timed: tuple[CompiledTransition, ...]  # those whose guard must hold for some time
     timers: tuple[tuple[float, str], ...]  # wait (s) and source of those without a guard
     ways: tuple[
         tuple[TimedTransition, ...], ...
     ]  # without an event, for each atomic state, inner first
     heard: tuple[tuple[TimedTransition, ...], ...]  # with an event
     soonest: float  # s, the least wait of those without an event
-    promising: tuple[State, ...]  # those with an invariant
+    promising: tuple[CompiledState, ...]  # those with an invariant
     pilot: str  # whose behaviour commands; empty if none does
     mode: Mode
     mode_text: str  # what the record says of it
@@ -179,8 +179,8 @@ class Chart:
     """A compiled mission. Immutable but for its memos; shared by any number of flights."""
 
     initial: str  # the state that commands first
-    states: Mapping[str, State]  # the root too
-    failsafes: tuple[Transition, ...]
+    states: Mapping[str, CompiledState]  # the root too
+    failsafes: tuple[CompiledTransition, ...]
     slots: tuple[GuardMemory, ...]
     land: str  # the state an operator's abort leads to
     variables: Mapping[str, Variable]

@@ -8,12 +8,12 @@ from math import inf
 from missionkit.chart.semantics.compiled_chart import (
     LEAVES,
     Chart,
+    CompiledState,
+    CompiledTransition,
     Configuration,
     DirectGuard,
     GuardFunction,
-    State,
     TimedTransition,
-    Transition,
 )
 from missionkit.messages import Mode
 
@@ -57,7 +57,7 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Configuration:
     )
 
 
-def _ways(chart: Chart, leaf: State) -> list[TimedTransition]:
+def _ways(chart: Chart, leaf: CompiledState) -> list[TimedTransition]:
     around = (chart.states[name] for name in leaf.ancestors)
     return [
         TimedTransition(transition, _wait(state, transition))
@@ -66,7 +66,7 @@ def _ways(chart: Chart, leaf: State) -> list[TimedTransition]:
     ]
 
 
-def _wait(state: State, transition: Transition) -> float:
+def _wait(state: CompiledState, transition: CompiledTransition) -> float:
     dwell = state.dwell if transition.patient else 0.0
     return max(dwell, transition.after or 0.0) - EPSILON
 
@@ -92,7 +92,7 @@ def _asks(
     return list(direct.values()), plain
 
 
-def _is_timer(transition: Transition) -> bool:
+def _is_timer(transition: CompiledTransition) -> bool:
     return transition.ask is None and not transition.events
 
 
@@ -100,5 +100,5 @@ def _timer(way: TimedTransition) -> tuple[float, str]:
     return way.wait, way.transition.source
 
 
-def _promises(state: State) -> bool:
+def _promises(state: CompiledState) -> bool:
     return state.kind.invariant is not None or state.promise is not None

@@ -15,10 +15,10 @@ from missionkit.chart.semantics.compiled_chart import (
     LEAVES,
     ROOT_STATE,
     Chart,
+    CompiledState,
+    CompiledTransition,
     Output,
     Shape,
-    State,
-    Transition,
 )
 
 MOST_MOVES = 4096  # moves remembered
@@ -26,7 +26,7 @@ Configuration = tuple[str, ...]
 History = Mapping[str, Configuration]
 
 
-class Entry(NamedTuple):
+class EnteredState(NamedTuple):
     """One state that is entered, and what that brings with it."""
 
     name: str
@@ -38,7 +38,7 @@ class Move(NamedTuple):
     """Effect of a set of transitions on a configuration."""
 
     exited: Configuration  # in exit order
-    entries: tuple[Entry, ...]  # in entry order
+    entries: tuple[EnteredState, ...]  # in entry order
     active: Configuration
     history: History  # what is remembered of this exit
     restored: frozenset[str]  # entered because a history led back
@@ -49,7 +49,7 @@ class Move(NamedTuple):
 
 
 def move(
-    chart: Chart, active: Configuration, chosen: Sequence[Transition], history: History
+    chart: Chart, active: Configuration, chosen: Sequence[CompiledTransition], history: History
 ) -> Move:
     """Return what taking `chosen` together does; worked out once where no history matters.
 
@@ -77,12 +77,14 @@ def move(
 
 def beginning(chart: Chart) -> Move:
     """Return the entry of the initial configuration."""
-    return move(chart, (), (Transition(-1, chart.states[ROOT_STATE].initial.to, "start"),), {})
+    return move(
+        chart, (), (CompiledTransition(-1, chart.states[ROOT_STATE].initial.to, "start"),), {}
+    )
 
 
 def without_conflicts(
-    chart: Chart, active: Configuration, enabled: Sequence[Transition], history: History
-) -> list[Transition]:
+    chart: Chart, active: Configuration, enabled: Sequence[CompiledTransition], history: History
+) -> list[CompiledTransition]:
     """Return the transitions that can be taken together: removeConflictingTransitions.
 
     Of two that exit a common state, the one from the inner source wins, else the earlier one.
@@ -94,7 +96,7 @@ def without_conflicts(
         history: configuration each history state remembers.
     """
     walk = _Walk(chart, history)
-    kept: list[Transition] = []
+    kept: list[CompiledTransition] = []
     for one in enabled:
         mine, beaten, preempted = walk.exit_set(active, (one,)), [], False
         for other in kept:
@@ -141,7 +143,7 @@ class _Walk:
         self.default_history: dict[str, tuple[Output, ...]] = {}
         self.restored: set[str] = set()
 
-    def move(self, active: Configuration, chosen: Sequence[Transition]) -> Move:
+    def move(self, active: Configuration, chosen: Sequence[CompiledTransition]) -> Move:
         exiting = self.exit_set(active, chosen)
         exited = tuple([name for name in reversed(active) if name in exiting])
         remembered = self._remembered(active, exited)
@@ -168,7 +170,7 @@ class _Walk:
             gone=frozenset([way.number for state in leaving for way in state.transitions]),
         )
 
-    def exit_set(self, active: Configuration, chosen: Iterable[Transition]) -> set[str]:
+    def exit_set(self, active: Configuration, chosen: Iterable[CompiledTransition]) -> set[str]:
         """Return the active states inside the domain of any of the transitions."""
         exiting: set[str] = set()
         for transition in chosen:
@@ -177,7 +179,7 @@ class _Walk:
                 exiting.update(name for name in active if self._inside(name, domain))
         return exiting
 
-    def _domain(self, transition: Transition) -> str | None:
+    def _domain(self, transition: CompiledTransition) -> str | None:
         """Return the innermost state that the transition does not leave: getTransitionDomain."""
         targets = self._effective(transition.to)
         if not targets:
@@ -229,7 +231,7 @@ class _Walk:
                 remembered[child] = tuple(kept)
         return remembered
 
-    def _enter_targets(self, transition: Transition) -> None:
+    def _enter_targets(self, transition: CompiledTransition) -> None:
         """Add what a transition enters: computeEntrySet."""
         domain = self._domain(transition)
         for target in transition.to:
@@ -251,7 +253,7 @@ class _Walk:
         elif state.shape is Shape.PARALLEL:
             self._add_regions(state)
 
-    def _add_history(self, state: State) -> None:
+    def _add_history(self, state: CompiledState) -> None:
         self.used_history = True
         recorded = self.history.get(state.name)
         if recorded is None:
@@ -278,15 +280,15 @@ class _Walk:
             if self.states[around].shape is Shape.PARALLEL:
                 self._add_regions(self.states[around])
 
-    def _add_regions(self, state: State) -> None:
+    def _add_regions(self, state: CompiledState) -> None:
         for child in state.children:
             if self.states[child].shape in HISTORY:
                 continue
             if not any(name == child or self._inside(name, child) for name in self.entering):
                 self._add_descendants(child)
 
-    def _entries(self, kept: Sequence[str], entered: Sequence[str]) -> tuple[Entry, ...]:
-        entries: list[Entry] = []
+    def _entries(self, kept: Sequence[str], entered: Sequence[str]) -> tuple[EnteredState, ...]:
+        entries: list[EnteredState] = []
         active = set(kept)
         for name in entered:
             active.add(name)
@@ -295,10 +297,10 @@ class _Walk:
             if name in self.by_default:
                 outputs += state.initial.outputs
             outputs += self.default_history.get(name, ())
-            entries.append(Entry(name, outputs, self._done(state, active)))
+            entries.append(EnteredState(name, outputs, self._done(state, active)))
         return tuple(entries)
 
-    def _done(self, state: State, active: set[str]) -> tuple[str, ...]:
+    def _done(self, state: CompiledState, active: set[str]) -> tuple[str, ...]:
         if state.shape is not Shape.FINAL:
             return ()
         if state.parent == ROOT_STATE:

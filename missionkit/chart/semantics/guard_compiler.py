@@ -59,7 +59,7 @@ class GuardCompiler:
             case ex.Hysteresis():
                 name = self.name(expression)
                 return self._remembered(name, lambda: self._latch(name, expression))
-            case ex.Variable() | ex.In() | ex.Finished():
+            case ex.VariableGuard() | ex.In() | ex.Finished():
                 name = self.name(expression)
                 return self._remembered(name, lambda: _answered(name, of_chart(expression)))
 
@@ -83,7 +83,7 @@ class GuardCompiler:
                 meaning = expression.plugin
             case ex.Hysteresis(part=part, enter=enter, exit=leave):
                 meaning = (self.name(part), enter, leave)
-            case ex.Variable(name=of, op=op, value=value):
+            case ex.VariableGuard(name=of, op=op, value=value):
                 meaning = (of, op, value)
             case ex.In(state=state) | ex.Finished(state=state):
                 meaning = (type(expression), state)
@@ -273,14 +273,14 @@ def _first(verdicts: list[Verdict], *, holds: bool | None) -> Verdict | None:
     return next((verdict for verdict in verdicts if verdict.holds is holds), None)
 
 
-def of_chart(expression: ex.Variable | ex.In | ex.Finished) -> GuardFunction:
+def of_chart(expression: ex.VariableGuard | ex.In | ex.Finished) -> GuardFunction:
     """Return the closure that answers a guard about the chart."""
     match expression:
-        case ex.Variable(name=name, op="equals", value=value) if not is_number(value):
+        case ex.VariableGuard(name=name, op="equals", value=value) if not is_number(value):
             return lambda question: (
                 TRUE_VERDICT if question.variables[name] == value else FALSE_VERDICT
             )
-        case ex.Variable(name=name, op=op, value=value):
+        case ex.VariableGuard(name=name, op=op, value=value):
             return _compared(name, op, float(value))
         case ex.In(state=state):
             return lambda question: TRUE_VERDICT if state in question.active else FALSE_VERDICT

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from missionkit.chart.semantics.chart_memory import ChartMemory
-from missionkit.chart.semantics.compiled_chart import Configuration, GuardContext, Transition
+from missionkit.chart.semantics.compiled_chart import (
+    CompiledTransition,
+    Configuration,
+    GuardContext,
+)
 from missionkit.chart.semantics.configuration import EPSILON
 from missionkit.chart.semantics.verdict_validation import TRUTHS
 
@@ -73,7 +77,10 @@ def _asked_carefully(here: Configuration, memory: ChartMemory, question: GuardCo
 
 
 def ready(
-    transition: Transition, memory: ChartMemory, question: GuardContext, held: dict[int, float]
+    transition: CompiledTransition,
+    memory: ChartMemory,
+    question: GuardContext,
+    held: dict[int, float],
 ) -> bool:
     """Ask a transition's guard and say whether it has held for long enough.
 

@@ -15,10 +15,10 @@ from missionkit.chart.semantics.chart_memory import ChartMemory, Decision
 from missionkit.chart.semantics.compiled_chart import (
     ROOT_STATE,
     Chart,
+    CompiledTransition,
     GuardContext,
     Output,
     TimedTransition,
-    Transition,
 )
 from missionkit.chart.semantics.configuration import EPSILON, configuration
 from missionkit.chart.semantics.guard_evaluation import evaluated
@@ -55,7 +55,9 @@ class Macrostep:
         self.pilot_entered = False
         self.stale = False  # the guards have not seen the last microstep yet
 
-    def run(self, forced: Transition | None, *, rested: bool) -> tuple[ChartMemory, Decision]:
+    def run(
+        self, forced: CompiledTransition | None, *, rested: bool
+    ) -> tuple[ChartMemory, Decision]:
         """Take the entry of the first tick, what is forced, and all that follows.
 
         Args:
@@ -69,7 +71,7 @@ class Macrostep:
             self.external.clear()
             self._microstep((forced,))
             rested = False
-        chosen: Sequence[Transition] = ()
+        chosen: Sequence[CompiledTransition] = ()
         if not rested:
             chosen = self._selected(self.here.ways, None)
         while True:
@@ -101,7 +103,7 @@ class Macrostep:
         self._refresh()
         return evaluated(self.here, self.memory, self.question, {})
 
-    def _heard(self) -> Sequence[Transition]:
+    def _heard(self) -> Sequence[CompiledTransition]:
         """Return what the next event that concerns anything leads to: internal ones first."""
         while self.internal or self.external:
             event = (self.internal or self.external).pop(0)
@@ -126,16 +128,18 @@ class Macrostep:
             self.internal += entry.events
         self.stale = True
         if outputs_text:
-            opening = Transition(-1, (self.chart.initial,), "start", source=self.memory.state)
+            opening = CompiledTransition(
+                -1, (self.chart.initial,), "start", source=self.memory.state
+            )
             self.fired.append(self._explained(opening, outputs_text))
 
     def _selected(
         self, ways: tuple[tuple[TimedTransition, ...], ...], event: str | None
-    ) -> Sequence[Transition]:
+    ) -> Sequence[CompiledTransition]:
         """Return the transitions to take together: selectTransitions."""
         if len(ways) == 1:
             return self._first(ways[0], event)
-        enabled: dict[int, Transition] = {}
+        enabled: dict[int, CompiledTransition] = {}
         for each in ways:
             for way in each:
                 transition = way[0]
@@ -151,7 +155,9 @@ class Macrostep:
             self.chart, self.memory.active, found, self.memory.history
         )
 
-    def _first(self, ways: tuple[TimedTransition, ...], event: str | None) -> Sequence[Transition]:
+    def _first(
+        self, ways: tuple[TimedTransition, ...], event: str | None
+    ) -> Sequence[CompiledTransition]:
         for way in ways:
             if self._enabled(way, event):
                 return (way.transition,)
@@ -183,7 +189,7 @@ class Macrostep:
         question.seen = seen.standing(memory.state, memory.entered_at, done=done, goal=goal)
         question.answers = {}
 
-    def _microstep(self, chosen: Sequence[Transition]) -> bool:
+    def _microstep(self, chosen: Sequence[CompiledTransition]) -> bool:
         """Exit, act, enter; say whether the chart is sure to rest after that."""
         chart, source = self.chart, self.memory.state
         move = entry_exit_sets.move(chart, self.memory.active, chosen, self.memory.history)
@@ -250,7 +256,7 @@ class Macrostep:
             self.problems += (wrong,)
             self.internal.append(ERROR)
 
-    def _explained(self, way: Transition, outputs_text: Sequence[str]) -> Fired:
+    def _explained(self, way: CompiledTransition, outputs_text: Sequence[str]) -> Fired:
         verdicts: tuple[tuple[str, Verdict], ...] = ()
         if way.reads:
             now, first = self.question.answers, self.first_answers

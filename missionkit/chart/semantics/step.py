@@ -15,10 +15,10 @@ from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, begin
 from missionkit.chart.semantics.compiled_chart import (
     ROOT_STATE,
     Chart,
+    CompiledState,
+    CompiledTransition,
     Configuration,
     GuardContext,
-    State,
-    Transition,
 )
 from missionkit.chart.semantics.configuration import EPSILON, SAFETY, configuration
 from missionkit.chart.semantics.guard_evaluation import evaluated, ready
@@ -85,16 +85,16 @@ def _forced(
     held: dict[int, float],
     *,
     flying: bool,
-) -> Transition | None:
+) -> CompiledTransition | None:
     """Return what goes before all else: the pilot, a failsafe, the end of the chart in the air."""
     seen = question.seen
     failsafe = None
     if flying:
         failsafe = _failsafe(chart, memory, here, question, held)
     if seen.events and ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
-        return Transition(-1, (chart.land,), ABORT)
+        return CompiledTransition(-1, (chart.land,), ABORT)
     if failsafe is None and memory.ended and chart.land and _in_air(seen):
-        return Transition(-1, (chart.land,), "the chart has ended in the air")
+        return CompiledTransition(-1, (chart.land,), "the chart has ended in the air")
     return failsafe
 
 
@@ -104,12 +104,12 @@ def _failsafe(
     here: Configuration,
     question: GuardContext,
     held: dict[int, float],
-) -> Transition | None:
+) -> CompiledTransition | None:
     """Ask every failsafe and return the first that may lead away.
 
     One that wants to be where the chart already is keeps those after it from leading away.
     """
-    chosen: Transition | None = None
+    chosen: CompiledTransition | None = None
     obeyed = False
     for failsafe in chart.failsafes:
         if failsafe.ask is None or failsafe.ask(question)[0] is False:
@@ -139,10 +139,10 @@ def _flying(seen: Estimate, here: Configuration) -> bool:
 
 def _invariants(
     here: Configuration, memory: ChartMemory, question: GuardContext
-) -> tuple[Mapping[str, float], Transition | None, tuple[str, ...]]:
+) -> tuple[Mapping[str, float], CompiledTransition | None, tuple[str, ...]]:
     """Return since when which invariants are broken, the first way out, and the news."""
     violated: dict[str, float] = {}
-    escape: Transition | None = None
+    escape: CompiledTransition | None = None
     problems: list[str] = []
     now = question.seen.now
     for state in here.promising:
@@ -158,10 +158,10 @@ def _invariants(
     return violated, escape, tuple(problems)
 
 
-def _escape(state: State, to: str) -> Transition:
+def _escape(state: CompiledState, to: str) -> CompiledTransition:
     text = f"invariant broken for {state.tolerated:g} s"
     reads = (f"I({state.name})",)
-    return Transition(-1, (to,), text, source=state.name or ROOT_STATE, reads=reads)
+    return CompiledTransition(-1, (to,), text, source=state.name or ROOT_STATE, reads=reads)
 
 
 def _reason(verdict: Verdict) -> str:
@@ -171,7 +171,7 @@ def _reason(verdict: Verdict) -> str:
     return f"its invariant does not hold: {shown}, the limit is {limit}"
 
 
-def _broken(state: State, question: GuardContext) -> Verdict | None:
+def _broken(state: CompiledState, question: GuardContext) -> Verdict | None:
     """Return the first of the kind's invariant and the mission's own that does not hold."""
     invariant = state.kind.invariant
     if invariant is not None:

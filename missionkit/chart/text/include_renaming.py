@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from missionkit.chart.text.located_data import Row, Table, Text
+from missionkit.chart.text.located_data import LocatedList, LocatedTable, Text
 
 DONE_EVENT = "done.state."
 READING = ("matrix", "rows")  # parameters of guards that read others
@@ -54,7 +54,7 @@ class Renaming:
             "in": self._state_name,
             "variable": self._variable_name,
         }
-        if isinstance(data, Table) and "use" in data:
+        if isinstance(data, LocatedTable) and "use" in data:
             by_name = {"where": lambda guards: _each(guards, self._guard_name)}
             return _changed(data, {**dict.fromkeys(READING, self._read), **by_name})
         return _changed(data, inner)
@@ -80,15 +80,19 @@ class Renaming:
         return _changed(data, keys)
 
     def _start(self, data: Any) -> Any:
-        if isinstance(data, Table):
+        if isinstance(data, LocatedTable):
             return _changed(data, {"to": self._names, "do": self._actions})
         return self._names(data)
 
     def _names(self, data: Any) -> Any:
-        return _each(data, self._state_name) if isinstance(data, Row) else self._state_name(data)
+        return (
+            _each(data, self._state_name)
+            if isinstance(data, LocatedList)
+            else self._state_name(data)
+        )
 
     def _events(self, data: Any) -> Any:
-        return _each(data, self._event) if isinstance(data, Row) else self._event(data)
+        return _each(data, self._event) if isinstance(data, LocatedList) else self._event(data)
 
     def _event(self, data: Any) -> Any:
         if isinstance(data, Text) and data.startswith(DONE_EVENT):
@@ -122,9 +126,9 @@ def _prefixed(data: Any, names: frozenset[str], prefix: str) -> Any:
 
 def _changed(data: Any, keys: Mapping[str, Change]) -> Any:
     """Return a mapping with the values of some keys changed."""
-    if not isinstance(data, Table):
+    if not isinstance(data, LocatedTable):
         return data
-    table = Table(data.place)
+    table = LocatedTable(data.place)
     for key, value in data.items():
         new = keys[key](value) if key in keys else value
         table.put(key, new, data.key_places[key], data.value_places[key])
@@ -132,9 +136,9 @@ def _changed(data: Any, keys: Mapping[str, Change]) -> Any:
 
 
 def _rekeyed(data: Any, rename: Change) -> Any:
-    if not isinstance(data, Table):
+    if not isinstance(data, LocatedTable):
         return data
-    table = Table(data.place)
+    table = LocatedTable(data.place)
     for key, value in data.items():
         table.put(rename(key), value, data.key_places[key], data.value_places[key])
     return table
@@ -142,11 +146,11 @@ def _rekeyed(data: Any, rename: Change) -> Any:
 
 def _each(data: Any, change: Change) -> Any:
     """Return a list or mapping with every item changed."""
-    if isinstance(data, Table):
+    if isinstance(data, LocatedTable):
         return _changed(data, dict.fromkeys(data, change))
-    if not isinstance(data, Row):
+    if not isinstance(data, LocatedList):
         return data
-    row = Row(data.place)
+    row = LocatedList(data.place)
     for item, place in zip(data, data.value_places, strict=True):
         row.put(change(item), place)
     return row

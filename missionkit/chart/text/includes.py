@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 from missionkit.chart.text.file_references import unfit
 from missionkit.chart.text.include_renaming import Renaming
 from missionkit.chart.text.located_data import (
-    Row,
-    Table,
+    LocatedList,
+    LocatedTable,
     Text,
     place_of,
     shown,
@@ -41,9 +41,9 @@ def inlined(expanded: Expanded, file: str) -> Expanded:
         expanded: the document, parameters replaced.
         file: where it stands; includes are beside it or in folders below.
     """
-    if not isinstance(expanded.data, Table) or not _includes(expanded.data.get("states")):
+    if not isinstance(expanded.data, LocatedTable) or not _includes(expanded.data.get("states")):
         return expanded
-    work = _Work(Path(file).parent, list(expanded.problems), dict(expanded.origins))
+    work = _IncludeWork(Path(file).parent, list(expanded.problems), dict(expanded.origins))
     states = work.states(expanded.data.get("states"), _Around((Path(file),)))
     data = _with(expanded.data, "states", states)
     for section in SECTIONS:
@@ -52,10 +52,10 @@ def inlined(expanded: Expanded, file: str) -> Expanded:
 
 
 def _includes(states: object) -> bool:
-    if not isinstance(states, Table):
+    if not isinstance(states, LocatedTable):
         return False
     return any(
-        isinstance(state, Table) and (KEY in state or _includes(state.get("states")))
+        isinstance(state, LocatedTable) and (KEY in state or _includes(state.get("states")))
         for state in states.values()
     )
 
@@ -72,27 +72,27 @@ class _Around(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Work:
+class _IncludeWork:
     root: Path  # nothing outside it is read
     problems: list[Problem]
     origins: dict[Place, str]
     files: list[Path] = field(default_factory=list)
-    sections: dict[str, Table] = field(
-        default_factory=lambda: {section: Table(Place("", 1, 1)) for section in SECTIONS}
+    sections: dict[str, LocatedTable] = field(
+        default_factory=lambda: {section: LocatedTable(Place("", 1, 1)) for section in SECTIONS}
     )
 
     def states(self, data: Any, around: _Around) -> Any:
         """Return `states:` with every include in it carried out."""
-        if not isinstance(data, Table):
+        if not isinstance(data, LocatedTable):
             return data
-        table = Table(data.place)
+        table = LocatedTable(data.place)
         for name, state in data.items():
             new = self._state(name, state, around)
             table.put(name, new, data.key_places[name], data.value_places[name])
         return table
 
     def _state(self, name: str, state: Any, around: _Around) -> Any:
-        if not isinstance(state, Table):
+        if not isinstance(state, LocatedTable):
             return state
         if KEY not in state:
             inside = self.states(state.get("states"), around)
@@ -106,7 +106,7 @@ class _Work:
         states = self.states(inner.get("states"), _Around((*around.files, path), here))
         return self._joined(name, state, _with(inner, "states", states))
 
-    def _path(self, state: Table, chain: tuple[Path, ...]) -> Path | None:
+    def _path(self, state: LocatedTable, chain: tuple[Path, ...]) -> Path | None:
         written = state[KEY]
         wrong = _unfit(written)
         path = chain[-1].parent / str(written)
@@ -121,31 +121,31 @@ class _Work:
             return None
         return path
 
-    def _read(self, path: Path, state: Table, inside: str) -> Document | None:
+    def _read(self, path: Path, state: LocatedTable, inside: str) -> Document | None:
         try:
             document = read_file(path, inside)
         except FileError as error:
             self.problems += error.problems
             return None
         self.files.append(path)
-        if not isinstance(document.data, Table):
+        if not isinstance(document.data, LocatedTable):
             message = f"include {path.name}: expected a mapping, got {shown(document.data)}"
             self.problems += [*document.problems, Problem(state.place_of(KEY), message)]
             return None
         return document
 
-    def _filled(self, document: Document, state: Table) -> Table:
+    def _filled(self, document: Document, state: LocatedTable) -> LocatedTable:
         given = state.get(WITH)
-        if given is not None and not isinstance(given, Table):
+        if given is not None and not isinstance(given, LocatedTable):
             message = f"'with': expected a mapping (parameter: value), got {shown(given)}"
             self.problems.append(Problem(state.place_of(WITH), message))
-        values = given if isinstance(given, Table) else Table(state.place)
+        values = given if isinstance(given, LocatedTable) else LocatedTable(state.place)
         expanded = filled(document, values)
         self.problems += expanded.problems
         self.origins |= expanded.origins
         return _without(expanded.data, ("params",))
 
-    def _joined(self, name: str, state: Table, inner: Table) -> Table:
+    def _joined(self, name: str, state: LocatedTable, inner: LocatedTable) -> LocatedTable:
         """Return the state with what the file says, where it does not say it itself."""
         names = [frozenset(_keys(inner.get(section))) for section in SECTIONS]
         renaming = Renaming(name, frozenset(_tree(inner.get("states"))), *names)
@@ -153,11 +153,11 @@ class _Work:
             ("guards", renaming.guard_section),
             ("variables", renaming.variable_section),
         ):
-            if isinstance(inner.get(section), Table):
+            if isinstance(inner.get(section), LocatedTable):
                 self.sections[section] = _merged(self.sections[section], rename(inner[section]))
-        joined: Table = renaming.state(_without(inner, SECTIONS))
+        joined: LocatedTable = renaming.state(_without(inner, SECTIONS))
         for key, value in _without(state, (KEY, WITH)).items():
-            both = key == "transitions" and isinstance(value, Row) and key in joined
+            both = key == "transitions" and isinstance(value, LocatedList) and key in joined
             new = _together(value, joined[key]) if both else value
             joined = _with(joined, key, new, state.key_places[key], state.value_places[key])
         return joined
@@ -173,19 +173,25 @@ def _unfit(written: object) -> str:
 
 
 def _keys(section: object) -> list[str]:
-    return list(section) if isinstance(section, Table) else []
+    return list(section) if isinstance(section, LocatedTable) else []
 
 
 def _tree(states: object) -> list[str]:
-    if not isinstance(states, Table):
+    if not isinstance(states, LocatedTable):
         return []
-    inner = (_tree(state.get("states")) for state in states.values() if isinstance(state, Table))
+    inner = (
+        _tree(state.get("states")) for state in states.values() if isinstance(state, LocatedTable)
+    )
     return [*states, *(name for names in inner for name in names)]
 
 
 def _with(
-    table: Table, key: str, value: Any, key_place: Place | None = None, at: Place | None = None
-) -> Table:
+    table: LocatedTable,
+    key: str,
+    value: Any,
+    key_place: Place | None = None,
+    at: Place | None = None,
+) -> LocatedTable:
     """Return a copy with one value replaced or added, unless there is nothing to add."""
     if value is None and key not in table:
         return table
@@ -195,8 +201,8 @@ def _with(
     return copy
 
 
-def _without(table: Table, keys: tuple[str, ...]) -> Table:
-    copy = Table(table.place)
+def _without(table: LocatedTable, keys: tuple[str, ...]) -> LocatedTable:
+    copy = LocatedTable(table.place)
     for key, value in table.items():
         if key not in keys:
             copy.put(key, value, table.key_places[key], table.value_places[key])
@@ -205,18 +211,18 @@ def _without(table: Table, keys: tuple[str, ...]) -> Table:
 
 def _merged(one: Any, other: Mapping[str, Any]) -> Any:
     """Return a mapping with the entries of another added; anything but a mapping stays as it is."""
-    if not other or not (one is None or isinstance(one, Table)):
+    if not other or not (one is None or isinstance(one, LocatedTable)):
         return one
-    table = Table(place_of(other)) if one is None else _without(one, ())
-    if isinstance(other, Table):
+    table = LocatedTable(place_of(other)) if one is None else _without(one, ())
+    if isinstance(other, LocatedTable):
         for key, value in other.items():
             table.put(key, value, other.key_places[key], other.value_places[key])
     return table
 
 
-def _together(one: Row, other: Any) -> Any:
-    row = Row(one.place)
-    for each in (one, other if isinstance(other, Row) else Row(one.place)):
+def _together(one: LocatedList, other: Any) -> Any:
+    row = LocatedList(one.place)
+    for each in (one, other if isinstance(other, LocatedList) else LocatedList(one.place)):
         for item, place in zip(each, each.value_places, strict=True):
             row.put(item, place)
     return row

@@ -30,7 +30,7 @@ class Text(str):
         return Text, (str(self), self.place)
 
 
-class Table(dict[str, Any]):
+class LocatedTable(dict[str, Any]):
     """A mapping with the place of itself, of each key and of each value."""
 
     __slots__ = ("key_places", "place", "value_places")
@@ -46,7 +46,7 @@ class Table(dict[str, Any]):
 
         Args:
             key: as written.
-            value: plain data or another `Table` or `Row`.
+            value: plain data or another `LocatedTable` or `LocatedList`.
             key_place: for messages about the key.
             value_place: for messages about the value.
         """
@@ -54,7 +54,7 @@ class Table(dict[str, Any]):
         self.key_places[key] = key_place
         self.value_places[key] = value_place
 
-    def extended(self, key: str, value: object, place: Place) -> Table:
+    def extended(self, key: str, value: object, place: Place) -> LocatedTable:
         """Return a copy with one more entry.
 
         Args:
@@ -62,7 +62,7 @@ class Table(dict[str, Any]):
             value: plain data.
             place: for messages about key and value.
         """
-        table = Table(self.place)
+        table = LocatedTable(self.place)
         table.update(self)
         table.key_places.update(self.key_places)
         table.value_places.update(self.value_places)
@@ -74,7 +74,7 @@ class Table(dict[str, Any]):
         return self.value_places.get(key, self.place)
 
 
-class Row(list[Any]):
+class LocatedList(list[Any]):
     """A list with the place of itself and of each item."""
 
     __slots__ = ("place", "value_places")
@@ -92,7 +92,7 @@ class Row(list[Any]):
 
 def place_of(data: object) -> Place:
     """Return where a mapping, list or text stands; other data does not know."""
-    return data.place if isinstance(data, (Table, Row, Text)) else FILE_START
+    return data.place if isinstance(data, (LocatedTable, LocatedList, Text)) else FILE_START
 
 
 def place_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
@@ -105,9 +105,9 @@ def place_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
     """
     place = root
     for step in path:
-        if isinstance(data, Table) and isinstance(step, str):
+        if isinstance(data, LocatedTable) and isinstance(step, str):
             place = data.value_places.get(step, place)
-        elif isinstance(data, Row) and isinstance(step, int) and step < len(data):
+        elif isinstance(data, LocatedList) and isinstance(step, int) and step < len(data):
             place = data.value_places[step]
         data = _child(data, step)
     return place
@@ -136,7 +136,7 @@ def key_at(data: object, path: tuple[int | str, ...], root: Place) -> Place:
         root: returned for what is not in the text at all.
     """
     table = value_at(data, path[:-1])
-    if isinstance(table, Table) and path[-1] in table:
+    if isinstance(table, LocatedTable) and path[-1] in table:
         return table.key_places[str(path[-1])]
     return place_at(data, path, root)
 

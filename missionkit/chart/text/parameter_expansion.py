@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from missionkit.chart.text.located_data import Row, Table, Text
+from missionkit.chart.text.located_data import LocatedList, LocatedTable, Text
 from missionkit.chart.text.mistake import MAX_HINTS
 from missionkit.chart.text.yaml_reader import Document, read
 from missionkit.errors import FileError, Place, Problem, nearest
@@ -39,14 +39,14 @@ def expand(document: Document, overrides: Mapping[str, str]) -> Expanded:
         overrides: values by name, in YAML, which replace those of the file.
     """
     data = document.data
-    if not isinstance(data, Table):
+    if not isinstance(data, LocatedTable):
         return Expanded(data, {}, document.problems)
     expansion = _Expansion(_written(document), list(document.problems))
     at = data.key_places.get(SECTION, document.start)
     return expansion.expanded(data, expansion.override(overrides, at))
 
 
-def filled(document: Document, given: Table) -> Expanded:
+def filled(document: Document, given: LocatedTable) -> Expanded:
     """Put the value of each parameter where `$name` stands, as `expand` does.
 
     Args:
@@ -57,21 +57,21 @@ def filled(document: Document, given: Table) -> Expanded:
     return expansion.expanded(document.data, expansion.given(given))
 
 
-def _written(document: Document) -> Table:
+def _written(document: Document) -> LocatedTable:
     written = document.data.get(SECTION)
-    return written if isinstance(written, Table) else Table(document.start)
+    return written if isinstance(written, LocatedTable) else LocatedTable(document.start)
 
 
 @dataclass(slots=True)
 class _Expansion:
-    parameters: Table
+    parameters: LocatedTable
     problems: list[Problem]
-    values: Table = field(init=False)
+    values: LocatedTable = field(init=False)
     origins: dict[Place, str] = field(default_factory=dict)
 
-    def expanded(self, data: Table, values: Table) -> Expanded:
+    def expanded(self, data: LocatedTable, values: LocatedTable) -> Expanded:
         """Return a document with the values in it."""
-        table = Table(data.place)
+        table = LocatedTable(data.place)
         for key, value in data.items():
             at = data.value_places[key]
             new = values if value is self.parameters else self.replaced(value, at)
@@ -79,9 +79,9 @@ class _Expansion:
         self.report_unused()
         return Expanded(table, self.origins, tuple(self.problems))
 
-    def given(self, given: Table) -> Table:
+    def given(self, given: LocatedTable) -> LocatedTable:
         """Return the parameters with the values of `with:`."""
-        self.values = Table(self.parameters.place)
+        self.values = LocatedTable(self.parameters.place)
         for name, value in self.parameters.items():
             source = given if name in given else self.parameters
             places = source.key_places[name], source.value_places[name]
@@ -90,9 +90,9 @@ class _Expansion:
             self._report(given.key_places[name], f"with: no such parameter {name!r}", name)
         return self.values
 
-    def override(self, overrides: Mapping[str, str], at: Place) -> Table:
+    def override(self, overrides: Mapping[str, str], at: Place) -> LocatedTable:
         """Return the parameters with the values of the command line."""
-        self.values = Table(self.parameters.place)
+        self.values = LocatedTable(self.parameters.place)
         for name, value in self.parameters.items():
             places = self.parameters.key_places[name], self.parameters.value_places[name]
             if isinstance(value, str) and _REFERENCE.match(value):
@@ -107,14 +107,14 @@ class _Expansion:
 
     def replaced(self, value: Any, place: Place) -> Any:
         """Return a value with each `$name` in it replaced."""
-        if isinstance(value, Table):
-            table = Table(value.place)
+        if isinstance(value, LocatedTable):
+            table = LocatedTable(value.place)
             for key, item in value.items():
                 at = value.value_places[key]
                 table.put(key, self.replaced(item, at), value.key_places[key], at)
             return table
-        if isinstance(value, Row):
-            row = Row(value.place)
+        if isinstance(value, LocatedList):
+            row = LocatedList(value.place)
             for item, at in zip(value, value.value_places, strict=True):
                 row.put(self.replaced(item, at), at)
             return row

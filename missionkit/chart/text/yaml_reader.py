@@ -16,8 +16,8 @@ from typing import Any
 import yaml
 
 from missionkit.chart.text.located_data import (
-    Row,
-    Table,
+    LocatedList,
+    LocatedTable,
     Text,
     shown,
 )
@@ -49,7 +49,7 @@ _SCALAR_TAGS: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """Content of a file: `Table`, `Row`, `Text`, numbers, booleans and None, and its problems."""
+    """Content of a file: `LocatedTable`, `LocatedList`, `Text`, numbers, ...; its problems."""
 
     file: str
     data: Any
@@ -140,7 +140,7 @@ def _place_after(before: str, file: str) -> Place:
 class _Open:
     """A mapping or list that has begun and not yet ended."""
 
-    node: Table | Row
+    node: LocatedTable | LocatedList
     anchor: str | None
     nodes: int = 1
     height: int = 1
@@ -163,9 +163,9 @@ class _Builder:
             case yaml.ScalarEvent():
                 self._scalar(event)
             case yaml.MappingStartEvent():
-                self._open(event, Table(self._place(event)))
+                self._open(event, LocatedTable(self._place(event)))
             case yaml.SequenceStartEvent():
-                self._open(event, Row(self._place(event)))
+                self._open(event, LocatedList(self._place(event)))
             case yaml.MappingEndEvent() | yaml.SequenceEndEvent():
                 self._close()
             case yaml.AliasEvent():
@@ -220,7 +220,7 @@ class _Builder:
                 Problem(place, f"{value!r} is not a valid {tag.removeprefix(_CORE_TAG)}")
             )
 
-    def _open(self, event: Any, node: Table | Row) -> None:
+    def _open(self, event: Any, node: LocatedTable | LocatedList) -> None:
         if event.tag not in {None, "!", f"{_CORE_TAG}map", f"{_CORE_TAG}seq"}:
             self.problems.append(
                 Problem(node.place, f"tag {event.tag!r}: tags are not used in missions")
@@ -255,7 +255,7 @@ class _Builder:
         parent.height = max(parent.height, height + 1)
         if parent.nodes > MAX_NODES:
             self._refuse(place, f"more than {MAX_NODES} values: too large for a mission")
-        if isinstance(parent.node, Row):
+        if isinstance(parent.node, LocatedList):
             parent.node.put(value, place)
         elif parent.key is None:
             parent.key = self._key(value, place)
@@ -269,7 +269,7 @@ class _Builder:
         self.problems.append(Problem(place, f"a key must be a word, got {shown(value)}"))
         return Text("", place)
 
-    def _entry(self, table: Table, key: Text, value: object, place: Place) -> None:
+    def _entry(self, table: LocatedTable, key: Text, value: object, place: Place) -> None:
         if key in table:
             first = table.key_places[key]
             message = f"duplicate key {str(key)!r}: first given in line {first.line}"

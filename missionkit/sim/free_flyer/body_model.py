@@ -9,7 +9,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from missionkit.sim.vehicle_parameters import Frozen
+from missionkit.sim.vehicle_parameters import ParameterModel
 from missionkit.units import (
     Degrees,
     Fraction,
@@ -23,7 +23,7 @@ from missionkit.units import (
 )
 
 
-class FreeFlyerBody(Frozen):
+class FreeFlyerBody(ParameterModel):
     """A cube with ten nozzles, five on its front and five on its back.
 
     The middle one of each face pushes inwards; the other four sit at the ends of an X and push
@@ -57,7 +57,7 @@ class FreeFlyerBody(Frozen):
     power: Number = Field(default=4.0, ge=0, description="W, of its electronics")
 
 
-class GyroModel(Frozen):
+class GyroModel(ParameterModel):
     """Rate gyroscope at 100 Hz; the defaults are the data sheet's of VectorNav's VN-100.
 
     A hundredth of a degree per second and root hertz is 1.7e-4 rad/s/√Hz: it has a third of that,
@@ -69,14 +69,14 @@ class GyroModel(Frozen):
     walk: Number = Field(default=0.0, ge=0, description="rad/s/√s, of the bias")
 
 
-class AccelerometerModel(Frozen):
+class AccelerometerModel(ParameterModel):
     """Accelerometer at the centre of mass, in the same unit as the gyroscope."""
 
     noise: Number = Field(default=1.4e-3, ge=0, description="m/s²/√Hz")
     bias: MetresPerSecond2 = Field(default=4e-4, ge=0, description="1 sigma at power-up")
 
 
-class UwbModel(Frozen):
+class UwbModel(ParameterModel):
     """Ranges by ultra-wideband radio to the anchors in turn, in the order of the world file.
 
     An outlier came by a detour: it is longer by the size of a normal number of that deviation.
@@ -89,7 +89,7 @@ class UwbModel(Frozen):
     radio: Point = Field(default=(0.05, 0.05, 0.0), description="place on the body (m)")
 
 
-class FlyerCamera(Frozen):
+class FlyerCamera(ParameterModel):
     """Camera that measures the feature points of the target's faces (P3, section III).
 
     They come while the target's centre is within `range` and `half_angle_deg` of the axis, of each
@@ -109,7 +109,7 @@ class FlyerCamera(Frozen):
     )
 
 
-class FlyerSensors(Frozen):
+class FlyerSensors(ParameterModel):
     """All sensors of a free flyer."""
 
     gyro: GyroModel = GyroModel()

@@ -12,7 +12,7 @@ import numpy as np
 from missionkit.geometry import Mat, Vec3, to_matrix
 from missionkit.jit import compiled
 from missionkit.sim.free_flyer import flyer_layout as at
-from missionkit.sim.free_flyer.flyer_layout import Dock, Flyer
+from missionkit.sim.free_flyer.flyer_layout import DockGeometry, Flyer
 
 matrix_of = compiled(to_matrix)
 
@@ -94,7 +94,7 @@ def overlap(offset: Vec3, axes: Mat, half: float, others: Mat, other: float, pus
 
 
 @compiled
-def in_corridor(x: Vec3, dock: Dock) -> bool:
+def in_corridor(x: Vec3, dock: DockGeometry) -> bool:
     """Tell whether the chaser is in the docking corridor; `Corridor.sideways` for kernels."""
     along = aside = 0.0
     for c in range(3):
@@ -106,7 +106,7 @@ def in_corridor(x: Vec3, dock: Dock) -> bool:
 
 
 @compiled
-def touch(x: Vec3, memory: Vec3, body: Flyer, dock: Dock) -> None:
+def touch(x: Vec3, memory: Vec3, body: Flyer, dock: DockGeometry) -> None:
     """Take the gap to the target, and keep the chaser out of it.
 
     A slow touch in the corridor stops the motion into the target, without rebound and friction.

@@ -60,7 +60,7 @@ class Flyer(NamedTuple):
     detour: float  # m, 1 sigma
 
 
-class Dock(NamedTuple):
+class DockGeometry(NamedTuple):
     """Constants of target, docked place and corridor, in the mother-ship's frame (SI)."""
 
     target: Vec3  # (3,)
@@ -100,10 +100,10 @@ def flyer_constants(world: FreeFlyerWorld) -> Flyer:
     )
 
 
-def dock_constants(world: FreeFlyerWorld) -> Dock:
+def dock_constants(world: FreeFlyerWorld) -> DockGeometry:
     """Turn target and corridor into what the kernels read."""
     pose, berth, cone = world.target.pose, world.berth, world.cone
-    return Dock(
+    return DockGeometry(
         pose.translation,
         to_matrix(pose.rotation),
         0.5 * world.target.size,

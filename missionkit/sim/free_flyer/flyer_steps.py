@@ -14,7 +14,7 @@ from missionkit.jit import compiled
 from missionkit.sim.free_flyer import flyer_layout as at
 from missionkit.sim.free_flyer.cube_contact import touch
 from missionkit.sim.free_flyer.flyer_dynamics import advance
-from missionkit.sim.free_flyer.flyer_layout import Dock, Flyer
+from missionkit.sim.free_flyer.flyer_layout import DockGeometry, Flyer
 from missionkit.sim.free_flyer.nozzle_allocation import NOZZLES
 from missionkit.sim.kernel_layout import DT, HOLD, IMU_EVERY, OFFBOARD
 
@@ -136,7 +136,7 @@ def fly(
     health: Vec3,
     rare: float,
     body: Flyer,
-    dock: Dock,
+    dock: DockGeometry,
     imu_noise: Mat,
     range_noise: Mat,
 ) -> tuple[Mat, Mat]:

@@ -16,7 +16,7 @@ from missionkit.docking_geometry import NORMALS, Berth, Corridor, Face, berth_at
 from missionkit.geometry import Transform, vec
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS, Kind
 from missionkit.sim.free_flyer.body_model import FlyerSensors, FreeFlyerBody
-from missionkit.sim.vehicle_parameters import BatteryModel, Frozen
+from missionkit.sim.vehicle_parameters import BatteryModel, ParameterModel
 from missionkit.sim.world import Marker, Sphere
 from missionkit.units import Degrees, DegreesPerSecond, Metres, MetresPerSecond, Point
 
@@ -29,7 +29,7 @@ FEATURE_PATTERN: tuple[Spot, ...] = (
 )
 
 
-class DockingTarget(Frozen):
+class DockingTarget(ParameterModel):
     """The cube that the chaser docks to; it keeps its place and attitude.
 
     Every face of `lit` carries the same `features`: places on it (m, from its middle), along x and
@@ -52,7 +52,7 @@ class DockingTarget(Frozen):
         return Transform(turned(self.attitude_deg), vec(*self.position))
 
 
-class FlyerStart(Frozen):
+class FlyerStart(ParameterModel):
     """Where the chaser starts, at rest; a seed moves it by normal numbers of these deviations."""
 
     position: Point = (0.0, 1.0, 0.0)
@@ -61,7 +61,7 @@ class FlyerStart(Frozen):
     attitude_sd_deg: Degrees = Field(default=0.0, ge=0)
 
 
-class CorridorModel(Frozen):
+class CorridorModel(ParameterModel):
     """A blunt cone before the docked place; only in it may the cubes come close."""
 
     radius: Metres = Field(default=0.03, gt=0, description="at the docked place")
@@ -69,7 +69,7 @@ class CorridorModel(Frozen):
     length: Metres = Field(default=0.30, gt=0, description="from the docked place")
 
 
-class Capture(Frozen):
+class Capture(ParameterModel):
     """How close to the docked pose, and how slow, the docking mechanism takes hold."""
 
     position: Metres = Field(default=0.02, gt=0)
@@ -81,7 +81,7 @@ class Capture(Frozen):
     )
 
 
-class FreeFlyerWorld(Frozen):
+class FreeFlyerWorld(ParameterModel):
     """Everything the simulator of a free flyer needs beyond the mission file."""
 
     VEHICLE: ClassVar[str] = "a free flyer"

@@ -23,7 +23,7 @@ os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
 
 
-class Capture(Protocol):
+class OpencvCapture(Protocol):
     """Interface of OpenCV's VideoCapture."""
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name
@@ -50,20 +50,20 @@ class CaptureSettings(NamedTuple):
     rate: float  # images a second
 
 
-def opened(source: int | str) -> Capture:
+def opened(source: int | str) -> OpencvCapture:
     """Return a capture of a device number, file or URL that keeps no old images."""
     if isinstance(source, str) and "://" in source:
         patience = int(1e3 * STREAM_TIMEOUT)
         limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, patience]
         limits += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, patience]
-        stream: Capture = cv2.VideoCapture(source, cv2.CAP_ANY, limits)
+        stream: OpencvCapture = cv2.VideoCapture(source, cv2.CAP_ANY, limits)
         return stream
-    capture: Capture = cv2.VideoCapture(source)
+    capture: OpencvCapture = cv2.VideoCapture(source)
     capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
     return capture
 
 
-def ask(capture: Capture, wanted: CaptureSettings) -> None:
+def ask(capture: OpencvCapture, wanted: CaptureSettings) -> None:
     """Ask the driver for the images a mission wants; what it gives is seen in the first of them."""
     capture.set(cv2.CAP_PROP_FRAME_WIDTH, wanted.width)
     capture.set(cv2.CAP_PROP_FRAME_HEIGHT, wanted.height)
@@ -92,7 +92,7 @@ class Device(ThreadedCamera):
 
     def __init__(
         self,
-        open_: Callable[[], Capture],
+        open_: Callable[[], OpencvCapture],
         wanted: CaptureSettings,
         latency: float,
         period: float = 0.0,
@@ -123,7 +123,7 @@ class Device(ThreadedCamera):
             if self.ended(REOPEN_AFTER):
                 return
 
-    def _watch(self, capture: Capture, around: CameraCarrier) -> str:
+    def _watch(self, capture: OpencvCapture, around: CameraCarrier) -> str:
         """Take images until none comes any more; return why."""
         while not self.ended(self._period):
             came, image = capture.read()

@@ -33,7 +33,7 @@ class CameraCarrier(Protocol):
         """Keep an event for the mission."""
 
 
-class Camera(Protocol):
+class FrameSource(Protocol):
     """Gives frames."""
 
     @property

@@ -14,8 +14,8 @@ from missionkit.errors import UsageError
 from missionkit.messages import Image
 from missionkit.perception.image_files import read
 from missionkit.vehicle.camera.camera_device import (
-    Capture,
     CaptureSettings,
+    OpencvCapture,
     ask,
     opened,
 )
@@ -25,7 +25,7 @@ from missionkit.vehicle.link.clocks import wall
 FOREIGN_CLOCK_AGE = 5.0  # s; a stamp that is further away is on another clock
 
 
-class Taken(NamedTuple):
+class TakenImage(NamedTuple):
     """An image of a camera."""
 
     image: Image
@@ -33,7 +33,7 @@ class Taken(NamedTuple):
     age: float | None  # s since the driver stamped it; None: it does not
 
 
-def images(source: int | str, wanted: CaptureSettings | None = None) -> Iterator[Taken]:
+def images(source: int | str, wanted: CaptureSettings | None = None) -> Iterator[TakenImage]:
     """Yield the images of a picture, a film, a device or a stream until no more come.
 
     Args:
@@ -45,7 +45,7 @@ def images(source: int | str, wanted: CaptureSettings | None = None) -> Iterator
     """
     picture = read(source) if isinstance(source, str) else None
     if picture is not None:
-        yield Taken(picture, wall(), None)
+        yield TakenImage(picture, wall(), None)
         return
     capture = opened(source)
     try:
@@ -61,11 +61,13 @@ def images(source: int | str, wanted: CaptureSettings | None = None) -> Iterator
         capture.release()
 
 
-def _taken(capture: Capture, image: Any, *, stamped: bool) -> Taken:
+def _taken(capture: OpencvCapture, image: Any, *, stamped: bool) -> TakenImage:
     """Note the age of an image; the drivers of Linux stamp with the clock that `wall` reads."""
     at = wall()
     age = at - 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC) if stamped else None
-    return Taken(image, at, age if age is not None and 0.0 <= age < FOREIGN_CLOCK_AGE else None)
+    return TakenImage(
+        image, at, age if age is not None and 0.0 <= age < FOREIGN_CLOCK_AGE else None
+    )
 
 
 def _hint(source: int | str) -> str:

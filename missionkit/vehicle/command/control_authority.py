@@ -60,7 +60,7 @@ AUTHORITY_TRANSITIONS: list[list[Any]] = [  # trigger, from, to
 ]
 
 
-class Evidence(NamedTuple):
+class TakeoverEvidence(NamedTuple):
     """Evidence of a takeover in heartbeats."""
 
     mode: str = ""  # in which it flies, or flew until it was disarmed; "": none is to be judged
@@ -68,7 +68,7 @@ class Evidence(NamedTuple):
     unheard: bool = False  # the autopilot may not have received us before it
 
 
-NO_DOUBT = Evidence()
+NO_DOUBT = TakeoverEvidence()
 
 
 def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> bool:
@@ -200,7 +200,7 @@ class ControlAuthority:
         with self._lock:
             where = self._where() if now.armed else self._where()._replace(on_ground=True)
             flown = mode if now.armed else self._landed_by_another(mode, where)
-            seen = Evidence(flown, _critical(message), unheard=unheard)
+            seen = TakeoverEvidence(flown, _critical(message), unheard=unheard)
             event, why = self._heard(seen, where)
             aim, self._mode, self._armed = self._aim, mode, now.armed
             if not now.armed or (not aim and self.ours):
@@ -247,7 +247,7 @@ class ControlAuthority:
             self._aim, self._doubt = self._mode if self._armed else "", NO_DOUBT
             return self.fire("give_back")
 
-    def _heard(self, seen: Evidence, where: Whereabouts) -> tuple[str, str]:
+    def _heard(self, seen: TakeoverEvidence, where: Whereabouts) -> tuple[str, str]:
         """Make the transition of a heartbeat; return the event of a takeover, and why."""
         mode, doubt = seen.mode, self._doubt
         if not mode:

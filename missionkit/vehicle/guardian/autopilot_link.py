@@ -75,7 +75,7 @@ class Poller:
                 handler(events)
 
 
-class Link(Protocol):
+class AutopilotLink(Protocol):
     """The way to the autopilot."""
 
     def write(self, data: bytes) -> None:
@@ -91,7 +91,7 @@ class Link(Protocol):
 Take = Callable[[list[bytes]], None]
 
 
-def open_link(scheme: str, place: str, number: int, poller: Poller, take: Take) -> Link:
+def open_link(scheme: str, place: str, number: int, poller: Poller, take: Take) -> AutopilotLink:
     """Open the link to an autopilot; `take` gets whole frames.
 
     Args:

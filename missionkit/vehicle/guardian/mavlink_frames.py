@@ -31,7 +31,7 @@ WHOLE_PAYLOAD = 64  # bytes; zeros at the end of a payload are not sent
 FRAME_NED = 1  # MAV_FRAME_LOCAL_NED
 
 
-class Frame(NamedTuple):
+class MavlinkFrame(NamedTuple):
     """A message that is read here, as it came: intact, zeros at its end restored."""
 
     ident: int
@@ -40,7 +40,7 @@ class Frame(NamedTuple):
     payload: bytes
 
 
-class Beat(NamedTuple):
+class HeartbeatContent(NamedTuple):
     """Content of a heartbeat."""
 
     mode: int  # custom_mode
@@ -48,7 +48,7 @@ class Beat(NamedTuple):
     armed: bool
 
 
-class Route(NamedTuple):
+class FrameRoute(NamedTuple):
     """Sender and recipient of one of our frames."""
 
     system: int
@@ -96,7 +96,7 @@ def ident_of(frame: bytes) -> int:
     return frame[7] | frame[8] << 8 | frame[9] << 16
 
 
-def read(frame: bytes) -> Frame | None:
+def read(frame: bytes) -> MavlinkFrame | None:
     """Return the message in a whole frame, None for one that is not read here, or is damaged."""
     ident = ident_of(frame)
     if ident not in CRC_EXTRA:
@@ -106,35 +106,35 @@ def read(frame: bytes) -> Frame | None:
     if checksum(frame[1:stop], CRC_EXTRA[ident]) != frame[stop] | frame[stop + 1] << 8:
         return None
     system, component = (frame[3], frame[4]) if frame[0] == V1 else (frame[5], frame[6])
-    return Frame(ident, system, component, frame[head:stop].ljust(WHOLE_PAYLOAD, b"\0"))
+    return MavlinkFrame(ident, system, component, frame[head:stop].ljust(WHOLE_PAYLOAD, b"\0"))
 
 
-def beat(frame: Frame) -> Beat:
+def beat(frame: MavlinkFrame) -> HeartbeatContent:
     """Return what a HEARTBEAT says."""
     mode, _, autopilot, base = struct.unpack_from("<IBBB", frame.payload)
-    return Beat(mode, autopilot, bool(base & 0x80))
+    return HeartbeatContent(mode, autopilot, bool(base & 0x80))
 
 
-def speed(frame: Frame) -> float:
+def speed(frame: MavlinkFrame) -> float:
     """Return the speed over ground (m/s) in a LOCAL_POSITION_NED."""
     north, east = struct.unpack_from("<ff", frame.payload, 16)
     return float((north * north + east * east) ** 0.5)
 
 
-def order(frame: Frame) -> tuple[int, float, float]:
+def order(frame: MavlinkFrame) -> tuple[int, float, float]:
     """Return a COMMAND_LONG's or COMMAND_INT's MAV_CMD, and its first two parameters."""
     command = struct.unpack_from("<H", frame.payload, 28)[0]
     first, second = struct.unpack_from("<ff", frame.payload)
     return command, first, second
 
 
-def target(frame: Frame) -> tuple[int, int]:
+def target(frame: MavlinkFrame) -> tuple[int, int]:
     """Return which system and component a setpoint is for."""
     at = 36 if frame.ident == ATTITUDE_TARGET else 50
     return frame.payload[at], frame.payload[at + 1]
 
 
-def still(to: Route, sequence: int, millis: int) -> bytes:
+def still(to: FrameRoute, sequence: int, millis: int) -> bytes:
     """Return a SET_POSITION_TARGET_LOCAL_NED of no velocity and no yaw rate.
 
     Args:
@@ -147,7 +147,7 @@ def still(to: Route, sequence: int, millis: int) -> bytes:
     return _packed(LOCAL_TARGET, payload, to, sequence)
 
 
-def mode(to: Route, sequence: int, params: tuple[float, float, float], again: int) -> bytes:
+def mode(to: FrameRoute, sequence: int, params: tuple[float, float, float], again: int) -> bytes:
     """Return a COMMAND_LONG for MAV_CMD_DO_SET_MODE, asked for the `again`-th time.
 
     Args:
@@ -161,7 +161,7 @@ def mode(to: Route, sequence: int, params: tuple[float, float, float], again: in
     return _packed(COMMAND_LONG, struct.pack("<7fHBBB", *numbers, *ends), to, sequence)
 
 
-def _packed(ident: int, payload: bytes, to: Route, sequence: int) -> bytes:
+def _packed(ident: int, payload: bytes, to: FrameRoute, sequence: int) -> bytes:
     short = payload.rstrip(b"\0") or payload[:1]
     header = struct.pack(
         "<BBBBBBHB", len(short), 0, 0, sequence & 0xFF, to.system, to.component, ident, 0

@@ -25,7 +25,7 @@ SETTLED = 1.0  # s of zero velocity after which a vehicle that stands is held
 STANDS = 0.3  # m/s
 
 
-class Phase(StrEnum):
+class GuardianPhase(StrEnum):
     """Phase of the guardian."""
 
     WATCHING = "watching"
@@ -48,7 +48,7 @@ USUAL = Patience()
 class GuardianState(NamedTuple):
     """State of the guardian; times are the vehicle's (s)."""
 
-    phase: Phase = Phase.WATCHING
+    phase: GuardianPhase = GuardianPhase.WATCHING
     last_setpoint_at: float = (
         NEVER_YET  # when the mission's last setpoint passed, NEVER_YET after it fell silent
     )
@@ -60,22 +60,22 @@ class GuardianState(NamedTuple):
     @property
     def refuses(self) -> bool:
         """Whether setpoints and orders of the mission are kept from the vehicle."""
-        return self.phase in {Phase.HOLDING, Phase.HELD}
+        return self.phase in {GuardianPhase.HOLDING, GuardianPhase.HELD}
 
     @property
     def brakes(self) -> bool:
         """Whether zero velocity is to be sent."""
-        return self.phase in {Phase.BRAKING, Phase.HOLDING}
+        return self.phase in {GuardianPhase.BRAKING, GuardianPhase.HOLDING}
 
     @property
     def asks(self) -> bool:
         """Whether to request the mode for holding, where there is one."""
-        return self.phase is Phase.HOLDING and self.confirmed
+        return self.phase is GuardianPhase.HOLDING and self.confirmed
 
     @property
     def over(self) -> bool:
         """Whether there is nothing left to guard."""
-        return self.left and self.phase in {Phase.WATCHING, Phase.HELD}
+        return self.left and self.phase in {GuardianPhase.WATCHING, GuardianPhase.HELD}
 
 
 def setpoint(guard: GuardianState, now: float) -> GuardianState:
@@ -83,7 +83,7 @@ def setpoint(guard: GuardianState, now: float) -> GuardianState:
     if guard.refuses:
         return guard
     return guard._replace(
-        phase=Phase.STEERED if guard.ours else Phase.WATCHING, last_setpoint_at=now
+        phase=GuardianPhase.STEERED if guard.ours else GuardianPhase.WATCHING, last_setpoint_at=now
     )
 
 
@@ -91,19 +91,21 @@ def silent(guard: GuardianState) -> GuardianState:
     """Return the state after an order of the mission, or its word that it falls silent."""
     if guard.refuses:
         return guard
-    return guard._replace(phase=Phase.WATCHING, last_setpoint_at=NEVER_YET)
+    return guard._replace(phase=GuardianPhase.WATCHING, last_setpoint_at=NEVER_YET)
 
 
 def heard(guard: GuardianState, *, ours: bool) -> GuardianState:
     """Return the state after a heartbeat; `ours`: armed, in the mode that follows setpoints."""
     guard = guard._replace(ours=ours)
     match guard.phase:
-        case Phase.WATCHING if ours and guard.last_setpoint_at > NEVER_YET:
-            return guard._replace(phase=Phase.STEERED)
-        case Phase.STEERED | Phase.BRAKING if not ours:
-            return guard._replace(phase=Phase.WATCHING)
-        case Phase.HOLDING:
-            return guard._replace(confirmed=True) if ours else guard._replace(phase=Phase.HELD)
+        case GuardianPhase.WATCHING if ours and guard.last_setpoint_at > NEVER_YET:
+            return guard._replace(phase=GuardianPhase.STEERED)
+        case GuardianPhase.STEERED | GuardianPhase.BRAKING if not ours:
+            return guard._replace(phase=GuardianPhase.WATCHING)
+        case GuardianPhase.HOLDING:
+            return (
+                guard._replace(confirmed=True) if ours else guard._replace(phase=GuardianPhase.HELD)
+            )
         case _:
             return guard
 
@@ -116,8 +118,8 @@ def moves(guard: GuardianState, now: float, speed: float) -> GuardianState:
         now: s, the vehicle's time.
         speed: m/s, not negative.
     """
-    settled = guard.phase is Phase.HOLDING and now - guard.since >= SETTLED
-    return guard._replace(phase=Phase.HELD) if settled and speed < STANDS else guard
+    settled = guard.phase is GuardianPhase.HOLDING and now - guard.since >= SETTLED
+    return guard._replace(phase=GuardianPhase.HELD) if settled and speed < STANDS else guard
 
 
 def gone(guard: GuardianState, now: float) -> GuardianState:
@@ -143,15 +145,15 @@ def waited(guard: GuardianState, now: float, patience: Patience = USUAL) -> Guar
     """
     silence = now - guard.last_setpoint_at
     match guard.phase:
-        case Phase.STEERED | Phase.BRAKING if silence > patience.hold:
+        case GuardianPhase.STEERED | GuardianPhase.BRAKING if silence > patience.hold:
             return _holding(guard, now)
-        case Phase.STEERED if silence > patience.brake:
-            return guard._replace(phase=Phase.BRAKING)
-        case Phase.HOLDING if now - guard.since > GIVE_UP:
-            return guard._replace(phase=Phase.HELD)
+        case GuardianPhase.STEERED if silence > patience.brake:
+            return guard._replace(phase=GuardianPhase.BRAKING)
+        case GuardianPhase.HOLDING if now - guard.since > GIVE_UP:
+            return guard._replace(phase=GuardianPhase.HELD)
         case _:
             return guard
 
 
 def _holding(guard: GuardianState, now: float) -> GuardianState:
-    return guard._replace(phase=Phase.HOLDING, since=now, confirmed=False)
+    return guard._replace(phase=GuardianPhase.HOLDING, since=now, confirmed=False)

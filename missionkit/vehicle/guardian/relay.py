@@ -21,9 +21,9 @@ from missionkit.vehicle.autopilot_dialect import (
     word,
 )
 from missionkit.vehicle.guardian import mavlink_frames, policy
-from missionkit.vehicle.guardian.autopilot_link import Link, Poller
+from missionkit.vehicle.guardian.autopilot_link import AutopilotLink, Poller
 from missionkit.vehicle.guardian.mavlink_frames import ident_of
-from missionkit.vehicle.guardian.policy import GuardianState, Patience, Phase
+from missionkit.vehicle.guardian.policy import GuardianPhase, GuardianState, Patience
 
 ORDER_COMMANDS = frozenset((20, 21, 22, 34, 84, 85, CMD_SET_MODE, 192, 193, 300))
 DATAGRAM = 2000  # bytes; MAVSDK reads no more than 2048 at once
@@ -73,7 +73,7 @@ class Relay:
         spare: frozenset[int],
         alone: Callable[[], None],
     ) -> None:
-        self.link: Link | None = None
+        self.link: AutopilotLink | None = None
         self.guard = GuardianState()
         self._poller = poller
         self._ends = ends
@@ -81,7 +81,7 @@ class Relay:
         self._patience = patience
         self._spare = spare
         self._alone = alone
-        self._to: mavlink_frames.Route | None = None  # the vehicle that we would have to stop
+        self._to: mavlink_frames.FrameRoute | None = None  # the vehicle that we would have to stop
         self._dialects: dict[int, Dialect] = {}  # of each system that sends
         self._sequence = self._again = 0
         self._stilled = self._asked = self._tended = policy.NEVER_YET
@@ -106,7 +106,7 @@ class Relay:
         """Take frames of the autopilot."""
         bundle: list[bytes] = []
         size, spare = 0, self._spare
-        watched = HEARD_HOLDING if self.guard.phase is Phase.HOLDING else ANSWERED_MESSAGES
+        watched = HEARD_HOLDING if self.guard.phase is GuardianPhase.HOLDING else ANSWERED_MESSAGES
         for frame in found:
             ident = ident_of(frame)
             if ident in spare:
@@ -135,7 +135,7 @@ class Relay:
         elif self._to is not None and received.system == self._to.target and not self._by_mode:
             self._move(policy.moves(self.guard, self.now, mavlink_frames.speed(received)))
 
-    def _hear_beat(self, received: mavlink_frames.Frame) -> None:
+    def _hear_beat(self, received: mavlink_frames.MavlinkFrame) -> None:
         beat = mavlink_frames.beat(received)
         dialect = DIALECTS.get(beat.autopilot)
         if dialect is None:
@@ -166,14 +166,14 @@ class Relay:
         if received is None:
             return False  # damaged
         if received.ident in mavlink_frames.SETPOINTS:
-            self._to = mavlink_frames.Route(
+            self._to = mavlink_frames.FrameRoute(
                 received.system, received.component, *mavlink_frames.target(received)
             )
             self._move(policy.setpoint(self.guard, self.now))
             return not self.guard.refuses
         return self._may_order(received)
 
-    def _may_order(self, received: mavlink_frames.Frame) -> bool:
+    def _may_order(self, received: mavlink_frames.MavlinkFrame) -> bool:
         if received.ident == mavlink_frames.SET_MODE_MESSAGE:
             command, first, second = CMD_SET_MODE, 0.0, 0.0
         else:
@@ -204,7 +204,7 @@ class Relay:
 
     def _move(self, guard: GuardianState) -> None:
         before, self.guard = self.guard, guard
-        if guard.phase is Phase.HOLDING and before.phase is not Phase.HOLDING:
+        if guard.phase is GuardianPhase.HOLDING and before.phase is not GuardianPhase.HOLDING:
             self._again = 0
             if self.link is not None:
                 self.link.drop()  # what waits there is older than this
@@ -214,9 +214,9 @@ class Relay:
     @property
     def _alert(self) -> bool:
         return self.guard.phase in {
-            Phase.STEERED,
-            Phase.BRAKING,
-            Phase.HOLDING,
+            GuardianPhase.STEERED,
+            GuardianPhase.BRAKING,
+            GuardianPhase.HOLDING,
         }
 
     @property

@@ -10,7 +10,7 @@ from missionkit.vehicle.failsafe_parameters import FailsafeLevel
 from missionkit.vehicle.link.message_link import MessageLink
 
 
-class Change(NamedTuple):
+class ParameterChange(NamedTuple):
     """A parameter with a value that is not safe, and the one to write."""
 
     parameter: str
@@ -27,7 +27,7 @@ class Change(NamedTuple):
 class Written(NamedTuple):
     """Result of a change; `now` is the value read back, None if there was none."""
 
-    change: Change
+    change: ParameterChange
     now: float | None
 
     @property
@@ -45,7 +45,9 @@ class Written(NamedTuple):
         return f"{name} was {was:g}, {found}: check it by hand"
 
 
-def proposed(dialect: Dialect, parameters: Mapping[str, float | None]) -> tuple[Change, ...]:
+def proposed(
+    dialect: Dialect, parameters: Mapping[str, float | None]
+) -> tuple[ParameterChange, ...]:
     """Return what to write, the most urgent first; what was not read is left alone."""
     changes = []
     for failsafe in dialect.failsafes:
@@ -54,11 +56,13 @@ def proposed(dialect: Dialect, parameters: Mapping[str, float | None]) -> tuple[
             continue
         level, why = failsafe.judge(was)
         if level is not FailsafeLevel.GOOD:
-            changes.append(Change(failsafe.parameter, was, failsafe.safe, why.partition(";")[0]))
+            changes.append(
+                ParameterChange(failsafe.parameter, was, failsafe.safe, why.partition(";")[0])
+            )
     return tuple(changes)
 
 
-def write(wire: MessageLink, change: Change) -> Written:
+def write(wire: MessageLink, change: ParameterChange) -> Written:
     """Write one parameter and read it back. Blocks the calling thread."""
     wire.set_parameter(change.parameter, change.to)  # what counts is what is read back
     return Written(change, wire.parameter(change.parameter))

@@ -40,7 +40,7 @@ class Datum(NamedTuple):
     ground: float | None = None  # m, pressure altitude of home
 
 
-class Inertial(NamedTuple):
+class InertialReadings(NamedTuple):
     """Data from HIGHRES_IMU."""
 
     imu: tuple[Imu, ...]
@@ -167,7 +167,7 @@ class Observer:
         if self.origin is None and home is not None:
             self.origin = place_of(home)
 
-    def _inertial(self, now: float) -> Inertial:
+    def _inertial(self, now: float) -> InertialReadings:
         samples, mag, baro = [], None, None
         for fields, at in self._arrivals.due("HIGHRES_IMU", now):
             sample = message_readings.imu(fields, at)
@@ -179,7 +179,7 @@ class Observer:
             height = self._height(fields, at)
             if height is not None and self._seldom("baro", at):
                 baro = height
-        return Inertial(tuple(samples), mag, baro)
+        return InertialReadings(tuple(samples), mag, baro)
 
     def _seldom(self, what: str, at: float) -> bool:
         """Say whether it is time for another reading."""
