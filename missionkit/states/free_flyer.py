@@ -29,7 +29,7 @@ from missionkit.states.visual import VISUAL
 DOCKED_POSITION = 0.02  # m from the docked place, in `task`
 SLIPPED_FOR = 2.0  # s
 TURNING_LIMIT = 300.0  # s, half a turn at a degree per second, and the way
-STUCK = Failsafe(
+STUCK = KindFailsafe(
     "unreachable",
     "goal_unreachable",
     {"further_than": 0.3, "progress": 0.05, "longer_than": 60.0},  # m, m, s
