@@ -167,3 +167,21 @@ def test_a_controller_that_does_not_fit_is_refused(wanted, says):
     text = re.sub(r"(?m)^control: .*$", wanted, text)
     with pytest.raises(FileError, match=says):
         parse(text, str(FILE), builtin())
+
+
+def test_a_navigator_of_another_vehicle_is_refused():
+    text = FILE.read_text()
+    head, rest = text.split("navigation:\n")
+    rest = rest[rest.index("\ntargets:") :]
+    head = re.sub(r"(?m)^  (accelerometer|accel_noise|start|start_attitude_deg): .*\n", "", head)
+    text = f"{head}navigation: visual_inertial_ekf{rest}"
+    with pytest.raises(FileError, match=r"for vehicle 'sim', but .* 'free_flyer': use tandem_ekf"):
+        parse(text, str(FILE), builtin())
+
+
+def test_a_free_flyers_navigator_is_refused_for_a_multicopter():
+    anchors = "anchors: {a: [0, 0, 0], b: [1, 0, 0], c: [0, 1, 0]}, position: [0, 0, 0]"
+    text = (MISSIONS / "marker_inspection.yaml").read_text()
+    text = text.replace("use: visual_inertial_ekf", f"use: tandem_ekf, {anchors}")
+    with pytest.raises(FileError, match="for vehicle 'free_flyer', but the mission's is 'sim'"):
+        parse(text, "mast.yaml", builtin())

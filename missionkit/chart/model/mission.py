@@ -120,6 +120,16 @@ class Mission(MissionPart):
     @model_validator(mode="after")
     def _flown(self, info: ValidationInfo) -> Self:
         vehicle = scope_of(info).catalogue.vehicle
+        navigator = self.navigation
+        fits = getattr(navigator.plugin, "vehicles", (vehicle.name,))  # of another package: any
+        if vehicle.name not in fits:
+            raise sentences(
+                sentence(
+                    f"{navigator.kind!r} is for vehicle {fits[0]!r}, but the mission's is "
+                    f"{vehicle.name!r}: use {vehicle.sections['navigation']}",
+                    "navigation",
+                )
+            )
         gives = getattr(self.control.plugin, "setpoint", "wrench")
         if gives != vehicle.setpoint:
             raise sentences(

@@ -25,6 +25,7 @@ class VisualInertialEkf(Plugin):
     """
 
     kind: ClassVar[str] = "visual_inertial_ekf"
+    vehicles: ClassVar[tuple[str, ...]] = ("sim",)
 
     accel_noise: Number = Field(default=0.02, gt=0, description="m/s²/√Hz")
     gyro_noise: Number = Field(default=0.0015, gt=0, description="rad/s/√Hz")

@@ -31,6 +31,7 @@ class FlowKalman(Plugin):
     """
 
     kind: ClassVar[str] = "flow_kalman"
+    vehicles: ClassVar[tuple[str, ...]] = ("sim",)
 
     start: tuple[Metres, Metres] = Field(default=(0.0, 0.0), description="on the map, north, east")
     accel_variance: tuple[Variance, Variance, Variance] = Field(

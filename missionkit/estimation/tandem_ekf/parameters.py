@@ -29,6 +29,7 @@ class FeaturedTarget(BaseModel):
 class FlyerEkf(Plugin):
     """Parameters shared by the filters of a free flyer."""
 
+    vehicles: ClassVar[tuple[str, ...]] = ("free_flyer",)
     anchors: Mapping[Name, Point] = Field(
         min_length=3, description="radio anchors in the mother-ship's frame"
     )
