@@ -15,7 +15,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Wrench
-from missionkit.outcome import outcome
+from missionkit.outcome import outcome, reason
 from missionkit.rehearsal import stage, world_of, world_over_mavlink
 from missionkit.sim.fault_injection import parse_fault
 
@@ -80,6 +80,7 @@ def test_algorithm_1_as_printed_hits_the_target():
     flight = docking(rule="markov_printed", **PAPER)
     grade = flight.result.grade.docking
     assert outcome(flight.result) == "crash"
+    assert reason(flight.result) == "hit the target"
     assert grade.crashed
     assert grade.separation < 0.0
 
@@ -133,6 +134,7 @@ def test_without_its_camera_it_tries_three_times_and_ends_clear_of_the_target():
     flight = docking(1, "camera_off")
     assert outcome(flight.result) == "ended_safely"
     assert not flight.result.grade.docking.docked
+    assert reason(flight.result) == "holding clear without reaching docked"
     assert [to for to, _ in flight.went()][-2:] == ["back", "land"]
 
 

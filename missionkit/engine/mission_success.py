@@ -87,7 +87,8 @@ def _by_truth(truth: TruthSummary, vehicle: VehicleKind) -> Iterator[str]:
         yield f"the estimate was up to {shown} m off, more than {limit} m"
     if truth.landing_error is not None and truth.landing_error > vehicle.ending_limit:
         shown, limit = beside(truth.landing_error, vehicle.ending_limit, 1)
-        yield f"landed {shown} m from where it meant to, more than {limit} m"
+        how = "landed" if vehicle.over_ground else "ended"
+        yield f"{how} {shown} m from where it meant to, more than {limit} m"
 
 
 def _conditions(

@@ -86,7 +86,6 @@ _FLYER_STATE_KINDS = (
 FREE_FLYER = VehicleKind(
     name="free_flyer",
     summary="A small satellite with thrusters that docks; in the simulator only.",
-    ended="docked or holding clear",
     setpoint="wrench",
     sections=MappingProxyType({"navigation": "tandem_ekf", "avoid": "none", "control": "lqr"}),
     kinds=MappingProxyType({kind.name: kind for kind in _FLYER_STATE_KINDS}),

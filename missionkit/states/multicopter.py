@@ -17,7 +17,6 @@ from missionkit.states.visual import VISUAL
 MULTICOPTER = VehicleKind(
     name="sim",
     summary="A multicopter, simulated; `--vehicle` replaces it by a real one.",
-    ended="landed",
     setpoint="velocity",
     sections=MappingProxyType(
         {

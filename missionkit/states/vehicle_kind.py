@@ -21,7 +21,6 @@ class VehicleKind:
 
     name: str
     summary: str
-    ended: str  # its safe end in a word, for results: "landed"
     setpoint: SetpointName  # what its controllers give
     sections: Mapping[str, str]  # section of the mission file -> plug-in if it names none
     kinds: Mapping[str, StateKind]
