@@ -84,7 +84,7 @@ def picture(track: FlightTrack, scenery: Scenery, title: str, subtitle: str = ""
     draw_map(page.map, scene, view)
     if goal is not None and page.close_up is not None:
         draw_close_up(page.close_up, scene, goal)
-    _draw_height(page.height, track, looks)
+    _draw_height(page.height, track, looks, over_ground=scenery.over_ground)
     draw_states(page.states, ruler, track, looks)
     draw_guards(page.guards, ruler, track)
     draw_list(page.transitions, ruler, track, looks, page.lines)
@@ -103,17 +103,21 @@ def _head(figure: Figure, ruler: Ruler, title: str, subtitle: str) -> None:
     figure.text(left, 1.0 - 66.0 / high, below, va="top", color=MUTED, **SUBTITLE.keywords)
 
 
-def _draw_height(axes: Axes, track: FlightTrack, looks: dict[str, Style]) -> None:
-    """Draw the height of truth and estimate over time, on a background of states."""
-    axes.set_title("Height above the take-off point", pad=10)
+def _draw_height(
+    axes: Axes, track: FlightTrack, looks: dict[str, Style], *, over_ground: bool
+) -> None:
+    """Draw the height, or z, of truth and estimate over time, on a background of states."""
+    title = "Height above the take-off point" if over_ground else "z in the mother-ship's frame"
+    axes.set_title(title, pad=10)
+    sign = -1.0 if over_ground else 1.0
     axes.set_ylabel("m")
     axes.grid(axis="y")
     for visit in track.visits:
         axes.axvspan(visit.start, visit.end, color=looks[visit.state].colour, alpha=0.16, lw=0)
-    heights = [-down for _, _, down in track.estimated]
+    heights = [sign * z for _, _, z in track.estimated]
     axes.plot(track.times, heights, color=INK, lw=0.8, label="estimate", zorder=3)
     if track.true:
-        heights = [-down for _, _, down in track.true]
+        heights = [sign * z for _, _, z in track.true]
         axes.plot(track.times, heights, color="#0072B2", lw=2.0, label="truth", zorder=2.5)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0.0), high)

@@ -95,8 +95,9 @@ def draw_ground(axes: Axes, scene: MapScene) -> None:
         axes: a panel whose limits are set.
         scene: what to draw.
     """
-    axes.set_xlabel("east, m")
-    axes.set_ylabel("north, m")
+    names = ("east, m", "north, m") if scene.scenery.over_ground else ("y, m", "x, m")
+    axes.set_xlabel(names[0])
+    axes.set_ylabel(names[1])
     axes.grid(visible=True)
     for obstacle in scene.scenery.obstacles:
         outline = obstacle.footprint()[:, ::-1]
@@ -148,7 +149,7 @@ def _draw_paths(axes: Axes, flown: Flown, looks: dict[str, Style]) -> None:
 
 def _draw_places(axes: Axes, flown: Flown, scenery: Scenery) -> None:
     """Draw home, targets, and the markers with the way they face."""
-    if len(flown.path) and axes.viewLim.contains(0.0, 0.0):
+    if scenery.over_ground and len(flown.path) and axes.viewLim.contains(0.0, 0.0):
         axes.plot(0.0, 0.0, "o", ms=13, mfc="white", mec=INK, mew=1.8, zorder=6)
         axes.text(0.0, 0.0, "H", ha="center", va="center", fontsize=8.5, zorder=7, clip_on=True)
     for target in scenery.targets:

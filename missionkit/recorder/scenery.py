@@ -12,6 +12,7 @@ from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.model.mission import Mission
 from missionkit.geometry import IDENTITY, Quat, Vec3, rotate, vec
 from missionkit.recorder import json_fragments
+from missionkit.states import VEHICLES
 
 Ground = npt.NDArray[np.float64]  # (N, 2), m, north and east
 Spot = tuple[float, float]  # m, north and east
@@ -89,6 +90,7 @@ class Scenery(NamedTuple):
     markers: tuple[DrawnMarker, ...] = ()
     targets: tuple[DrawnTarget, ...] = ()
     fences: tuple[Fence, ...] = ()
+    over_ground: bool = True  # north, east and down from take-off; else x, y, z of a mother-ship
 
 
 def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
@@ -109,6 +111,7 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
         ),
         tuple(DrawnTarget(name, it.position[:2]) for name, it in targets.items()),
         tuple(dict.fromkeys(Fence(it.north, it.east) for it in fences)),
+        over_ground=mission is None or VEHICLES[mission.vehicle.use].over_ground,
     )
 
 

@@ -94,6 +94,13 @@ def test_an_eastern_flight_without_truth_or_guards(tmp_path, flown, words):
     assert not any(word.startswith("Close-up") for word in words)
 
 
+def test_axes_of_a_flight_over_no_ground_are_those_of_the_mother_ship(tmp_path, flown, words):
+    draw(tmp_path / "track.png", flown, Scenery(over_ground=False), "t")
+    assert {"x, m", "y, m", "z in the mother-ship's frame"} <= set(words)
+    assert not any("north" in word or "Height" in word for word in words)
+    assert "H" not in words
+
+
 def test_a_run_that_never_ticked_still_gives_a_page(tmp_path):
     draw(tmp_path / "track.png", tracks.begin(), Scenery(), "nothing: crash")
     assert imread(tmp_path / "track.png").shape[1] == 1400
