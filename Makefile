@@ -47,6 +47,8 @@ studies: .venv/ready
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults
+	$(BIN)/python -m studies.ud_filter
+	$(BIN)/python -m studies.ddp
 
 picture: .venv/ready
 	rm -rf build/picture

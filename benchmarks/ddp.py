@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from importlib import import_module
-from importlib.metadata import version
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.measure import Table, seconds, spread
+from benchmarks.measure import Table, installed, seconds, spread, version_of
 from missionkit.geometry import Mat
 from missionkit.planning.ddp.point_mass import Flight, Horizon
 from missionkit.planning.ddp.problem import Trajectory
@@ -161,7 +159,7 @@ ENTRIES = (
 
 def tables() -> list[Table]:
     """Plan the same flights with everything that is installed, in turns."""
-    entries = [entry for entry in ENTRIES if _installed(entry)]
+    entries = [entry for entry in ENTRIES if installed(entry.name, entry.package)]
     found: dict[str, list[Planned]] = {entry.name: [] for entry in entries}
     for case in cases(FLIGHTS + WARM_UP, SEED):
         for entry in entries:
@@ -169,7 +167,7 @@ def tables() -> list[Table]:
     kept = {name: plans[WARM_UP:] for name, plans in found.items()}
     exact = {moved: kept.get("clarabel, moved" if moved else "clarabel") for moved in (False, True)}
     rows = [_row(entry, kept, exact[entry.moved]) for entry in entries]
-    how = "\n".join(f"- {entry.name}{_version(entry)}: {entry.how}." for entry in entries)
+    how = "\n".join(f"- {entry.name}{version_of(entry.package)}: {entry.how}." for entry in entries)
     horizon = Horizon()
     note = (
         f"{FLIGHTS} flights, seed {SEED}: targets 0.5 to 8 m away in any direction, starts at up "
@@ -205,16 +203,3 @@ def _row(
         *(f"{100 * part:+.2f} %" for part in (median(more), max(more, key=abs))),
         f"{max(plan.violation for plan in plans):.4f}",
     )
-
-
-def _installed(entry: Entry) -> bool:
-    try:
-        import_module(entry.package)
-    except ModuleNotFoundError as error:
-        print(f"left out: {entry.name} ({error}); make bench installs it")
-        return False
-    return True
-
-
-def _version(entry: Entry) -> str:
-    return "" if entry.package == "missionkit" else f" {version(entry.package)}"

@@ -6,6 +6,8 @@ import os
 import platform
 import time
 from collections.abc import Callable, Sequence
+from importlib import import_module
+from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple, ParamSpec, TypeVar
 
@@ -49,6 +51,21 @@ def spread(times: Sequence[float], scale: float, digits: int) -> tuple[str, str]
     """Return median and 99th percentile of times (s) as text, `scale` to the second."""
     p50, p99 = np.percentile(times, (50, 99))
     return f"{scale * p50:.{digits}f}", f"{scale * p99:.{digits}f}"
+
+
+def installed(name: str, package: str) -> bool:
+    """Say whether a package can be imported; if not, say that `name` is left out."""
+    try:
+        import_module(package.replace("scikit-image", "skimage"))
+    except ModuleNotFoundError as error:
+        print(f"left out: {name} ({error}); make bench installs it")
+        return False
+    return True
+
+
+def version_of(package: str) -> str:
+    """Return a blank and the version of another package, "" for missionkit."""
+    return "" if package == "missionkit" else f" {version(package)}"
 
 
 def machine() -> str:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from importlib import import_module
-from importlib.metadata import version
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from benchmarks.measure import Table, seconds
+from benchmarks.measure import Table, installed, seconds, version_of
 from missionkit.messages.occupancy import Costs
 from missionkit.planning.astar import search
 
@@ -34,13 +32,19 @@ class Finder(NamedTuple):
 def tables() -> list[Table]:
     """Find one path with everything that is installed."""
     costs = field()
-    found = [(finder, *_measured(finder, costs)) for finder in FINDERS if _installed(finder)]
+    found = [
+        (finder, *_measured(finder, costs))
+        for finder in FINDERS
+        if installed(finder.name, finder.package)
+    ]
     own = found[0][1]
     rows = [
         (finder.name, f"{1e3 * took:.1f}", f"{took / own:.1f}", f"{length:.1f}")
         for finder, took, length in found
     ]
-    how = "\n".join(f"- {finder.name}{_version(finder)}: {finder.how}." for finder, _, _ in found)
+    how = "\n".join(
+        f"- {finder.name}{version_of(finder.package)}: {finder.how}." for finder, _, _ in found
+    )
     note = (
         f"{SIZE} x {SIZE} cells, {100 * BLOCKED:.0f} % of them blocked at random, from corner to "
         f"corner, 8 neighbours and no corner cut unless said otherwise. Medians of {ROUNDS} times, "
@@ -64,19 +68,6 @@ def _measured(finder: Finder, costs: Costs) -> tuple[float, float]:
     if times[0] < SLOW:
         times = [seconds(work) for _ in range(ROUNDS)]  # the first one may have compiled
     return float(np.median(times)), lengths[0]
-
-
-def _installed(finder: Finder) -> bool:
-    try:
-        import_module(finder.package.replace("scikit-image", "skimage"))
-    except ModuleNotFoundError as error:
-        print(f"left out: {finder.name} ({error}); make bench installs it")
-        return False
-    return True
-
-
-def _version(finder: Finder) -> str:
-    return "" if finder.package == "missionkit" else f" {version(finder.package)}"
 
 
 def _own(neighbours: Any, heuristic: Any = None) -> Callable[[Costs], Callable[[], float]]:

@@ -107,7 +107,7 @@ class DdpGoTo(GoTo):
         from missionkit.planning.ddp.point_mass import Flight, Horizon, MotionLimits  # noqa: PLC0415
 
         start, flown = self._start(seen, on)
-        if start is None:
+        if start is None or not np.isfinite(np.concatenate([start, goal.position])).all():
             return on._replace(plan=None, at=seen.now)
         limits = MotionLimits(self.speed, self.acceleration)
         flight = Flight(self._ahead(goal.position, start), limits, horizon=Horizon(STEPS, STEP))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from playing import TICK, at, marker, play, status
+from samples import calm
 
 from missionkit.behaviors.ddp_go_to import NO_PLAN, DdpGoTo
 from missionkit.geometry import vec
@@ -115,6 +116,15 @@ def test_a_vehicle_that_is_too_fast_comes_to_rest_first():
     seen = at(10.0, 9.0, 0.0, -2.0, velocity=vec(-4.0, 0.0, 0.0), home=HOME, status=status())
     (step,) = play(GO, [seen])
     assert step.stop
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("where", ["position", "velocity", "home"])
+def test_what_is_not_a_number_leads_to_rest_and_nowhere_else(where, bad):
+    here = {"position": vec(9.0, 0.0, -2.0), "velocity": vec(0.0, 0.0, 0.0), "home": HOME}
+    (step,) = play(GO, [calm(**{**here, where: vec(bad, 0.0, 0.0)})])
+    assert step.stop
+    assert step.guidance is None
 
 
 @pytest.mark.parametrize(("target", "known"), [("home", {"home": None}), ("trunk", {})])
