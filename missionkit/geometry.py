@@ -186,6 +186,14 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
     )
 
 
+def across(a: Vec3) -> Vec3:
+    """Return a unit vector (3,) across a (3,), not zero: the same one for the same a."""
+    least = np.zeros(3)
+    least[int(np.abs(a).argmin())] = 1.0
+    axis = cross(a, least)
+    return axis / norm(axis)
+
+
 def skew(v: Vec3) -> Mat:
     """Return [v]× (3, 3), so that [v]× u = v × u."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

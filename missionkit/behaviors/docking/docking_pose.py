@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from typing import ClassVar, NamedTuple
 
-import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
@@ -16,6 +15,7 @@ from missionkit.docking_geometry import NORMALS, Face, face_rotation
 from missionkit.geometry import (
     Quat,
     Vec3,
+    across,
     conjugate,
     cross,
     exp,
@@ -147,7 +147,4 @@ def shortest(a: Vec3, b: Vec3) -> Quat:
         return exp(axis * (math.atan2(sine, cosine) / sine))
     if cosine > 0.0:
         return exp(vec(0.0, 0.0, 0.0))
-    least = np.zeros(3)  # opposite: any axis across a will do
-    least[int(np.abs(a).argmin())] = 1.0
-    across = cross(a, least)
-    return exp(across * (math.pi / norm(across)))
+    return exp(math.pi * across(a))  # opposite: any axis across a will do

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from missionkit.geometry import Vec3, cross, exp, norm, rotate
+from missionkit.geometry import Vec3, across, cross, exp, norm, rotate
 
 STEP = math.radians(20.0)  # along the sphere to the next point on the way
 DEEP = 0.9  # share of the radius below which the way out comes first
@@ -54,8 +52,5 @@ def _free(away: Vec3, there: Vec3, radius: float) -> bool:
 def _axis(u: Vec3, v: Vec3) -> Vec3:
     """Return the unit axis that turns u into v; any across u if they are opposite."""
     axis = cross(u, v)
-    if norm(axis) < 1e-6:
-        least = np.zeros(3)
-        least[int(np.abs(u).argmin())] = 1.0
-        axis = cross(u, least)
-    return axis / norm(axis)
+    size = norm(axis)
+    return across(u) if size < 1e-6 else axis / size
