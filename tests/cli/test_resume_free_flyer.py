@@ -26,14 +26,14 @@ def killed(call, tmp_path, monkeypatch):
     world = (MISSIONS / "worlds" / "docking.yaml").read_text()
     world = world.replace("position: [0, 1, 0]", f"position: {START}")
     (tmp_path / "worlds" / "docking.yaml").write_text(world)
-    save = command.Saving.__call__
+    save = command.RehearsalCheckpointWriter.__call__
 
     def last(self, kept):
         save(self, kept)
         if kept.course.memory.now >= 10.0 - 1e-6:
             raise KilledError
 
-    monkeypatch.setattr(command.Saving, "__call__", last)
+    monkeypatch.setattr(command.RehearsalCheckpointWriter, "__call__", last)
     with pytest.raises(KilledError):
         call("run", "docking.yaml", "--set", f"start={START}")
     monkeypatch.undo()
