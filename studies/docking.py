@@ -94,6 +94,7 @@ def page(runs: Sequence[Docking], command: str) -> str:
         command=command,
         verdict=verdict(runs),
         number=len(runs),
+        each=len(chosen(runs, "ours")),
         touching=f"{world.touching:.3f}",
         corridor=(
             f"{100 * world.corridor.radius:g} cm at the docked place, half-angle "
