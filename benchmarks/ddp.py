@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from statistics import median
 from typing import NamedTuple
@@ -193,13 +192,15 @@ def _row(
     plans = found[entry.name]
     times = [plan.took for plan in plans]
     own = median(plan.took for plan in found[ENTRIES[0].name])
-    more = [math.nan]
+    against = ("", "")  # without clarabel
     if exact is not None:
         more = [plan.cost / best.cost - 1.0 for plan, best in zip(plans, exact, strict=True)]
+        median_more, most_more = (100.0 * part for part in (median(more), max(more, key=abs)))
+        against = (f"{median_more:+.2f} %", f"{most_more:+.2f} %")
     return (
         entry.name,
         *spread(times, 1e3, 2),
         f"{median(times) / own:.2f}",
-        *(f"{100 * part:+.2f} %" for part in (median(more), max(more, key=abs))),
+        *against,
         f"{max(plan.violation for plan in plans):.4f}",
     )
