@@ -82,7 +82,8 @@ def draw_distances(path: Path, runs: Sequence[Docking], touching: float) -> None
         right = it.add_axes((0.545, 0.15, 0.43, 0.6))
         _histogram(left, runs, "aligned", "r1, m", (0.1, 0.32))
         limit(left, touching, "spheres touch", ha="left")
-        _histogram(right, runs, "turned", "r2, m", (0.55, 0.85))
+        _histogram(right, runs, "turned", "r2, m: both of Algorithm 1 alike", (0.55, 0.85))
+        right.legend(frameon=False, loc="upper left")
 
 
 def _histogram(
@@ -104,4 +105,3 @@ def _histogram(
     axes.set_xlabel(name)
     axes.set_ylabel("flights")
     axes.set_xlim(*span)
-    axes.legend(frameon=False, loc="upper center")
