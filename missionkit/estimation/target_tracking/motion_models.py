@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.estimation.linear_algebra import symmetrise
+from missionkit.estimation.linear_algebra import joseph, symmetrise, transpose
 from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
@@ -124,10 +124,16 @@ def predict(x: Vec3, P: Mat, model: Vec3, dt: float) -> None:
         model: (4,), a row of `table`.
         dt: s.
     """
-    F = jacobian(x, model, dt)
-    P[:] = F @ P @ F.T + process_noise(x, model, dt)
+    after = moved(x, model, dt)
+    north, east = x[1] - after[1], after[0] - x[0]  # what `jacobian` has beside ones
+    for _ in range(2):  # F P Fᵀ = (F (F P)ᵀ)ᵀ
+        for k in range(3):
+            P[0, k] += north * P[HEADING, k]
+            P[1, k] += east * P[HEADING, k]
+        transpose(P)
+    P += process_noise(x, model, dt)
     symmetrise(P)
-    x[:] = moved(x, model, dt)
+    x[:] = after
 
 
 @compiled
@@ -145,12 +151,11 @@ def update(x: Vec3, P: Mat, z: Vec3, R: Mat) -> float:
     r0, r1 = float(z[0] - x[0]), float(z[1] - x[1])
     s00, s01, s11 = float(P[0, 0] + R[0, 0]), float(P[0, 1] + R[0, 1]), float(P[1, 1] + R[1, 1])
     det = s00 * s11 - s01 * s01
-    inverse = np.array(((s11 / det, -s01 / det), (-s01 / det, s00 / det)))
-    K = P[:, :2].copy() @ inverse
-    x[:] = x + K[:, 0] * r0 + K[:, 1] * r1
-    keep = np.eye(3)
-    keep[:, :2] -= K
-    P[:] = keep @ P @ keep.T + K @ R @ K.T
-    symmetrise(P)
+    K = np.empty((3, 2))
+    for i in range(3):
+        K[i, 0] = (P[i, 0] * s11 - P[i, 1] * s01) / det
+        K[i, 1] = (P[i, 1] * s00 - P[i, 0] * s01) / det
+        x[i] += K[i, 0] * r0 + K[i, 1] * r1
+    joseph(P, K, np.eye(2, 3), R)
     distance = (s11 * r0 * r0 - 2.0 * s01 * r0 * r1 + s00 * r1 * r1) / det
     return -0.5 * (distance + math.log(det)) - math.log(2.0 * math.pi)
