@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 from missionkit.geometry import GRAVITY
 from missionkit.planning.rotor_power import RotorModel
+from missionkit.sim.vehicle_parameters import PHYSICS_RATE
 from missionkit.sim.world import World
 
-RATE = 200  # Hz, physics and inner autopilot
+RATE = PHYSICS_RATE  # Hz
 DT = 1.0 / RATE
 
 HOLD, OFFBOARD, TAKE_OFF, LAND = 0, 1, 2, 3

@@ -6,7 +6,7 @@ quadrotor with consumer sensors.
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -30,6 +30,11 @@ class ParameterModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+PHYSICS_RATE = 200  # Hz, physics and inner autopilot
+Moment = Annotated[Number, Field(gt=0)]
+FASTEST_AIR = 100.0  # m/s, past the vehicle: the strongest wind of a world
+
+
 class Quadrotor(ParameterModel):
     """Rigid body with four rotors in X configuration.
 
@@ -39,7 +44,7 @@ class Quadrotor(ParameterModel):
     """
 
     mass: Number = Field(default=1.6, gt=0, description="kg")
-    inertia: tuple[Number, Number, Number] = Field(
+    inertia: tuple[Moment, Moment, Moment] = Field(
         default=(0.018, 0.018, 0.032), description="kg m², principal, FRD"
     )
     arm: Metres = Field(default=0.25, gt=0, description="rotor axis to the centre")
@@ -57,6 +62,16 @@ class Quadrotor(ParameterModel):
         usual = type(self).model_fields["hover_power"].default
         if self.rotors is not None and self.hover_power != usual:
             raise ValueError("give either hover_power or rotors, whose own hover power follows")
+        return self
+
+    @model_validator(mode="after")
+    def _heavy_enough(self) -> Self:
+        drag = self.drag_linear + self.drag_quadratic * FASTEST_AIR
+        if drag > PHYSICS_RATE * self.mass:  # it would be stopped within a step
+            raise ValueError(
+                f"a mass of {self.mass:g} kg is too small for this drag: at least "
+                f"{drag / PHYSICS_RATE:.2g} kg, or less drag_linear and drag_quadratic"
+            )
         return self
 
     @property

@@ -55,4 +55,4 @@ def _kind_of(path: Path) -> str:
     data = read_file(path).data
     vehicle = data.get("vehicle") if isinstance(data, dict) else None
     use = vehicle.get("use") if isinstance(vehicle, dict) else None
-    return str(use) if vehicle is not None and use in _WORLDS else "sim"
+    return str(use) if isinstance(use, str) and use in _WORLDS else "sim"

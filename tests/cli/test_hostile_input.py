@@ -108,6 +108,13 @@ def test_a_mission_in_place_of_a_world_is_one_sentence(call, hop):
     assert "this file is a mission, not a world" in refused(call, "sitl", "--world", "plain.yaml")
 
 
+@pytest.mark.parametrize("use", ["[sim]", "{a: b}", "3"])
+def test_a_world_with_an_odd_vehicle_is_refused(call, hop, use):
+    (hop.parent / "odd.yaml").write_text(f"world: odd\nvehicle: {{use: {use}}}\n")
+    hop.write_text(hop.read_text() + "world: odd.yaml\n")
+    assert "odd.yaml:2:1: unknown key 'vehicle'" in refused(call, "run", "hop.yaml")
+
+
 def test_a_world_of_another_kind_of_vehicle_is_one_sentence(call, hop):
     (hop.parent / "space.yaml").write_text("world: space\nvehicle: {use: free_flyer}\n")
     said = refused(call, "sitl", "--world", "space.yaml")

@@ -57,6 +57,10 @@ def test_normal_has_heading_and_elevation(facing: float, tilt: float, roll: floa
             "bottom must be below",
         ),
         ({"ground": {"texture": "lava"}}, "'grass', 'soil'"),
+        ({"quadrotor": {"inertia": [0, 0.1, 0.1]}}, "greater than 0"),
+        ({"quadrotor": {"inertia": [0.1, 0.1, -1]}}, "greater than 0"),
+        ({"quadrotor": {"mass": 1e-9}}, "too small for this drag: at least 0.016 kg"),
+        ({"quadrotor": {"drag_linear": 1e9}}, "too small for this drag"),
         ({"start": [0.0, float("nan")]}, "finite"),
     ],
 )

@@ -48,6 +48,8 @@ def agreeing(strays: Mat, count: int, sd: float) -> bool:
 
 def straightened(strays: Mat) -> Mat:
     """Return how far (n, 3) refused fixes (n, 7) lie from the straight flight that fits best."""
+    if not len(strays):
+        return np.empty((0, 3))
     line, places = (
         np.column_stack((np.ones(len(strays)), strays[:, 0] - strays[0, 0])),
         strays[:, 1:4],
