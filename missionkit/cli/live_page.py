@@ -34,6 +34,7 @@ def page(
     *,
     width: int = 120,
     height: int = 40,
+    over_ground: bool = True,
 ) -> Panel:
     """Return the page of one tick.
 
@@ -43,13 +44,14 @@ def page(
         title: what is flown.
         width: of the terminal (letters).
         height: of the terminal (lines); what does not fit is left out, old events first.
+        over_ground: place from take-off; else in the mother-ship's frame.
     """
     room = max(height - FRAME, 4)
     guards = record.verdicts[: room - 1]
     latest = _rows(events[-EVENTS_SHOWN:])[-min(room - len(guards), EVENTS_SHOWN) :]
     parts: list[RenderableType] = [
         _state(record),
-        _motion(record.estimate),
+        _motion(record.estimate, over_ground=over_ground),
         _targets(record.estimate),
         _cycle(record.cycle),
     ]
@@ -107,15 +109,25 @@ def _state(record: Record) -> Text:
     )
 
 
-def _motion(seen: Estimate) -> Text:
-    north, east, down = seen.position.tolist()
+def _motion(seen: Estimate, *, over_ground: bool) -> Text:
+    x, y, z = seen.position.tolist()
+    speed = norm(seen.velocity)
+    place: tuple[str | tuple[str, str], ...] = (
+        f"x {x:6.3f}  y {y:6.3f}  z {z:6.3f} m",
+        ("  speed ", "dim"),
+        f"{1000.0 * speed:5.1f} mm/s",
+    )
+    if over_ground:
+        place = (
+            f"{x:6.2f} N {y:7.2f} E",
+            ("  height ", "dim"),
+            f"{0.0 - z:5.2f} m",
+            ("  speed ", "dim"),
+            f"{speed:4.1f} m/s",
+        )
     charge = "" if seen.battery is None else f"{100.0 * seen.battery.charge:.0f} %"
     return _line(
-        f"{north:6.2f} N {east:7.2f} E",
-        ("  height ", "dim"),
-        f"{0.0 - down:5.2f} m",
-        ("  speed ", "dim"),
-        f"{norm(seen.velocity):4.1f} m/s",
+        *place,
         ("  ± ", "dim"),
         f"{seen.health.position_sd:.2f} m",
         ("  battery " if charge else "", "dim"),

@@ -37,16 +37,25 @@ def transition_line(at: float, fired: Fired) -> str:
     return f"{at:7.1f} s  {fired.source} -> {fired.to}: {fired.reason}{detail}"
 
 
-def status_line(record: Record) -> str:
-    """Return one line about where the vehicle is and how it fares."""
+def status_line(record: Record, *, over_ground: bool = True) -> str:
+    """Return one line about where the vehicle is and how it fares.
+
+    Args:
+        record: the tick.
+        over_ground: place from take-off, in metres; else in the mother-ship's frame, and a speed
+            in millimetres per second.
+    """
     seen = record.estimate
-    north, east, down = seen.position.tolist()
     battery = f", battery {100.0 * seen.battery.charge:.0f} %" if seen.battery else ""
     note = f" ({record.step_note})" if record.step_note else ""
-    return (
-        f"{record.now:7.1f} s  {record.state}{note}: {north:.1f} m north, {east:.1f} m east, "
-        f"{0.0 - down:.1f} m high, {norm(seen.velocity):.1f} m/s{battery}"
-    )
+    x, y, z = seen.position.tolist()
+    if over_ground:
+        where = f"{x:.1f} m north, {y:.1f} m east, {0.0 - z:.1f} m high"
+        speed = f"{norm(seen.velocity):.1f} m/s"
+    else:
+        where = f"x {x:.3f} m, y {y:.3f} m, z {z:.3f} m"
+        speed = f"{1000.0 * norm(seen.velocity):.1f} mm/s"
+    return f"{record.now:7.1f} s  {record.state}{note}: {where}, {speed}{battery}"
 
 
 def log_lines(at: float, fired: Fired) -> list[str]:
@@ -66,11 +75,13 @@ class LineView:
     Args:
         out: where the lines go.
         logs_only: write the mission's `log:` lines and nothing else.
+        over_ground: as for `status_line`.
     """
 
-    def __init__(self, out: TextIO, *, logs_only: bool = False) -> None:
+    def __init__(self, out: TextIO, *, logs_only: bool = False, over_ground: bool = True) -> None:
         self._out = out
         self._logs_only = logs_only
+        self._over_ground = over_ground
         self._next_status = 0.0
         self._problems: list[Noted] = []
         self._before = 0.0
@@ -106,7 +117,7 @@ class LineView:
         if record.now >= self._next_status - 1e-6:
             late = record.now - self._next_status  # a resumed flight begins late
             self._next_status += STATUS_INTERVAL * (1 + (late + 1e-6) // STATUS_INTERVAL)
-            self._say(status_line(record))
+            self._say(status_line(record, over_ground=self._over_ground))
 
     def _say(self, line: str) -> None:
         """Write a line; a reader that has gone, as `head` does, must not end the flight."""
@@ -122,10 +133,19 @@ class PageView:
         console: a terminal.
         wall: a clock (s) that only paces the drawing.
         title: what is flown.
+        over_ground: as for `status_line`.
     """
 
-    def __init__(self, console: Console, wall: Callable[[], float], title: str = "") -> None:
+    def __init__(
+        self,
+        console: Console,
+        wall: Callable[[], float],
+        title: str = "",
+        *,
+        over_ground: bool = True,
+    ) -> None:
         self._console = console
+        self._over_ground = over_ground
         self._wall = wall
         self._title = title
         self._events: list[tuple[float, Fired | Noted]] = []
@@ -169,7 +189,14 @@ class PageView:
         self._drawn = self._wall()
         width, height = self._console.size
         events = sorted((*self._events, *((it.last, it) for it in self._problems)), key=_when)
-        shown = page(self._last, events, self._title, width=width, height=height)
+        shown = page(
+            self._last,
+            events,
+            self._title,
+            width=width,
+            height=height,
+            over_ground=self._over_ground,
+        )
         self._live.update(shown, refresh=True)
 
 
@@ -180,7 +207,9 @@ def _when(event: tuple[float, Fired | Noted]) -> float:
 LiveView = LineView | PageView
 
 
-def live_view(out: TextIO, wall: Callable[[], float], title: str = "") -> LiveView:
+def live_view(
+    out: TextIO, wall: Callable[[], float], title: str = "", *, over_ground: bool = True
+) -> LiveView:
     """Return the view that suits `out`: a page on a terminal, lines elsewhere.
 
     `NO_COLOR` is respected, as rich does.
@@ -189,9 +218,10 @@ def live_view(out: TextIO, wall: Callable[[], float], title: str = "") -> LiveVi
         out: where the view is written; never closed here.
         wall: s, the clock by which the page is redrawn.
         title: above the page; lines have none.
+        over_ground: as for `status_line`.
     """
     if not out.isatty():
-        return LineView(out)
+        return LineView(out, over_ground=over_ground)
     from rich.console import Console  # noqa: PLC0415
 
-    return PageView(Console(file=out), wall, title)
+    return PageView(Console(file=out), wall, title, over_ground=over_ground)

@@ -24,6 +24,7 @@ from missionkit.recorder.record_sinks import (
     contained,
 )
 from missionkit.sim.ground_truth import TrueState
+from missionkit.states import VEHICLES
 
 GIVE_BACK = "r"  # the key
 
@@ -60,7 +61,9 @@ def cockpit(
     if not (order.headless or order.as_json):
         events = offered(mission)
         deeds = {} if give_back is None else {GIVE_BACK: give_back}
-        view = live_view(sys.stdout, stopwatch, _title(mission.name, events, deeds))
+        over_ground = VEHICLES[mission.vehicle.use].over_ground
+        title = _title(mission.name, events, deeds)
+        view = live_view(sys.stdout, stopwatch, title, over_ground=over_ground)
     elif not order.as_json:
         view = LineView(sys.stdout, logs_only=True)
     keys = Keys(sys.stdin, operator, events, deeds)

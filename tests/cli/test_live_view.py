@@ -131,6 +131,19 @@ def test_a_vehicle_on_the_ground_is_not_minus_zero_high():
     assert ": 0.0 m north, 0.0 m east, 0.0 m high" in status_line(record._replace(estimate=ground))
 
 
+def test_a_free_flyer_is_in_the_mother_ships_frame():
+    record = tick()
+    out = Terminal()
+    place = record.estimate._replace(position=vec(0.125, 1.0, -0.3), velocity=vec(0.0139, 0.0, 0.0))
+    record = record._replace(estimate=place)
+    line = status_line(record, over_ground=False)
+    assert "x 0.125 m, y 1.000 m, z -0.300 m, 13.9 mm/s" in line
+    with live_view(out, lambda: 0.0, over_ground=False) as view:
+        view.update(record)
+    assert "z -0.300 m" in out.getvalue()
+    assert "height" not in out.getvalue()
+
+
 def test_the_page_says_where_the_chart_and_the_vehicle_are():
     record = tick(9.5, "visual", verdicts=(SURE, UNSURE), entered_at=7.5)
     text = shown(record, [(7.5, LOCKED)])
