@@ -30,7 +30,7 @@ SCENES: Mapping[str, Scene] = {
     "one detector, 80 %": Scene(found=0.8, false=0.05),
     "two, vehicle off by 5 cm and 1 deg": MANY._replace(position=0.05, attitude=math.radians(1.0)),
 }
-PROTOTYPE = ("NOTES, IMM", "0.18 (0.30)", "", "(0.85)", "(2.3)", "(0.92)", "(3.2)", "", "")
+PROTOTYPE = ("a prototype, IMM", "0.18 (0.30)", "", "(0.85)", "(2.3)", "(0.92)", "(3.2)", "", "")
 OBSTACLE_ROBOT = "obstacle robot"
 KINDS = ("target", OBSTACLE_ROBOT)
 T = TypeVar("T")

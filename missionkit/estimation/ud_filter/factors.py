@@ -3,7 +3,7 @@
 As long as no number of D is negative P is a covariance, whatever the rounding. The kernels keep the
 precision of their arrays, single or double, all of one kind.
 
-Sources: P4, (2) to (6), as mended in NOTES; G. J. Bierman, "Factorization Methods for Discrete
+Sources: P4, (2) to (6), correction P4.5; G. J. Bierman, "Factorization Methods for Discrete
 Sequential Estimation", 1977; C. L. Thornton, "Triangular Covariance Factorizations for Kalman
 Filtering", 1976; M. S. Grewal and A. P. Andrews, "Kalman Filtering", chapter 7.
 """
