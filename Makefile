@@ -5,13 +5,13 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 
-.PHONY: run test lint types layers kernels unit bench studies schema reference docs picture clean
+.PHONY: run test lint types layers kernels kernels-quadrotor kernels-free-flyer unit bench studies schema reference docs picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
 
 test: .venv/ready
-	$(MAKE) --no-print-directory --jobs 2 --output-sync lint types layers kernels
+	$(MAKE) --no-print-directory --jobs 2 --output-sync kernels lint types layers
 	$(MAKE) --no-print-directory unit
 
 lint: .venv/ready
@@ -24,8 +24,13 @@ types: .venv/ready
 layers: .venv/ready
 	$(BIN)/lint-imports
 
-kernels: .venv/ready
-	PYTHONPATH=tests $(BIN)/python -m compile_kernels
+kernels: kernels-quadrotor kernels-free-flyer
+
+kernels-quadrotor: .venv/ready
+	PYTHONPATH=tests $(BIN)/python -m compile_kernels precision_landing precision_task known_map
+
+kernels-free-flyer: .venv/ready
+	PYTHONPATH=tests $(BIN)/python -m compile_kernels docking
 
 unit: .venv/ready
 	$(BIN)/pytest -n 2
