@@ -104,7 +104,7 @@ def test_from_within_the_sphere_the_way_leads_straight_out():
 @given(directions, directions, st.floats(0.185, 0.2))
 def test_from_just_within_the_sphere_the_way_leads_on_and_out(a, b, near):
     a, b = np.array(a) / math.hypot(*a), np.array(b) / math.hypot(*b)
-    assume(float(a @ b) < 0.7)
+    assume(-0.999 < float(a @ b) < 0.7)  # straight opposite any way round will do
     way = way_round(near * a, 0.2 * b, vec(0.0, 0.0, 0.0), 0.2) - near * a
     along = way - float(way @ a) * a
     assert float(along @ b) > 0.0
