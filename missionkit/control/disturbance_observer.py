@@ -38,14 +38,8 @@ class DisturbanceObserver(BaseModel):
     gain: tuple[PositiveNumber, PositiveNumber] = Field(
         default=(2.2, 4.0), description="1/s, k, of the autopilot's velocity loop"
     )
-    lag: Seconds = Field(
-        default=float(__import__("os").environ.get("LAG", 0.18)),
-        gt=0,
-        description="T, of attitude and rotors",
-    )
-    pole: Annotated[Number, Field(gt=0, le=20)] = Field(
-        default=float(__import__("os").environ.get("POLE", 4.8)), description="1/s, p"
-    )
+    lag: Seconds = Field(default=0.18, gt=0, description="T, of attitude and rotors")
+    pole: Annotated[Number, Field(gt=0, le=20)] = Field(default=4.8, description="1/s, p")
     limit: MetresPerSecond = Field(default=1.0, ge=0, description="of what is added, each axis")
 
 
