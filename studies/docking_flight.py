@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +19,7 @@ from missionkit.messages import Observation, Record
 from missionkit.rehearsal import Stage, rehearse, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
+from studies.parallel import in_parallel
 
 MISSION = Path(__file__).parents[1] / "missions" / "docking.yaml"
 RULES = ("fixed", "markov_printed", "markov_safe", "ours")
@@ -190,8 +189,4 @@ def flown(order: Order) -> Docking:
 
 def fly_all(orders: Sequence[Order], workers: int) -> Iterator[Docking]:
     """Fly each order, in order, `workers` at a time; with one worker in this process."""
-    if workers == 1:
-        yield from map(flown, orders)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(flown, orders, chunksize=4)
+    return in_parallel(flown, orders, workers, chunk=4)

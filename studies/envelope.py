@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 from rich.progress import track
@@ -14,13 +12,13 @@ from rich.progress import track
 from studies.envelope_flight import Run, Trouble, fly
 from studies.envelope_orders import groups
 from studies.envelope_page import page
+from studies.parallel import in_parallel
 
 
 def flown(orders: Sequence[Trouble], known: dict[Trouble, Run], workers: int) -> Iterator[Run]:
     """Fly each order that is not known yet, in order, `workers` at a time."""
     new = [order for order in orders if order not in known]
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(fly, new)
+    return in_parallel(fly, new, workers)
 
 
 def gathered(orders: Sequence[Trouble], kept: Path | None, workers: int) -> dict[Trouble, Run]:

@@ -11,8 +11,6 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from string import Template
 
@@ -22,6 +20,7 @@ from missionkit.errors import nearest
 from studies.fault_flights import AT_HOME, Seen
 from studies.fault_rows import FLIGHTS, PROCESSES, ROWS, Row, once
 from studies.markdown import table
+from studies.parallel import in_parallel
 
 PAGE = Path(__file__).with_suffix(".md")
 WAITING = 4  # processes for rows that mostly wait, against two for rows that compute
@@ -34,12 +33,11 @@ def good(row: Row, seen: Seen) -> bool:
 
 def seen_of(orders: Sequence[tuple[str, int]], workers: int) -> Iterator[Seen]:
     """Inject faults, each by name and seed; with one worker in this process."""
-    names, seeds = [name for name, _ in orders], [seed for _, seed in orders]
-    if workers == 1:
-        yield from map(once, names, seeds)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(once, names, seeds)
+    return in_parallel(_once, orders, workers)
+
+
+def _once(order: tuple[str, int]) -> Seen:
+    return once(*order)
 
 
 def known_from(kept: Path | None) -> dict[tuple[str, int], Seen]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from enum import StrEnum
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -18,6 +16,7 @@ from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.flight_grading import Grade
 from missionkit.sim.world import World
 from studies.clearance import on_the_way
+from studies.parallel import in_parallel
 from studies.watch import Change, Sample, Watch
 
 MISSION = Path(__file__).parents[1] / "missions" / "precision_task.yaml"
@@ -117,8 +116,4 @@ def fly(order: Order) -> Run:
 
 def fly_all(orders: Sequence[Order], workers: int) -> Iterator[Run]:
     """Fly each order, in order, `workers` at a time; with one worker in this process."""
-    if workers == 1:
-        yield from map(fly, orders)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(fly, orders)
+    return in_parallel(fly, orders, workers)

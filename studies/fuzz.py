@@ -14,10 +14,8 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter, process_time
 from types import FrameType
@@ -34,6 +32,7 @@ from missionkit.cli.sarif import sarif
 from missionkit.errors import FileError, Problem
 from studies.fuzz_documents import FAMILIES, ROOT, document
 from studies.markdown import table
+from studies.parallel import in_parallel
 
 LIMIT = 2.0  # s of CPU time per document, so that other load does not count
 HANG = 60.0  # s after which a document is given up
@@ -121,11 +120,7 @@ def judged(every: Sequence[Order], workers: int) -> Iterator[Outcome]:
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(ROOT / "missions" / "worlds", Path(folder) / "worlds")
         work: Callable[[Order], Outcome] = partial(judge, folder=Path(folder))
-        if workers == 1:
-            yield from map(work, every)
-            return
-        with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-            yield from pool.map(work, every, chunksize=16)
+        yield from in_parallel(work, every, workers, chunk=16)
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from multiprocessing import get_context
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +19,7 @@ from missionkit.messages import Action, Command, Observation
 from missionkit.perception.camera_section import Camera
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import World
+from studies.parallel import in_parallel
 
 PERIOD = 0.05  # s
 HEIGHT = 2.0  # m
@@ -125,8 +124,4 @@ def _judged(seed: int, places: Mat, speeds: Mat, ends: list[float]) -> Hover:
 def hover_all(seeds: int, length: float, workers: int) -> Iterator[Hover]:
     """Fly every seed on `workers` processes; yield in the order of seeds."""
     orders = [(seed, length) for seed in range(seeds)]
-    if workers == 1:
-        yield from map(hover, orders)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(hover, orders, chunksize=2)
+    return in_parallel(hover, orders, workers, chunk=2)

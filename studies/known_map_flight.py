@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +14,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal import rehearse, stage, world_of
+from studies.parallel import in_parallel
 
 MISSION = Path("missions/known_map.yaml")
 STATE = "path"
@@ -85,8 +84,4 @@ def flown(order: tuple[str, int]) -> Run:
 def fly_all(seeds: Sequence[int], workers: int) -> Iterator[Run]:
     """Fly every variant with every seed; yield in that order."""
     orders = [(variant, seed) for variant in VARIANTS for seed in seeds]
-    if workers == 1:
-        yield from map(flown, orders)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(flown, orders, chunksize=4)
+    return in_parallel(flown, orders, workers, chunk=4)

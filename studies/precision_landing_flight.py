@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,11 +18,12 @@ from missionkit.messages import Observation, Record
 from missionkit.rehearsal import rehearse, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind, World
+from studies.parallel import in_parallel
 
 MISSION = Path(__file__).parents[1] / "missions" / "precision_landing.yaml"
 CUT = "\ninitial: idle\n"
 START = "ready"  # the state before the landing
-FIXED = """
+TAKE_OFF = """
 initial: idle
 states:
   idle:
@@ -34,45 +33,38 @@ states:
   ready:
     kind: custom
     behavior: {use: go_to, target: home, height: $height, within: 0.15, speed: 1.0}
-    transitions: [{to: over, when: done, for: 0.5}]
+    transitions: [{to: NEXT, when: done, for: 0.5}]
+"""
+ABOVE = """\
+    kind: custom
+    behavior:
+      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
+       half_angle_deg: 3, speed: $speed}
+"""
+END = """\
+    transitions: [{to: land, when: done}]
+  land: {kind: land}
+success: {visit: land}
+"""
+FIXED = f"""\
+{TAKE_OFF.replace("NEXT", "over")}\
   over:
-    kind: custom
-    behavior:
-      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
-       half_angle_deg: 3, speed: $speed}
-    transitions: [{to: pause, event: pad.below}]
+{ABOVE}\
+    transitions: [{{to: pause, event: pad.below}}]
   pause:
-    kind: custom
-    behavior:
-      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
-       half_angle_deg: 3, speed: $speed}
-    transitions: [{to: descend, after: PAUSE}]
+{ABOVE}\
+    transitions: [{{to: descend, after: PAUSE}}]
   descend:
     kind: custom
-    behavior: {use: precision_land, target: pad, phase: descend, speed: $speed, descent: $descent}
-    transitions: [{to: land, when: done}]
-  land: {kind: land}
-success: {visit: land}
-"""
-BLIND = """
-initial: idle
-states:
-  idle:
-    kind: idle
-    behavior: {use: take_off, height: $height}
-    transitions: [{to: ready, when: done}]
-  ready:
-    kind: custom
-    behavior: {use: go_to, target: home, height: $height, within: 0.15, speed: 1.0}
-    transitions: [{to: glide, when: done, for: 0.5}]
+    behavior: {{use: precision_land, target: pad, phase: descend, speed: $speed, descent: $descent}}
+{END}"""
+BLIND = f"""\
+{TAKE_OFF.replace("NEXT", "glide")}\
   glide:
     kind: custom
-    behavior: {use: precision_land, target: pad, phase: glide, sigmas: 0, least: 0,
-               speed: $speed, descent: $descent}
-    transitions: [{to: land, when: done}]
-  land: {kind: land}
-success: {visit: land}
-"""
+    behavior: {{use: precision_land, target: pad, phase: glide, sigmas: 0, least: 0,
+               speed: $speed, descent: $descent}}
+{END}"""
 
 
 class Rule(NamedTuple):
@@ -255,8 +247,4 @@ def flown(order: Order) -> Landing:
 
 def fly_all(orders: Sequence[Order], workers: int) -> Iterator[Landing]:
     """Fly each order, in order, `workers` at a time; with one worker in this process."""
-    if workers == 1:
-        yield from map(flown, orders)
-        return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        yield from pool.map(flown, orders, chunksize=4)
+    return in_parallel(flown, orders, workers, chunk=4)
