@@ -1,4 +1,4 @@
-"""More markers of one id in view than the mission has: the target's own is told apart, or none."""
+"""Duplicates: more markers of one id in view than the mission has; only a clear match is used."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _apart(one: Detection, larger: Detection) -> bool:
     return math.hypot(*gap.tolist()) > APART * math.sqrt(larger.area)
 
 
-def told_apart(
+def without_duplicates(
     found: Mapping[str, Sequence[Candidate]],
     sightings: Sequence[Sighting],
     declared: Mapping[MarkerId, int],

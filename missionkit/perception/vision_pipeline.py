@@ -12,7 +12,7 @@ import numpy as np
 from missionkit.geometry import Transform, Vec3
 from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.duplicate_markers import told_apart
+from missionkit.perception.duplicate_markers import without_duplicates
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
 from missionkit.perception.sighting_validation import fault_of
@@ -90,7 +90,9 @@ class VisionPipeline:
         )
         others = tuple(self._found_by_others(frame, priors, contain or Containment()))
         found = _plausible((*markers, *others), eye, priors)
-        found, duplicates = told_apart(found, markers, self._search.declared, priors.targets)
+        found, duplicates = without_duplicates(
+            found, markers, self._search.declared, priors.targets
+        )
         warnings = continued(memory.warnings, (*turned, *duplicates), frame.at)
         following = following._replace(warnings=warnings)
         sightings = tuple(

@@ -56,7 +56,7 @@ def test_of_two_equal_markers_the_one_where_the_target_was_seen_is_taken_and_bot
     [tree(6.1, 0.5, 0.0, sd=1.0), tree(5.5, 0.0, 0.0, sd=1.0, seen_at=0.9)],
     ids=["never seen", "seen, but both lie within 5 sigma"],
 )
-def test_of_two_equal_markers_that_cannot_be_told_apart_none_is_taken(target):
+def test_of_two_equal_markers_that_cannot_be_without_duplicates_none_is_taken(target):
     memory, taken = look(VisionPipeline(CAMERA, [TRUNK]), with_corners(1.0, *BOTH), target)
     assert taken == {}
     (message,) = messages(memory)
