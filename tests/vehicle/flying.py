@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import os
 import socket
@@ -32,10 +33,21 @@ LAND = Command(action=Action.LAND)
 ARM = Command(action=Action.ARM)
 
 
+PORTS = itertools.count(20000 + os.getpid() % 60 * 200)
+"""Below the ports that the system gives to any socket: none of those can take one meanwhile."""
+
+
 def free_port():
+    return next(filter(is_free, PORTS))
+
+
+def is_free(port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+    return True
 
 
 def affordable(speed):
