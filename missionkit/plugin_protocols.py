@@ -22,6 +22,7 @@ from missionkit.messages import (
     Target,
     Verdict,
 )
+from missionkit.messages.herd import HerdChoice, HerdView
 from missionkit.messages.region import Region
 
 
@@ -153,4 +154,18 @@ class DetectorProtocol(Protocol):
             frame: picture and the time of its exposure.
             camera: intrinsics and place on the body.
             prior: where vehicle and target are thought to be.
+        """
+
+
+@runtime_checkable
+class HerdingPolicyProtocol(Protocol):
+    """Says which ground robot to turn next, and how."""
+
+    kind: ClassVar[str]
+
+    def choose(self, view: HerdView) -> HerdChoice:
+        """Return the robot that is next, what to do with it, and the value of each robot.
+
+        Args:
+            view: what is known of the arena.
         """

@@ -188,7 +188,7 @@ def test_every_plugin_has_its_row(group):
             parameters = "many"
         summary = (inspect.getdoc(plugin) or "").partition("\n")[0]
         wanted.append([f"`{kind}`", parameters, summary])
-    heading = "Behaviours" if group == "behaviors" else group.capitalize()
+    heading = "Behaviours" if group == "behaviors" else group.capitalize().replace("_", " ")
     assert table(PLUGINS, heading) == wanted
 
 

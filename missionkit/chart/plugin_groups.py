@@ -16,6 +16,7 @@ from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
 from missionkit.guards import GUARDS
 from missionkit.perception.aruco import Aruco
 from missionkit.planning.avoidance_planner import AvoidancePlanner
+from missionkit.planning.herding.nearest_to_goal import NearestToGoal
 from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
 from missionkit.plugin_protocols import (
@@ -23,6 +24,7 @@ from missionkit.plugin_protocols import (
     CompositeGuardProtocol,
     DetectorProtocol,
     GuardProtocol,
+    HerdingPolicyProtocol,
     WindowGuardProtocol,
 )
 
@@ -51,4 +53,5 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     "detectors": PluginGroup("detector", (DetectorProtocol,), (Aruco,), bases=(Aruco,)),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
     "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
+    "herding_policies": PluginGroup("herding policy", (HerdingPolicyProtocol,), (NearestToGoal,)),
 }

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict
 from missionkit import Guidance, Step, Verdict, Wrench
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
+from missionkit.messages.herd import HerdChoice, HerdView
 
 CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -120,3 +121,13 @@ class Drifting(BaseModel):
         self, memory: None, mode: Any, guidance: Any, seen: Any, dt: float
     ) -> tuple[Wrench, None]:
         return Wrench(np.zeros(3), np.zeros(3)), None
+
+
+class AnyRobot(BaseModel):
+    """A herding policy: the first robot."""
+
+    model_config = CONFIG
+    kind: ClassVar[str] = "any_robot"
+
+    def choose(self, view: HerdView) -> HerdChoice:
+        return HerdChoice(view.robots[0].name, "front")

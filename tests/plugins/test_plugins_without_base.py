@@ -23,6 +23,7 @@ FOUND = {
     "detectors": {"blind"},
     "planners": {"carefree"},
     "controllers": {"drifting"},
+    "herding_policies": {"any_robot"},
 }
 MISSION = """\
 navigation: plain

@@ -166,6 +166,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "detectors.aruco.dictionary": "of the marker",
     "detectors.aruco.id": "of the marker in its dictionary",
     "detectors.aruco.upright": "hangs as on a wall, its upper edge up",
+    "herding_policies.nearest_to_goal.off_deg": "off the goal's direction: not towards it",
     "planners.potential_field.gain_xy": "η of the repulsion, level (m⁴/s)",
     "planners.potential_field.gain_z": "η of the repulsion, vertical (m⁴/s)",
     "planners.potential_field.attraction_gain": "of the pull to the goal (1/s)",

@@ -1,0 +1,1 @@
+"""Herding ground robots over a goal line (P4, V): which one is next."""
