@@ -31,6 +31,7 @@ class ParameterModel(BaseModel):
 
 
 PHYSICS_RATE = 200  # Hz, physics and inner autopilot
+SensorRate = Annotated[Hertz, Field(le=PHYSICS_RATE)]
 Moment = Annotated[Number, Field(gt=0)]
 FASTEST_AIR = 100.0  # m/s, past the vehicle: the strongest wind of a world
 
@@ -124,7 +125,7 @@ class ImuModel(ParameterModel):
 class GnssModel(ParameterModel):
     """Position: white noise plus a Gauss-Markov error, as multipath and the ionosphere give."""
 
-    rate: Hertz = 5.0
+    rate: SensorRate = 5.0
     latency: Seconds = 0.1
     horizontal_sd: Metres = Field(default=0.4, ge=0, description="white")
     vertical_sd: Metres = Field(default=0.7, ge=0, description="white")
@@ -136,7 +137,7 @@ class GnssModel(ParameterModel):
 class BaroModel(ParameterModel):
     """Barometric height: zero at power-up, white noise plus slow drift with the weather."""
 
-    rate: Hertz = 10.0
+    rate: SensorRate = 10.0
     sd: Metres = Field(default=0.15, ge=0)
     drift_sd: Metres = Field(default=0.3, ge=0)
     drift_tau: Seconds = Field(default=300.0, gt=0)
@@ -145,7 +146,7 @@ class BaroModel(ParameterModel):
 class MagnetometerModel(ParameterModel):
     """Direction of the field, with declination 0 (north is magnetic north)."""
 
-    rate: Hertz = 10.0
+    rate: SensorRate = 10.0
     sd: Number = Field(default=0.02, ge=0, description="of the unit field")
     hard_iron: Number = Field(default=0.01, ge=0, description="1 sigma per axis, constant")
     inclination_deg: Degrees = Field(default=60.0, ge=-90, le=90)
@@ -154,7 +155,7 @@ class MagnetometerModel(ParameterModel):
 class ScanModel(ParameterModel):
     """Levelled ring of range finders, 72 sectors of 5 degrees, the first one straight ahead."""
 
-    rate: Hertz = 10.0
+    rate: SensorRate = 10.0
     range: Metres = Field(default=12.0, gt=0)
     sd: Metres = Field(default=0.03, ge=0)
 
@@ -165,7 +166,7 @@ class FlowModel(ParameterModel):
     The noise is P2's, 0.006017 and 0.00995 m²/s² at 2 m. Its gyroscope is its own.
     """
 
-    rate: Hertz = 20.0
+    rate: SensorRate = 20.0
     sd: tuple[Number, Number] = Field(
         default=(0.0388, 0.0499), description="rad/s, of a sample, along the body's x and y"
     )
@@ -182,7 +183,7 @@ class FlowModel(ParameterModel):
 class RangeModel(ParameterModel):
     """Range finder along the body's z, over flat ground."""
 
-    rate: Hertz = 20.0
+    rate: SensorRate = 20.0
     sd: Metres = Field(default=0.03, ge=0)
     least: Metres = Field(default=0.2, ge=0, description="nothing below this distance")
     most: Metres = Field(default=12.0, gt=0, description="nothing above this distance")

@@ -81,8 +81,8 @@ def test_scalars_follow_the_core_schema(written: str, meant: object):
         ("a: 1\nb: 2\na: 3", "m.yaml:3:1: duplicate key 'a': first given in line 1"),
         ("1: a", "m.yaml:1:1: a key must be a word, got 1"),
         ("? [a]\n: 1", "m.yaml:1:3: a key must be a word, got a list"),
-        ("a: !mine 1", "m.yaml:1:4: tag '!mine': tags are not used in missions"),
-        ("a: !!set {b}", "m.yaml:1:4: tag 'tag:yaml.org,2002:set': tags are not used in missions"),
+        ("a: !mine 1", "m.yaml:1:4: tag '!mine': tags are not used"),
+        ("a: !!set {b}", "m.yaml:1:4: tag 'tag:yaml.org,2002:set': tags are not used"),
         ("a: !!int x", "m.yaml:1:4: 'x' is not a valid int"),
     ],
 )
@@ -96,7 +96,7 @@ def test_small_problems_leave_the_rest_readable(text: str, message: str):
     ("text", "message"),
     [
         ("", "m.yaml:1:1: the file is empty"),
-        ("a: 1\n---\nb: 2", "m.yaml:2:1: a second document: a file holds one mission"),
+        ("a: 1\n---\nb: 2", "m.yaml:2:1: a second document: move it to a file of its own"),
         ("a:\n\tb: 1", "m.yaml:2:1: a tab: indent with spaces"),
         ("a: \x07", "m.yaml:1:4: control character U+0007 in the text"),
         ("a: \udcff", "m.yaml:1:4: control character U+DCFF in the text"),

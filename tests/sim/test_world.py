@@ -62,6 +62,7 @@ def test_normal_has_heading_and_elevation(facing: float, tilt: float, roll: floa
         ({"quadrotor": {"mass": 1e-9}}, "too small for this drag: at least 0.016 kg"),
         ({"quadrotor": {"drag_linear": 1e9}}, "too small for this drag"),
         ({"start": [0.0, float("nan")]}, "finite"),
+        ({"sensors": {"gnss": {"rate": 1e9}}}, "less than or equal to 200"),
     ],
 )
 def test_mistakes_are_refused(part: dict[str, object], complaint: str) -> None:

@@ -102,7 +102,7 @@ def read(text: str, file: str, inside: str = "") -> Document:
     """
     text = text.removeprefix("\ufeff")
     if len(text) > MAX_BYTES:
-        raise FileError([Problem(Place(file, 1, 1), "larger than 4 MiB: not a mission")])
+        raise FileError([Problem(Place(file, 1, 1), "larger than 4 MiB")])
     if bad := _UNPRINTABLE.search(text):
         place = _place_after(text[: bad.start()], file)
         raise FileError([Problem(place, f"control character U+{ord(bad[0]):04X} in the text")])
@@ -182,7 +182,7 @@ class _Builder:
     def _document(self, event: Any) -> None:
         self.documents += 1
         if self.documents > 1:
-            self._refuse(self._place(event), "a second document: a file holds one mission")
+            self._refuse(self._place(event), "a second document: move it to a file of its own")
 
     def _refuse(self, place: Place, message: str) -> None:
         raise FileError([*self.problems, Problem(place, message)])
@@ -214,7 +214,7 @@ class _Builder:
     def _check_tag(self, tag: str, value: Scalar, place: Place) -> None:
         allowed = _SCALAR_TAGS.get(tag.removeprefix(_CORE_TAG))
         if allowed is None:
-            self.problems.append(Problem(place, f"tag {tag!r}: tags are not used in missions"))
+            self.problems.append(Problem(place, f"tag {tag!r}: tags are not used"))
         elif not isinstance(value, allowed):
             self.problems.append(
                 Problem(place, f"{value!r} is not a valid {tag.removeprefix(_CORE_TAG)}")
@@ -222,9 +222,7 @@ class _Builder:
 
     def _open(self, event: Any, node: LocatedTable | LocatedList) -> None:
         if event.tag not in {None, "!", f"{_CORE_TAG}map", f"{_CORE_TAG}seq"}:
-            self.problems.append(
-                Problem(node.place, f"tag {event.tag!r}: tags are not used in missions")
-            )
+            self.problems.append(Problem(node.place, f"tag {event.tag!r}: tags are not used"))
         self.stack.append(_Open(node, event.anchor))
         self._check_depth(node.place, 0)
 
@@ -254,7 +252,7 @@ class _Builder:
         parent.nodes += nodes
         parent.height = max(parent.height, height + 1)
         if parent.nodes > MAX_NODES:
-            self._refuse(place, f"more than {MAX_NODES} values: too large for a mission")
+            self._refuse(place, f"more than {MAX_NODES} values: too large")
         if isinstance(parent.node, LocatedList):
             parent.node.put(value, place)
         elif parent.key is None:

@@ -9,11 +9,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from missionkit.sim.vehicle_parameters import ParameterModel
+from missionkit.sim.vehicle_parameters import ParameterModel, SensorRate
 from missionkit.units import (
     Degrees,
     Fraction,
-    Hertz,
     Metres,
     MetresPerSecond2,
     Number,
@@ -82,7 +81,7 @@ class UwbModel(ParameterModel):
     An outlier came by a detour: it is longer by the size of a normal number of that deviation.
     """
 
-    rate: Hertz = Field(default=50.0, le=200, description="Hz, of all anchors together")
+    rate: SensorRate = Field(default=50.0, description="Hz, of all anchors together")
     sd: Metres = Field(default=0.02, ge=0, description="white")
     outliers: Fraction = Field(default=0.02, description="share of outliers")
     outlier_size: Metres = Field(default=0.5, ge=0, description="1 sigma of the detour")
@@ -97,7 +96,7 @@ class FlyerCamera(ParameterModel):
     `attitude_deg` they are the body's, so that it looks out of the bottom.
     """
 
-    rate: Hertz = Field(default=20.0, le=200)
+    rate: SensorRate = 20.0
     sd: Metres = Field(default=0.001, ge=0, description="of a point, each axis")
     half_angle_deg: Degrees = Field(default=35.0, gt=0, lt=90, description="of the cone of view")
     range: Metres = Field(default=0.8, gt=0, description="greatest distance")
