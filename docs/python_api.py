@@ -21,10 +21,19 @@ PARTS = {
     "Functions": ("load", "validate", "rehearse", "fly", "campaign"),
     "What they take and return": ("LoadedMission", "Operator", "Summary", "Analysis", "Problem"),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),
-    "Plug-ins": ("Plugin", "Guard", "WindowGuard", "CompositeGuard", "Behavior", "Detector"),
+    "Plug-ins": (
+        "Plugin",
+        "Guard",
+        "WindowGuard",
+        "CompositeGuard",
+        "Behavior",
+        "Detector",
+        "BoxDetector",
+    ),
     "What plug-ins see": (
         *("Estimate", "Health", "Target", "Goal", "Battery", "VehicleStatus", "Occupancy"),
-        *("Look", "Prior", "Sighting", "Detection", "Frame", "CameraModel"),
+        *("Look", "Prior", "Sighting", "Detection", "GroundFrame", "GroundDetection"),
+        *("Frame", "BoxDetection", "CameraModel"),
         *("Inputs", "NamedInput"),
     ),
     "What plug-ins answer": (

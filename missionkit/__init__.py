@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from missionkit.errors import VehicleError as VehicleError
     from missionkit.messages import Action as Action
     from missionkit.messages import Battery as Battery
+    from missionkit.messages import BoxDetection as BoxDetection
     from missionkit.messages import CameraModel as CameraModel
     from missionkit.messages import Command as Command
     from missionkit.messages import Detection as Detection
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from missionkit.messages import Fired as Fired
     from missionkit.messages import Frame as Frame
     from missionkit.messages import Goal as Goal
+    from missionkit.messages import GroundDetection as GroundDetection
+    from missionkit.messages import GroundFrame as GroundFrame
     from missionkit.messages import Guidance as Guidance
     from missionkit.messages import HalfSpace as HalfSpace
     from missionkit.messages import Health as Health
@@ -53,6 +56,7 @@ if TYPE_CHECKING:
     from missionkit.messages.region import Quantity as Quantity
     from missionkit.messages.region import Region as Region
     from missionkit.plugin import Behavior as Behavior
+    from missionkit.plugin import BoxDetector as BoxDetector
     from missionkit.plugin import CompositeGuard as CompositeGuard
     from missionkit.plugin import Detector as Detector
     from missionkit.plugin import Guard as Guard
@@ -75,9 +79,9 @@ _HOMES = {  # module -> what it gives
         *("FileError", "MissionkitError", "NotFitError", "Problem", "UsageError", "VehicleError"),
     ),
     "messages": (
-        *("Action", "Battery", "CameraModel", "Command", "Detection", "Estimate", "Fired", "Frame"),
+        *("Action", "Battery", "BoxDetection", "CameraModel", "Command", "Detection", "Estimate"),
+        *("Fired", "Frame", "Goal", "GroundDetection", "GroundFrame"),
         *(
-            "Goal",
             "Guidance",
             "HalfSpace",
             "Health",
@@ -90,7 +94,10 @@ _HOMES = {  # module -> what it gives
         *("Sighting", "Step", "Target", "VehicleStatus", "Verdict", "Wrench"),
     ),
     "messages.region": ("Interval", "Quantity", "Region"),
-    "plugin": ("Behavior", "CompositeGuard", "Detector", "Guard", "Plugin", "WindowGuard"),
+    "plugin": (
+        *("Behavior", "BoxDetector", "CompositeGuard", "Detector", "Guard", "Plugin"),
+        "WindowGuard",
+    ),
     "plugin_protocols": ("Inputs", "NamedInput", "Prior"),
     "recorder.run_summary": ("Summary",),
 }

@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
 
 from missionkit.messages import (
+    BoxDetection,
     CameraModel,
     Estimate,
     Frame,
@@ -194,4 +195,23 @@ class Detector(Plugin):
         Returns:
             One sighting for each way the target can be seen as: its pose in the camera's frame
             (m), at the time of the frame, with finite standard deviations (m, rad) above zero.
+        """
+
+
+class BoxDetector(Plugin):
+    """Finds all objects of a kind in camera frames. A tracker tells them apart."""
+
+    @abc.abstractmethod
+    def boxes(self, frame: Frame, camera: CameraModel, prior: Prior) -> tuple[BoxDetection, ...]:
+        """Return the boxes around what a frame shows; empty: nothing is in view.
+
+        Args:
+            frame: an image (height, width) grey or (height, width, 3) BGR.
+            camera: intrinsics (px) and mount on the body.
+            prior: where the vehicle and the ground are thought to be, which says how large an
+                object appears.
+
+        Returns:
+            One box for each object, its centre (px) in the image, its score from 0 to 1. Of more
+            than 20 those with the highest scores count.
         """

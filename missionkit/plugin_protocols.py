@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkab
 
 from missionkit.geometry import Transform
 from missionkit.messages import (
+    BoxDetection,
     CameraModel,
     Estimate,
     Frame,
@@ -135,6 +136,7 @@ class Prior(NamedTuple):
 
     body: Transform | None  # body to world at the exposure; None: not known
     target: Target | None  # estimated position of the target; None: not known
+    ground: float = 0.0  # m, down, of the level ground that things stand on
 
 
 @runtime_checkable
@@ -154,6 +156,22 @@ class DetectorProtocol(Protocol):
             frame: picture and the time of its exposure.
             camera: intrinsics and place on the body.
             prior: where vehicle and target are thought to be.
+        """
+
+
+@runtime_checkable
+class BoxDetectorProtocol(Protocol):
+    """Finds all objects of a kind in camera frames, by boxes; see `plugin.BoxDetector`."""
+
+    kind: ClassVar[str]
+
+    def boxes(self, frame: Frame, camera: CameraModel, prior: Prior) -> tuple[BoxDetection, ...]:
+        """Return the boxes around what a frame shows; empty: nothing is in view.
+
+        Args:
+            frame: picture and the time of its exposure.
+            camera: intrinsics and place on the body.
+            prior: where the vehicle and the ground below it are thought to be.
         """
 
 

@@ -21,6 +21,7 @@ from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
 from missionkit.plugin_protocols import (
     BehaviorProtocol,
+    BoxDetectorProtocol,
     CompositeGuardProtocol,
     DetectorProtocol,
     GuardProtocol,
@@ -50,7 +51,9 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
         builtin=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
         bases=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
     ),
-    "detectors": PluginGroup("detector", (DetectorProtocol,), (Aruco,), bases=(Aruco,)),
+    "detectors": PluginGroup(
+        "detector", (DetectorProtocol, BoxDetectorProtocol), (Aruco,), bases=(Aruco,)
+    ),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
     "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
     "herding_policies": PluginGroup("herding policy", (HerdingPolicyProtocol,), (NearestToGoal,)),

@@ -7,6 +7,7 @@ from typing import Any
 
 from missionkit.engine.contained_navigator import ContainedNavigator
 from missionkit.engine.flight_state import FlightMemory, SensorState
+from missionkit.engine.ground_below import ground_below
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
@@ -15,11 +16,11 @@ from missionkit.messages import (
     Look,
     Observation,
     Points,
-    Sighting,
     Target,
 )
+from missionkit.perception.ground_plane import ViewNoise
 from missionkit.perception.marker_search import Priors
-from missionkit.perception.vision_pipeline import VisionMemory
+from missionkit.perception.vision_pipeline import Seen
 from missionkit.perception.vision_warning import begun
 from missionkit.plugin_containment import Containment
 
@@ -45,18 +46,18 @@ def sense(
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
     state = plan.navigator.read(navigation)
-    eye, looks, sightings = _look(plan, memory, navigation, state, seen, contain)
-    if sightings:
-        navigation = plan.navigator.fuse(navigation, sightings)
+    found = _look(plan, memory, navigation, state, seen, contain)
+    if found.sightings:
+        navigation = plan.navigator.fuse(navigation, found.sightings)
         state = plan.navigator.read(navigation)
-    looks = tuple(_believed(look, state) for look in looks)
+    found = found._replace(looks=tuple(_believed(look, state) for look in found.looks))
     status = seen.status or before.status
     home = before.home
     if home is None and status is not None and status.armed:
         home = state.position
     senses = SensorState(
         navigation,
-        eye,
+        found.memory,
         seen.battery or before.battery,
         status,
         seen.scan or before.scan,
@@ -64,7 +65,7 @@ def sense(
         seen.range or before.range,
         before.misfit or state.health.misfit,
     )
-    return senses, _estimate(plan, memory, senses, state, seen, looks, sightings)
+    return senses, _estimate(plan, memory, senses, state, seen, found)
 
 
 def _look(
@@ -74,12 +75,18 @@ def _look(
     state: NavState,
     seen: Observation,
     contain: Containment,
-) -> tuple[VisionMemory, tuple[Look, ...], tuple[Sighting, ...]]:
+) -> Seen:
     goal = memory.acting.goal
+    ground, noise = 0.0, ViewNoise()
+    if seen.frame is not None and plan.eye.finds_boxes:
+        distance = seen.range or memory.senses.range
+        ground, noise = ground_below(plan.navigator, navigation, state, distance, seen.now)
     priors = Priors(
         body=lambda at: plan.navigator.pose_at(navigation, at),
         targets={} if seen.frame is None else _known(plan, state),
         goal=None if goal is None else goal.position,
+        ground=ground,
+        noise=noise,
     )
     return plan.eye.look(memory.senses.eye, seen, priors, contain)
 
@@ -90,8 +97,7 @@ def _estimate(
     senses: SensorState,
     state: NavState,
     seen: Observation,
-    looks: tuple[Look, ...],
-    sightings: tuple[Sighting, ...],
+    found: Seen,
 ) -> Estimate:
     chart, acting = memory.chart, memory.acting
     return Estimate(
@@ -105,8 +111,9 @@ def _estimate(
         status=senses.status,
         home=senses.home,
         targets=_known(plan, state),
-        looks=looks,
-        sightings=sightings,
+        looks=found.looks,
+        sightings=found.sightings,
+        ground=found.ground,
         obstacles=_around(plan.navigator, senses, state, seen.now),
         scanned_at=None if senses.scan is None else senses.scan.at,
         scan_range=math.inf if senses.scan is None else senses.scan.range,

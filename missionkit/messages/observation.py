@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.geometry import Vec3
+from missionkit.messages.vision import BoxDetection
 
 Image = npt.NDArray[np.uint8]  # (height, width) grey or (height, width, 3) BGR
 Points = npt.NDArray[np.float64]  # (N, 3), m
@@ -93,12 +94,14 @@ class Frame(NamedTuple):
     """One camera frame; `at` is the middle of the exposure, which is before it arrived.
 
     A simulated camera that does not render gives `corners` instead of an image: for each marker
-    in view its dictionary, id and its four image points (4, 2), px.
+    in view its dictionary, id and its four image points (4, 2), px; and `boxes`, what detectors of
+    ground robots would find.
     """
 
     at: float  # s
     image: Image | None
     corners: tuple[tuple[str, int, npt.NDArray[np.float64]], ...] | None = None
+    boxes: tuple[BoxDetection, ...] | None = None
 
 
 class Scan(NamedTuple):

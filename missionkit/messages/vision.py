@@ -61,6 +61,8 @@ class BoxDetection(NamedTuple):
     centre: npt.NDArray[np.float64]  # (2,), px
     size: tuple[float, float]  # px, width and height
     score: float  # 0 to 1, how sure the detector is
+    kind: str = ""  # of object, such as "robot"; "": the detector does not say
+    id: int | None = None  # of this one object; None: the detector does not tell them apart
 
 
 class GroundDetection(NamedTuple):
@@ -73,6 +75,8 @@ class GroundDetection(NamedTuple):
     size: float  # of its box, 1: that of a ground robot without a tower at this distance
     offset: float  # m, horizontally from the camera
     height: float  # m, of the camera above the ground
+    kind: str = ""  # as of its box
+    id: int | None = None
 
 
 class GroundFrame(NamedTuple):

@@ -41,14 +41,21 @@ class _Section(BaseModel):
 
 
 class Mount(_Section):
-    """Where the camera sits on the body (FRD, m), looking forward and `tilt_deg` downwards."""
+    """Where the camera sits on the body (FRD, m), and how it is turned.
+
+    It looks forward, `pan_deg` to the right and `tilt_deg` downwards, and is rolled clockwise about
+    its optical axis by `roll_deg`, as seen from behind it (P4 (12), where that is the angle beta).
+    """
 
     position: Point = (0.1, 0.0, 0.0)
+    pan_deg: Annotated[Degrees, Field(ge=-180, le=180)] = 0.0
     tilt_deg: Annotated[Degrees, Field(ge=-90, le=90)] = 0.0
+    roll_deg: Annotated[Degrees, Field(ge=-180, le=180)] = 0.0
 
     def transform(self) -> Transform:
         """Return camera to body FRD."""
-        return Transform(looking(math.radians(self.tilt_deg)), np.array(self.position))
+        pan, tilt, roll = map(math.radians, (self.pan_deg, self.tilt_deg, self.roll_deg))
+        return Transform(looking(tilt, pan, roll), np.array(self.position))
 
 
 class Camera(_Section):
@@ -127,6 +134,12 @@ class Camera(_Section):
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
 
-def looking(tilt: float) -> Quat:
-    """Return camera to body for a camera that looks forward, `tilt` (rad) downwards."""
-    return multiply(from_euler(0.0, -tilt, 0.0), from_matrix(_FORWARD))
+def looking(tilt: float, pan: float = 0.0, roll: float = 0.0) -> Quat:
+    """Return camera to body for a camera that looks forward, but for three turns (rad).
+
+    Args:
+        tilt: downwards.
+        pan: to the right, before it is tilted.
+        roll: clockwise about its axis, as seen from behind.
+    """
+    return multiply(from_euler(roll, -tilt, pan), from_matrix(_FORWARD))

@@ -21,6 +21,8 @@ from missionkit.messages import BoxDetection, CameraModel, GroundDetection
 
 LEAST_SLOPE: Final = math.tan(math.radians(10.0))
 """A ray that falls less steeply meets the ground nowhere in particular."""
+ROBOT_DIAMETER: Final = 0.34
+"""m, of a ground robot (P4 section III)."""
 
 
 class ViewNoise(NamedTuple):
@@ -68,6 +70,8 @@ def on_ground(
         size=float(seen * depth / diameter),  # P4 (7): a = f_x A / h
         offset=float(math.hypot(*away)),
         height=height,
+        kind=box.kind,
+        id=box.id,
     )
 
 

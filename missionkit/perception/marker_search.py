@@ -9,6 +9,7 @@ from typing import NamedTuple
 from missionkit.geometry import Transform, Vec3
 from missionkit.messages import CameraModel, Detection, Frame, Sighting, Target
 from missionkit.perception.aruco import Aruco
+from missionkit.perception.ground_plane import ViewNoise
 from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.marker_selection import area_of
 from missionkit.perception.target_sighting import sight
@@ -20,6 +21,8 @@ class Priors(NamedTuple):
     body: Callable[[float], Transform | None]  # time (s) -> body to world
     targets: Mapping[str, Target]
     goal: Vec3 | None  # (3,), m, NED, of the mission
+    ground: float = 0.0  # m, down, of the level ground below
+    noise: ViewNoise = ViewNoise()  # of what places a pixel on the ground
 
 
 class MarkerSearch:

@@ -1,4 +1,4 @@
-"""The eye: every frame of the camera becomes a look and sightings of targets."""
+"""The eye: every frame becomes a look, sightings of targets, and objects on the ground."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from missionkit.geometry import Transform, Vec3
-from missionkit.messages import CameraModel, Frame, Look, Observation, Sighting
+from missionkit.messages import CameraModel, Frame, GroundFrame, Look, Observation, Sighting
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.duplicate_markers import without_duplicates
+from missionkit.perception.ground_search import ground_frame
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
 from missionkit.perception.sighting_validation import fault_of
@@ -20,7 +21,7 @@ from missionkit.perception.upside_down import right_way_up
 from missionkit.perception.vision_warning import VisionWarning, continued
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import Containment
-from missionkit.plugin_protocols import DetectorProtocol, Prior
+from missionkit.plugin_protocols import BoxDetectorProtocol, DetectorProtocol, Prior
 
 SILENT_AFTER: Final = 1.5  # periods
 _MOST_MISSED: Final = 100  # frames counted as missed in one tick
@@ -35,8 +36,17 @@ class VisionMemory(NamedTuple):
     warnings: tuple[VisionWarning, ...] = ()
 
 
+class Seen(NamedTuple):
+    """What the vision pipeline saw since the last tick."""
+
+    memory: VisionMemory
+    looks: tuple[Look, ...]  # one for each frame that was due
+    sightings: tuple[Sighting, ...]  # at most one of each target
+    ground: GroundFrame | None  # objects on the ground; None: no new frame, or no detector of boxes
+
+
 class VisionPipeline:
-    """Looks for a mission's markers in the frames of one camera.
+    """Looks for a mission's markers, and for objects on the ground, in the frames of one camera.
 
     Pure: the memory goes in and comes out, and what differs between two flights is in it. Every
     frame that was due yields one `Look`, so that the confidence window counts frames (P1 section
@@ -54,6 +64,12 @@ class VisionPipeline:
         markers = [it for it in detectors if isinstance(it, Aruco)]
         self._search = MarkerSearch(camera, markers)
         self._others = [it for it in detectors if isinstance(it, DetectorProtocol)]
+        self._boxes = [it for it in detectors if isinstance(it, BoxDetectorProtocol)]
+
+    @property
+    def finds_boxes(self) -> bool:
+        """Some detector looks for objects on the ground."""
+        return bool(self._boxes)
 
     def begin(self) -> VisionMemory:
         """Return the memory at the start of the mission."""
@@ -65,8 +81,8 @@ class VisionPipeline:
         observation: Observation,
         priors: Priors,
         contain: Containment | None = None,
-    ) -> tuple[VisionMemory, tuple[Look, ...], tuple[Sighting, ...]]:
-        """Return the next memory, the looks due since the last tick, and one sighting a target.
+    ) -> Seen:
+        """Return the next memory, and what was to be seen since the last tick.
 
         Args:
             memory: as the last tick left it.
@@ -77,18 +93,20 @@ class VisionPipeline:
         frame, now = observation.frame, observation.now
         memory, missed = _missed(memory, now, self._camera.period, came=frame is not None)
         if frame is None:
-            return memory, missed, ()
+            return Seen(memory, missed, (), None)
         digest = _digest(frame)
         following = memory._replace(heard_at=now, asked_at=now, digest=digest)
         if digest is not None and digest == memory.digest:
-            return following, (*missed, Look(frame.at, frozenset(), silent=True)), ()
+            silent = Look(frame.at, frozenset(), silent=True)
+            return Seen(following, (*missed, silent), (), None)
         eye = self._eye(frame.at, priors)
         markers, turned = right_way_up(
             self._search.find(frame, priors),
             self._search.upright,
             None if eye is None else eye.rotation,
         )
-        others = tuple(self._found_by_others(frame, priors, contain or Containment()))
+        contain = contain or Containment()
+        others = tuple(self._found_by_others(frame, priors, contain))
         found = _plausible((*markers, *others), eye, priors)
         found, duplicates = without_duplicates(
             found, markers, self._search.declared, priors.targets
@@ -100,7 +118,8 @@ class VisionPipeline:
             for target, candidates in sorted(found.items())
         )
         seen = frozenset(s.target for s in sightings)
-        return following, (*missed, Look(frame.at, seen)), sightings
+        ground = ground_frame(self._boxes, self._camera, frame, priors, contain)
+        return Seen(following, (*missed, Look(frame.at, seen)), sightings, ground)
 
     def _eye(self, at: float, priors: Priors) -> Transform | None:
         """Return camera to world at a time (s); None while the vehicle's own pose is unknown."""
@@ -160,10 +179,12 @@ def _expected(target: str, priors: Priors) -> Vec3 | None:
 
 
 def _digest(frame: Frame) -> int | None:
-    """Return a checksum of the content; None for corners that show nothing, which may repeat."""
+    """Return a checksum of the content; None if nothing is in view, which may repeat."""
     if frame.image is not None:
         return zlib.crc32(np.ascontiguousarray(frame.image).data)
     digest = 0
     for name, number, corners in frame.corners or ():
         digest = zlib.crc32(f"{name} {number} ".encode() + corners.tobytes(), digest)
-    return digest if frame.corners else None
+    for box in frame.boxes or ():
+        digest = zlib.crc32(f"{box.detector} ".encode() + box.centre.tobytes(), digest)
+    return digest if frame.corners or frame.boxes else None

@@ -215,7 +215,7 @@ class Calm(Plugin):
         ("navigators", Sightless, "Sightless lacks the method build"),
         ("navigators", Hasty, "Hasty.build must take 2 arguments"),
         ("planners", Calm, "Calm lacks the method begin"),
-        ("detectors", Calm, "Calm lacks the method detect and the attribute target of a detector"),
+        ("detectors", Calm, "Calm lacks the method boxes of a detector"),
         ("behaviors", Calm, "Calm lacks the method begin and the method targets and the"),
     ],
 )

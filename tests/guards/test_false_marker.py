@@ -48,7 +48,7 @@ def watched(marker: Aruco, trunk: Target | None) -> tuple[Verdict, Verdict, list
     seen = calm()
     for k, image in enumerate(video(60)):
         now = (k + 1) * PERIOD
-        memory, looks, sightings = eye.look(
+        memory, looks, sightings, _ = eye.look(
             memory, Observation(now, frame=Frame(now, image)), priors
         )
         found += sightings

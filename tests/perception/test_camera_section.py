@@ -66,3 +66,25 @@ def test_the_sections_of_the_mission_file_load_without_opencv():
     code = "import sys; " + "".join(f"import missionkit.perception.{m}; " for m in light.split())
     code += "sys.exit('cv2' in sys.modules or 'scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_pan_turns_to_the_right_before_the_tilt_and_roll_about_the_optical_axis():
+    pan = Mount(position=(0, 0, 0), pan_deg=90).transform()
+    np.testing.assert_allclose(pan.apply(vec(0, 0, 1)), RIGHT, atol=1e-15)
+    both = Mount(position=(0, 0, 0), pan_deg=90, tilt_deg=30).transform()
+    np.testing.assert_allclose(both.apply(vec(0, 0, 1)), vec(0.0, np.sqrt(0.75), 0.5), atol=1e-15)
+    roll = Mount(position=(0, 0, 0), roll_deg=90).transform()  # its right side now looks down
+    np.testing.assert_allclose(roll.apply(vec(0, 0, 1)), AHEAD, atol=1e-15)
+    np.testing.assert_allclose(roll.apply(vec(1, 0, 0)), DOWN, atol=1e-15)
+
+
+def test_p4_s_camera_is_tilted_and_rolled():
+    """L_cb of P4 (12) has the optical axis as x: R_x(beta) R_y(alpha) (correction P4.3)."""
+    alpha, beta = 0.7, 0.3
+    sa, ca, sb, cb = np.sin(alpha), np.cos(alpha), np.sin(beta), np.cos(beta)
+    printed = np.array([[ca, 0, -sa], [sb * sa, cb, sb * ca], [cb * sa, -sb, cb * ca]])
+    ours = Mount(
+        position=(0, 0, 0), tilt_deg=-np.degrees(alpha), roll_deg=np.degrees(beta)
+    ).transform()
+    axes = np.column_stack([ours.apply(v) for v in (vec(0, 0, 1), vec(1, 0, 0), vec(0, 1, 0))])
+    np.testing.assert_allclose(axes.T, printed, atol=1e-15)

@@ -29,7 +29,7 @@ def tree(*position, sd, seen_at=None, name="trunk"):
 
 def look(eye, frame, *targets, memory=None):
     """Return the memory, and by target how far (m) ahead the marker is that was taken."""
-    memory, _, sightings = eye.look(memory or eye.begin(), frame, believed(*targets))
+    memory, _, sightings, _ = eye.look(memory or eye.begin(), frame, believed(*targets))
     taken = {s.target: round(float((CAMERA.mount.apply(s.pose.translation))[0])) for s in sightings}
     return memory, taken
 

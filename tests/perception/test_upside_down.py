@@ -19,7 +19,7 @@ SPOT = marker_at(6.0, 0.5, 0.2)
 
 def look(corners, *, marker=TRUNK, body=LEVEL):
     eye = VisionPipeline(CAMERA, [marker])
-    memory, _, sightings = eye.look(
+    memory, _, sightings, _ = eye.look(
         eye.begin(), with_corners(1.0, (23, corners)), priors(body=body)
     )
     return sightings, [it.message for it in memory.warnings]

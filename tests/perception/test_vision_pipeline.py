@@ -39,7 +39,7 @@ def corners(marker, size=0.4, seed=0, body=LEVEL):
 
 
 def look(eye, observation, *targets, memory=None, **more):
-    return eye.look(memory or eye.begin(), observation, priors(*targets, **more))
+    return eye.look(memory or eye.begin(), observation, priors(*targets, **more))[:3]
 
 
 @pytest.mark.parametrize("rendered", [True, False], ids=["image", "corners"])
@@ -126,7 +126,7 @@ def test_a_late_frame_is_used_with_the_pose_of_its_own_time():
     poses = Priors(lambda at: then if at < 1.0 else now, {"trunk": target(sd=0.2)}, None)
     eye = VisionPipeline(CAMERA, [TRUNK])
     observation = with_corners(0.9, (23, corners(SPOT)), now=1.1)
-    _, looks, sightings = eye.look(eye.begin(), observation, poses)
+    _, looks, sightings, _ = eye.look(eye.begin(), observation, poses)
     assert looks == (Look(0.9, frozenset({"trunk"})),)
     assert sightings[0].at == 0.9
 

@@ -49,6 +49,8 @@ def _blind(chart: AnalysedChart) -> Box:
     box: dict[Quantity, Interval | None] = {MISSED: FOR_EVER, GOAL_AGE: FOR_EVER}
     for detector in chart.mission.perception:
         target = str(getattr(detector.plugin, "target", ""))
+        if not target:
+            continue
         box[confidence_of(target)] = ONLY_FALSE
         box[time_since_seen(target)] = FOR_EVER
         box[time_without(target)] = FOR_EVER

@@ -65,7 +65,7 @@ def looked_for(chart: AnalysedChart) -> frozenset[str]:
     """Return the targets that a detector of the mission, or its navigator, looks for."""
     mission = chart.mission
     detected = (str(getattr(detector.plugin, "target", "")) for detector in mission.perception)
-    return frozenset((*detected, *getattr(mission.navigation.plugin, "targets", ())))
+    return frozenset((*filter(None, detected), *getattr(mission.navigation.plugin, "targets", ())))
 
 
 def _guards(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:
