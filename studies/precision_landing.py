@@ -14,7 +14,8 @@ import numpy as np
 from rich.progress import track
 
 from missionkit.campaigns.statistics import ConfidenceInterval, bootstrap, quantile
-from missionkit.planning.energy_optimal import Airframe, LandingLimits, plan
+from missionkit.planning.energy_optimal import Airframe, plan
+from missionkit.planning.landing_profiles import LandingLimits
 from missionkit.planning.rotor_power import RotorPower
 from missionkit.rehearsal import world_of
 from studies.assumptions import assumptions

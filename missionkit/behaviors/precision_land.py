@@ -174,9 +174,9 @@ class PrecisionLand(Behavior):
             NO_GATE,
             Airframe,
             Gate,
-            LandingLimits,
             plan,
         )
+        from missionkit.planning.landing_profiles import LandingLimits  # noqa: PLC0415
 
         gate = NO_GATE
         if self.phase == "deviate":

@@ -13,11 +13,11 @@ from scipy.stats import chi2
 from missionkit.estimation.linear_algebra import joseph
 from missionkit.estimation.tandem_ekf import initialization, state_layout
 from missionkit.estimation.tandem_ekf.centre_of_mass import centre
+from missionkit.estimation.tandem_ekf.feature_pattern import seen_in_world
 from missionkit.estimation.tandem_ekf.measurement_models import (
     fuse_frame,
     fuse_range,
     lever_noise,
-    seen_in_world,
 )
 from missionkit.estimation.tandem_ekf.process_model import move, predict
 from missionkit.estimation.tandem_ekf.state_layout import (

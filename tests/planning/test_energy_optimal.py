@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from missionkit.planning.energy_optimal import Airframe, Gate, LandingLimits, plan
+from missionkit.planning.energy_optimal import Airframe, Gate, plan
+from missionkit.planning.landing_profiles import LandingLimits
 from missionkit.planning.rotor_power import RotorPower, flight_powers
 
 CRAFT = Airframe(1.2, 0.0118, RotorPower().model())

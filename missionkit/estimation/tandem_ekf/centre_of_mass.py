@@ -6,7 +6,7 @@ import numpy as np
 
 from missionkit.estimation.error_state_ekf.state_layout import D_LANDMARKS
 from missionkit.estimation.linear_algebra import rotate, to_matrix
-from missionkit.estimation.tandem_ekf.measurement_models import skewed
+from missionkit.estimation.tandem_ekf.feature_pattern import skewed
 from missionkit.estimation.tandem_ekf.process_model import cross
 from missionkit.estimation.tandem_ekf.state_layout import D_ANGLE, QUATERNION, RATE, VELOCITY
 from missionkit.geometry import Mat, Vec3
