@@ -27,5 +27,7 @@ Hertz = Annotated[float, _unit("Hz"), Field(gt=0)]
 Fraction = Annotated[float, _unit("1"), Field(ge=0, le=1)]
 Pixels = Annotated[float, _unit("px")]
 Number = Annotated[float, _unit("1")]
+Spot = tuple[Metres, Metres]
+"""North, east (m)."""
 Point = tuple[Metres, Metres, Metres]
 """North, east, down (m)."""

@@ -33,7 +33,7 @@ from missionkit.planning.map_section import KnownMap, Weight
 from missionkit.planning.map_server import MapFile
 from missionkit.recorder.topic_schemas import TOPICS
 from missionkit.rehearsal import rehearse, stage
-from missionkit.sim import vehicle_parameters, world
+from missionkit.sim import arena, vehicle_parameters, world
 from missionkit.sim.fault_injection import FAULT_KINDS as FAULTS
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS
 from missionkit.sim.free_flyer import body_model
@@ -123,6 +123,9 @@ def test_the_map_of_the_package_names_files_that_exist():
         (SIMULATOR, "The world file", World),
         (SIMULATOR, "Wind", world.Wind),
         (SIMULATOR, "Markers", world.Marker),
+        (SIMULATOR, "Arena", arena.Arena),
+        (SIMULATOR, "Target robots", arena.Robots),
+        (SIMULATOR, "Obstacle robots", arena.ObstacleRobots),
         (SIMULATOR, "Airframe", vehicle_parameters.Quadrotor),
         (SIMULATOR, "Autopilot", vehicle_parameters.InnerAutopilotModel),
         (SIMULATOR, "Battery", vehicle_parameters.BatteryModel),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -12,7 +13,8 @@ from missionkit.messages import CameraModel, Image
 from missionkit.sim import ground_drawing, lens_model
 from missionkit.sim.occlusion import OcclusionScene
 from missionkit.sim.perspective_canvas import CanvasView, paint, view_of
-from missionkit.sim.solid_shapes import Solid, solids
+from missionkit.sim.robot_drawing import RobotLook, robot_solids
+from missionkit.sim.solid_shapes import Solid, edge_lines, solids
 from missionkit.sim.world import World
 
 BLUR_DEPTH = 40.0  # m, depth assumed for motion blur where there is nothing nearer
@@ -37,6 +39,7 @@ class Renderer:
         self._bands = ground_drawing.bands(
             world.ground.texture, math.ceil(math.hypot(*self._lens.size))
         )
+        self._lines = () if world.arena is None else edge_lines(world.arena)
         self._scene = OcclusionScene(solids(world))
 
     def render(
@@ -46,6 +49,7 @@ class Renderer:
         rates: Vec3,
         exposure: float,
         hidden: frozenset[int] = frozenset(),
+        robots: Sequence[RobotLook] = (),
     ) -> Image:
         """Return one grey frame (height, width).
 
@@ -55,12 +59,16 @@ class Renderer:
             rates: (3,), rad/s, FRD.
             exposure: how long the shutter is open, s.
             hidden: ids of markers that are not to be seen.
+            robots: ground robots as they stand in the middle of the exposure.
         """
         view = view_of(body @ self._camera.mount, self._lens)
         canvas = np.empty((view.size[1], view.size[0]), np.uint8)
         ground_drawing.paint(canvas, view, self._bands)
-        self._scene.shade(canvas, view)
-        visible = self._scene.arranged(view, hidden)
+        for line in self._lines:
+            paint(canvas, view, line)
+        moving = robot_solids(robots, view)
+        self._scene.shade(canvas, view, moving)
+        visible = self._scene.arranged(view, hidden, moving)
         for solid in visible:
             for face in solid.faces(view.eye):
                 paint(canvas, view, face)

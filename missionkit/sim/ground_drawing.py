@@ -50,13 +50,17 @@ class Band(NamedTuple):
 @functools.cache
 def bands(name: str, diagonal: int) -> tuple[Band, ...]:
     """Return the bands of a ground texture, near to far, for a canvas's diagonal (px)."""
-    patches = textures.pyramid(textures.ground_patches(name))
-    details = textures.pyramid(textures.ground_detail(name))
+    ground, white = textures.ground_patches(name), textures.WHITE_LINE
+    patches = textures.pyramid(textures.with_lines(ground, name, COARSE_TEXEL, white))
+    over = 128.0 + white - textures.GROUNDS[name].mean
+    grain = textures.with_lines(textures.ground_detail(name), name, FINE_TEXEL, over)
+    details = textures.pyramid(grain)
     fine = [_sheet(_faded(details[k], 128, 0.2 * k), FINE_TEXEL * 2**k, diagonal) for k in range(4)]
     coarse = [
         _sheet(_faded(patches[k], HAZE, 0.13 * k), COARSE_TEXEL * 2**k, diagonal) for k in range(5)
     ]
-    near = [Band(1.4 * sheet.texel, coarse[0], sheet) for sheet in fine]
+    bare = coarse[0] if name not in textures.LINE_EVERY else _sheet(ground, COARSE_TEXEL, diagonal)
+    near = [Band(1.4 * sheet.texel, bare, sheet) for sheet in fine]
     far = [Band(1.4 * sheet.texel, sheet, None) for sheet in coarse[1:]]
     return (*near, *far[:-1], far[-1]._replace(reach=2.8 * far[-1].sheet.texel))
 

@@ -47,31 +47,50 @@ class OcclusionScene:
         self._shadows = [_shadow(s.hull) for s in solids if s.marker is None]
         self._shaded = _spheres(self._shadows)
 
-    def arranged(self, view: CanvasView, hidden: frozenset[int]) -> list[Solid]:
+    def arranged(
+        self, view: CanvasView, hidden: frozenset[int], moving: Sequence[Solid] = ()
+    ) -> list[Solid]:
         """Return the solids that may be seen, back to front.
 
         Each pair is ordered by a plane that parts it; a solid in front of n others comes n-th.
+
+        Args:
+            view: of the camera.
+            hidden: ids of markers that are not to be seen.
+            moving: solids that are in sight in this frame, back to front among themselves.
         """
         near = np.flatnonzero(in_sight(view, *self._spheres)).tolist()
         near = [i for i in near if self._solids[i].marker not in hidden]
+        seen = [*(self._solids[i] for i in near), *moving]
         eye = view.eye.tolist()
-        wins = dict.fromkeys(near, 0)
+        wins = [0] * len(seen)
         for k, i in enumerate(near):
-            for j in near[k + 1 :]:
-                n, e, d, offset = self._plane(i, j)
+            for m in range(k + 1, len(seen)):
+                both = m < len(near)
+                plane = self._plane(i, near[m]) if both else separator(seen[k], seen[m])
+                n, e, d, offset = plane
                 ahead = n * eye[0] + e * eye[1] + d * eye[2] > offset
-                wins[j if ahead else i] += 1
-        return [self._solids[i] for i in sorted(near, key=wins.__getitem__)]
+                wins[m if ahead else k] += 1
+        for m in range(len(near), len(seen)):
+            wins[m] += m - len(near)
+        return [seen[k] for k in sorted(range(len(seen)), key=wins.__getitem__)]
 
     def _plane(self, i: int, j: int) -> tuple[float, float, float, float]:
         if (i, j) not in self._planes:
             self._planes[i, j] = separator(self._solids[i], self._solids[j])
         return self._planes[i, j]
 
-    def shade(self, canvas: Image, view: CanvasView) -> None:
-        """Darken the ground where obstacles shut out the sun, in place."""
-        for i in np.flatnonzero(in_sight(view, *self._shaded)).tolist():
-            for patch in patches_of(canvas, outline(view, self._shadows[i])):
+    def shade(self, canvas: Image, view: CanvasView, moving: Sequence[Solid] = ()) -> None:
+        """Darken the ground where obstacles shut out the sun, in place.
+
+        Args:
+            canvas: (h, w), grey, changed in place.
+            view: of the camera.
+            moving: solids that cast a shadow in this frame.
+        """
+        near = np.flatnonzero(in_sight(view, *self._shaded)).tolist()
+        for shadow in (*(self._shadows[i] for i in near), *(_shadow(it.hull) for it in moving)):
+            for patch in patches_of(canvas, outline(view, shadow)):
                 dark = cv2.convertScaleAbs(patch.target, alpha=0.68)
                 patch.lay(np.asarray(dark, np.uint8))
 

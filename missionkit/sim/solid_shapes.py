@@ -12,11 +12,14 @@ import numpy.typing as npt
 from missionkit.geometry import Vec3, to_matrix, vec
 from missionkit.messages import Image, Points
 from missionkit.sim import textures
+from missionkit.sim.arena import Arena
 from missionkit.sim.perspective_canvas import Face, Hull
 from missionkit.sim.world import Box, Cylinder, Marker, Obstacle, Sphere, World
 
 TRUNK_CORNERS, BALL_CORNERS = 16, 40  # of a round outline
 TRUNK = 10.24  # m, height of the bark texture
+EDGE = 0.1  # m, width of the lines around an arena
+GOAL_LINE, EDGE_LINE = 245, 195  # grey levels
 GRAIN = 0.01  # m, a texel of plaster
 
 Faces = Callable[[Vec3], list[Face]]
@@ -79,14 +82,48 @@ def marker(of: Marker) -> Solid:
     return Solid(hull, out[None, :], faces, of.id)
 
 
+def edge_lines(arena: Arena) -> tuple[Face, ...]:
+    """Return the lines around an arena, painted inside it: the goal's is the brightest.
+
+    Args:
+        arena: of the world.
+    """
+    (n, e), half = arena.centre, 0.5 * arena.side
+    n0, n1, e0, e1 = n - half, n + half, e - half, e + half
+    strips = {
+        "south": (n0, n0 + EDGE, e0, e1),
+        "north": (n1 - EDGE, n1, e0, e1),
+        "west": (n0, n1, e0, e0 + EDGE),
+        "east": (n0, n1, e1 - EDGE, e1),
+    }
+    return tuple(
+        _strip(*strip, GOAL_LINE if side == arena.goal else EDGE_LINE)
+        for side, strip in strips.items()
+    )
+
+
+def _strip(south: float, north: float, west: float, east: float, level: int) -> Face:
+    corners = [(north, west), (north, east), (south, east), (south, west)]
+    hull = ring_of(np.array([(n, e, 0.0) for n, e in corners]))
+    paint = textures.pyramid(np.full((8, 8), level, np.uint8))
+    across, down = vec(0.0, east - west, 0.0), vec(south - north, 0.0, 0.0)
+    return Face(vec(north, west, 0.0), across, down, paint, hull, level)
+
+
 def ring_of(points: Points) -> Hull:
     """Return a flat convex polygon."""
     order = np.arange(len(points))
     return Hull(points, np.stack([order, np.roll(order, -1)], axis=1))
 
 
-def _prism(base: npt.NDArray[np.float64], top: float, bottom: float) -> Hull:
-    """Return the upright prism over a polygon (N, 2), from down = `bottom` up to `top`."""
+def prism(base: npt.NDArray[np.float64], top: float, bottom: float) -> Hull:
+    """Return an upright prism.
+
+    Args:
+        base: (N, 2), m, north and east of its corners.
+        top: m, down.
+        bottom: m, down.
+    """
     n = len(base)
     points = np.vstack([np.column_stack([base, np.full(n, z)]) for z in (top, bottom)])
     i = np.arange(n)
@@ -95,7 +132,7 @@ def _prism(base: npt.NDArray[np.float64], top: float, bottom: float) -> Hull:
     return Hull(points, edges)
 
 
-def _circle(radius: float, corners: int) -> npt.NDArray[np.float64]:
+def circle(radius: float, corners: int) -> npt.NDArray[np.float64]:
     """Return a regular polygon (corners, 2) with the area of a circle."""
     step = 2 * math.pi / corners
     angle = step * np.arange(corners)
@@ -108,15 +145,11 @@ def _plain(brightness: float, normal: Sequence[float]) -> tuple[Image, ...]:
     return textures.pyramid(np.full((8, 8), textures.grey(level)[0], np.uint8))
 
 
-def _sector(azimuth: float) -> int:
-    return round(azimuth / (2 * math.pi) * textures.TRUNK_AZIMUTHS) % textures.TRUNK_AZIMUTHS
-
-
 def _cylinder(of: Cylinder) -> Solid:
     """A trunk: an upright board between its tangent points, painted over its silhouette."""
     north, east = of.at
-    ring = _circle(of.radius, TRUNK_CORNERS) + np.array(of.at)
-    hull = _prism(ring, -of.height, 0.0)
+    ring = circle(of.radius, TRUNK_CORNERS) + np.array(of.at)
+    hull = prism(ring, -of.height, 0.0)
     cap = ring_of(hull.points[:TRUNK_CORNERS])
     wood = _plain(120, (0.0, 0.0, -1.0))
     r, tall = of.radius, max(TRUNK, of.height)
@@ -132,7 +165,7 @@ def _cylinder(of: Cylinder) -> Solid:
             half, ahead = r * math.sqrt(1 - (r / gap) ** 2), r * r / gap
             right = vec(s, -c, 0.0)
             left = vec(north + ahead * c, east + ahead * s, -tall) - half * right
-            drawn = textures.bark()[_sector(math.atan2(de, dn))]
+            drawn = textures.bark()[textures.sector(math.atan2(de, dn))]
             foot = int(drawn[0][-1].mean())
             painted.append(Face(left, 2 * half * right, sunk, drawn, hull, foot))
         if eye[2] < -of.height:
@@ -147,7 +180,7 @@ def _box(of: Box) -> Solid:
     """A building: the sides that face the eye, each with its own brightness."""
     (n0, e0), (n1, e1) = of.min, of.max
     base = np.array([[n0, e0], [n0, e1], [n1, e1], [n1, e0]])
-    hull = _prism(base, -of.height, -of.bottom)
+    hull = prism(base, -of.height, -of.bottom)
     top, low = hull.points[:4], hull.points[4:]
     # each side by its top left, top right and bottom left corner, as seen from outside
     sides = [(top[i], top[(i + 1) % 4], low[i]) for i in range(4)]
@@ -179,7 +212,7 @@ def _sphere(of: Sphere) -> Solid:
     centre, r = vec(*of.at), of.radius
     grid = np.array([[n, e, d] for n in (-r, r) for e in (-r, r) for d in (-r, r)])
     hull = Hull(centre + grid, np.zeros((0, 2), np.intp))
-    ring = np.column_stack([_circle(1.0, BALL_CORNERS), np.zeros(BALL_CORNERS)])
+    ring = np.column_stack([circle(1.0, BALL_CORNERS), np.zeros(BALL_CORNERS)])
 
     def faces(eye: Vec3) -> list[Face]:
         sight = eye - centre
@@ -193,7 +226,7 @@ def _sphere(of: Sphere) -> Solid:
         half = r * math.sqrt(1 - (r / gap) ** 2)
         middle = centre + r * r / gap * sight
         disc = ring_of(middle + half * ring @ np.array([right, below, sight]))
-        drawn = textures.foliage()[_sector(math.atan2(sight[1], sight[0]))]
+        drawn = textures.foliage()[textures.sector(math.atan2(sight[1], sight[0]))]
         corner = middle - half * (right + below)
         return [Face(corner, 2 * half * right, 2 * half * below, drawn, disc, 60)]
 

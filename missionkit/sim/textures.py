@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import cv2
@@ -37,7 +38,12 @@ GROUNDS = {
     "soil": GroundLook(122, 13, 13),
     "gravel": GroundLook(138, 8, 24),
     "concrete": GroundLook(158, 6, 5),
+    "grid": GroundLook(128, 7, 5),
+    "lines": GroundLook(112, 6, 6),
 }
+LINE_WIDTH = 0.05  # m
+LINE_EVERY = {"grid": (1.0, 1.0), "lines": (2.5, 0.0)}  # m apart, to the east and to the north
+WHITE_LINE = 212  # grey level
 
 
 def fractal(
@@ -87,9 +93,11 @@ def pyramid(texture: Image) -> tuple[Image, ...]:
 
 @functools.cache
 def ground_patches(name: str) -> Image:
-    """Return (2048, 2048), seamless: the ground's coarse structure."""
+    """Return (2048, 2048), or (2000, 2000) with lines, seamless: the ground's coarse structure."""
     look = GROUNDS[name]
     rng = np.random.default_rng(SEED)
+    if name in LINE_EVERY:  # whole metres long, so that lines meet where it repeats
+        return grey(look.mean + look.contrast * fractal(rng, (125, 125), 4, 0.8))
     noise = fractal(rng, (4, 4), 9, 1.0)
     bare = 0.5 + 0.5 * np.tanh(3.0 * (fractal(rng, (8, 8), 8, 0.55) - 1.2))
     return grey(look.mean + look.contrast * (noise + 1.3 * bare))
@@ -97,11 +105,43 @@ def ground_patches(name: str) -> Image:
 
 @functools.cache
 def ground_detail(name: str) -> Image:
-    """Return (1024, 1024), seamless, about 128: what is added to the coarse structure."""
+    """Return (1024, 1024), or (1000, 1000) with lines, seamless, about 128: added to the coarse."""
     look = GROUNDS[name]
     rng = np.random.default_rng(SEED + 1)
+    if name in LINE_EVERY:
+        return grey(128 + look.detail * fractal(rng, (125, 125), 3, 1.05))
     noise = fractal(rng, (64, 64), 4, 1.05)
     return grey(128 + look.detail * noise)
+
+
+def with_lines(texture: Image, name: str, texel: float, level: float) -> Image:
+    """Return a ground texture with its painted lines, about whole multiples of their distance.
+
+    Args:
+        texture: seamless, east to the right and north downwards from 0, 0.
+        name: of the ground.
+        texel: m.
+        level: grey level of the lines.
+    """
+    if name not in LINE_EVERY:
+        return texture
+    columns, rows = (_painted(side, texel, every) for side, every in _sides(texture, name))
+    share = np.maximum(columns[None, :], rows[:, None])
+    return grey(np.asarray((1.0 - share) * texture + share * level, np.float32))
+
+
+def _sides(texture: Image, name: str) -> Iterator[tuple[int, float]]:
+    return zip(texture.shape[::-1], LINE_EVERY[name], strict=True)
+
+
+def _painted(side: int, texel: float, every: float) -> Field:
+    """Return how much of each texel of a row lines cover."""
+    if every <= 0.0:
+        return np.zeros(side, np.float32)
+    middles = (np.arange(side) + 0.5) * texel
+    away = np.abs((middles + 0.5 * every) % every - 0.5 * every)
+    covered = (0.5 * (LINE_WIDTH + texel) - away) / min(texel, LINE_WIDTH)
+    return np.asarray(np.clip(covered, 0.0, min(1.0, LINE_WIDTH / texel)), np.float32)
 
 
 @functools.cache
@@ -124,6 +164,27 @@ def bark() -> tuple[tuple[Image, ...], ...]:
         columns = np.rint(azimuth / (2 * math.pi) * 512).astype(int) % 512
         lit = shade(np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=-1))
         drawn.append(pyramid(grey((88 + 17 * coat[:, columns]) * lit[None, :] * foot)))
+    return tuple(drawn)
+
+
+def sector(azimuth: float) -> int:
+    """Return which of the `TRUNK_AZIMUTHS` an azimuth (rad) is nearest to."""
+    return round(azimuth / (2 * math.pi) * TRUNK_AZIMUTHS) % TRUNK_AZIMUTHS
+
+
+@functools.cache
+def drum(brightness: int) -> tuple[tuple[Image, ...], ...]:
+    """Return for each of `TRUNK_AZIMUTHS` azimuths the pyramid of a lit round wall, (8, 32).
+
+    Args:
+        brightness: grey level of its paint.
+    """
+    across = np.arcsin((np.arange(32) + 0.5) / 16 - 1.0)
+    drawn = []
+    for sector in range(TRUNK_AZIMUTHS):
+        azimuth = 2 * math.pi * sector / TRUNK_AZIMUTHS - across
+        lit = shade(np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=-1))
+        drawn.append(pyramid(np.repeat(grey(brightness * lit)[None], 8, axis=0)))
     return tuple(drawn)
 
 

@@ -6,7 +6,7 @@ NED, m, with the origin at the take-off point; the ground is the plane down = 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -15,6 +15,14 @@ from pydantic import Field, model_validator
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
 from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
+from missionkit.sim.arena import (
+    HIT_RADIUS,
+    Arena,
+    ObstacleRobots,
+    PlacedObstacle,
+    PlacedRobot,
+    Robots,
+)
 from missionkit.sim.fault_injection import FAULT_KINDS, Kind
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
@@ -23,17 +31,15 @@ from missionkit.sim.vehicle_parameters import (
     Quadrotor,
     Sensors,
 )
-from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
 
 WindSpeed = Annotated[MetresPerSecond, Field(ge=-100, le=100)]
-Spot = tuple[Metres, Metres]
-"""North, east (m)."""
 
 
 class Ground(ParameterModel):
     """The plane down = 0 and what it looks like."""
 
-    texture: Literal["grass", "soil", "gravel", "concrete"] = "grass"
+    texture: Literal["grass", "soil", "gravel", "concrete", "grid", "lines"] = "grass"
 
 
 class Wind(ParameterModel):
@@ -168,6 +174,9 @@ class World(ParameterModel):
     wind: Wind = Wind()
     obstacles: tuple[Obstacle, ...] = ()
     markers: tuple[Marker, ...] = ()
+    arena: Arena | None = None
+    robots: Robots | None = None
+    obstacle_robots: ObstacleRobots | None = None
     sensors: Sensors = Sensors()
     battery: BatteryModel = BatteryModel()
     quadrotor: Quadrotor = Quadrotor()
@@ -181,6 +190,38 @@ class World(ParameterModel):
             if _gap(obstacle, self.start) <= self.quadrotor.radius:
                 raise ValueError(f"obstacle {count} ({obstacle.use}) stands on the take-off point")
         return self
+
+    @model_validator(mode="after")
+    def _room_for_robots(self) -> Self:
+        for name, at in self._robot_starts():
+            if self.arena is not None and not self.arena.holds(at):
+                raise ValueError(f"{name} starts outside the arena, at {at[0]:g}, {at[1]:g} m")
+            near = HIT_RADIUS + self.quadrotor.radius
+            if name.startswith("obstacle") and math.dist(at, self.start) <= near:
+                raise ValueError(f"{name} starts on the take-off point: {near:g} m apart at least")
+        return self
+
+    def _robot_starts(self) -> Iterator[tuple[str, Spot]]:
+        """Yield each robot's name in messages, and where it starts."""
+        for count, robot in enumerate(self.target_starts, 1):
+            yield f"robot {count}", robot.at
+        for count, obstacle in enumerate(self.obstacle_starts, 1):
+            yield f"obstacle robot {count}", obstacle.at
+
+    @property
+    def middle(self) -> Spot:
+        """Centre of the arena, or the take-off point's."""
+        return (0.0, 0.0) if self.arena is None else self.arena.centre
+
+    @property
+    def target_starts(self) -> tuple[PlacedRobot, ...]:
+        """Where the target robots start."""
+        return () if self.robots is None else self.robots.starts(self.middle)
+
+    @property
+    def obstacle_starts(self) -> tuple[PlacedObstacle, ...]:
+        """Where the obstacle robots start."""
+        return () if self.obstacle_robots is None else self.obstacle_robots.starts(self.middle)
 
     def marker(self, id: int, dictionary: str | None = None) -> Marker | None:
         """Return the first marker with that id (and dictionary), if there is one."""

@@ -22,6 +22,7 @@ class GroundRobot(NamedTuple):
     turn_offset: float = 0.032  # m/s, largest, of each wheel
     circle_radius: float = 5.0  # m, of an obstacle robot's path, clockwise seen from above
     diameter: float = 0.34  # m
+    height: float = 0.10  # m, of the plate on top
 
     @property
     def spin_rate(self) -> float:
