@@ -14,7 +14,9 @@ from missionkit.estimation.navigator import NavigatorParameters
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
 from missionkit.guards import GUARDS
+from missionkit.perception.apriltag import AprilTag
 from missionkit.perception.aruco import Aruco
+from missionkit.perception.blob import Blob
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
 from missionkit.planning.potential_field import PotentialField
@@ -52,7 +54,7 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
         bases=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
     ),
     "detectors": PluginGroup(
-        "detector", (DetectorProtocol, BoxDetectorProtocol), (Aruco,), bases=(Aruco,)
+        "detector", (DetectorProtocol, BoxDetectorProtocol), (AprilTag, Aruco, Blob), bases=(Aruco,)
     ),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
     "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),

@@ -23,6 +23,8 @@ LEAST_SLOPE: Final = math.tan(math.radians(10.0))
 """A ray that falls less steeply meets the ground nowhere in particular."""
 ROBOT_DIAMETER: Final = 0.34
 """m, of a ground robot (P4 section III)."""
+ROBOT_HEIGHT: Final = 0.10
+"""m, of the plate on top of a ground robot."""
 
 
 class ViewNoise(NamedTuple):
@@ -41,8 +43,9 @@ def on_ground(
     ground: float,
     noise: ViewNoise,
     diameter: float,
+    top: float = 0.0,
 ) -> GroundDetection | None:
-    """Return where a box's centre stands on level ground; None: it does not meet it.
+    """Return where a box's object stands on level ground; None: it does not meet it.
 
     Args:
         box: in the image.
@@ -51,14 +54,15 @@ def on_ground(
         ground: m, down, of the ground.
         noise: of pixels and the vehicle's pose.
         diameter: m, of a ground robot.
+        top: m above the ground, of what the box's centre shows.
     """
     eye = body @ camera.mount
     ray = _ray(box.centre, camera)
     w = rotate(eye.rotation, ray)
     height = ground - float(eye.translation[2])
-    if not (height > 0.0 and w[2] > LEAST_SLOPE * math.hypot(w[0], w[1])):
+    if not (height > top and w[2] > LEAST_SLOPE * math.hypot(w[0], w[1])):
         return None
-    depth = height / float(w[2])  # m along the optical axis, since the ray is 1 there
+    depth = (height - top) / float(w[2])  # m along the optical axis, since the ray is 1 there
     away = depth * w[:2]
     f = np.diagonal(camera.matrix)[:2]
     seen = max(box.size[0] / f[0], box.size[1] / f[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 from missionkit.messages import BoxDetection, CameraModel, Frame, GroundFrame
 from missionkit.perception.box_validation import fault_of_boxes
@@ -14,6 +14,14 @@ from missionkit.plugin_protocols import BoxDetectorProtocol, Prior
 
 MOST_BOXES: Final = 20
 """Boxes of one detector that count, those with the highest scores (P4 section III-A)."""
+
+
+class _Answer(NamedTuple):
+    """What one detector found."""
+
+    boxes: tuple[BoxDetection, ...]
+    diameter: float  # m, of what it looks for
+    top: float  # m above the ground, of what its boxes are centred on
 
 
 def ground_frame(
@@ -44,13 +52,13 @@ def ground_frame(
     if not answers:
         return None
     found = (
-        on_ground(box, camera, body, priors.ground, priors.noise, diameter)
-        for boxes, diameter in answers
-        for box in sorted(boxes, key=lambda box: -box.score)[:MOST_BOXES]
+        on_ground(box, camera, body, priors.ground, priors.noise, it.diameter, it.top)
+        for it in answers
+        for box in sorted(it.boxes, key=lambda box: -box.score)[:MOST_BOXES]
     )
     return GroundFrame(
         frame.at,
-        tuple(it for it in found if it is not None),
+        tuple(place for place in found if place is not None),
         view_of(camera, body, priors.ground),
     )
 
@@ -61,13 +69,13 @@ def _answers(
     frame: Frame,
     prior: Prior,
     contain: Containment,
-) -> Iterator[tuple[tuple[BoxDetection, ...], float]]:
-    """Yield sound answers, each with the diameter (m) of what was looked for."""
+) -> Iterator[_Answer]:
+    """Yield sound answers. Ready boxes are centred where the object stands."""
     if frame.image is None:
         if wrong := fault_of_boxes(frame.boxes, camera):
             contain.note(f"the camera gave {wrong}")
         else:
-            yield frame.boxes or (), ROBOT_DIAMETER
+            yield _Answer(frame.boxes or (), ROBOT_DIAMETER, 0.0)
         return
     for it in detectors:
         boxed = contain.call(it.kind, it.boxes, frame, camera, prior, foreign=is_foreign(it))
@@ -76,4 +84,5 @@ def _answers(
         if wrong := fault_of_boxes(boxed[0], camera):
             contain.note(f"{it.kind} returned {wrong}")
             continue
-        yield boxed[0], getattr(it, "diameter", ROBOT_DIAMETER)
+        diameter = getattr(it, "diameter", ROBOT_DIAMETER)
+        yield _Answer(boxed[0], diameter, getattr(it, "height", 0.0))
