@@ -16,6 +16,7 @@ from missionkit.messages import (
     CameraModel,
     Estimate,
     Frame,
+    GroundFrame,
     Occupancy,
     Sighting,
     Spot,
@@ -186,4 +187,23 @@ class HerdingPolicyProtocol(Protocol):
 
         Args:
             view: what is known of the arena.
+        """
+
+
+@runtime_checkable
+class TrackerProtocol(Protocol):
+    """Tracks moving targets on the ground; its memory is an immutable value."""
+
+    kind: ClassVar[str]
+
+    def begin(self) -> Any:
+        """Return the memory before the first frame."""
+
+    def observe(self, memory: Any, frame: GroundFrame) -> Any:
+        """Return the memory after one frame, which may be older than the last."""
+
+    def targets(self, memory: Any, now: float) -> Mapping[str, Target]:
+        """Return each target where it is expected at `now` (s), by name: `track_name` of a number.
+
+        A number stays with its target, and never comes back for another.
         """

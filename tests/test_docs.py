@@ -187,7 +187,7 @@ def test_every_plugin_has_its_row(group):
     for kind, plugin in sorted(builtin().group(group).items()):
         given = [f"`{key}` {default}" for key, default in defaults(plugin.model_fields)]
         parameters = ", ".join(given).replace(" required", "") or "—"
-        if group in {"navigators", "planners", "controllers"}:
+        if group in {"navigators", "trackers", "planners", "controllers"}:
             parameters = "many"
         summary = (inspect.getdoc(plugin) or "").partition("\n")[0]
         wanted.append([f"`{kind}`", parameters, summary])

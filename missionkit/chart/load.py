@@ -11,7 +11,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from missionkit.chart import map_loading
-from missionkit.chart.model import named_guards, structure_rules, variable_uses
+from missionkit.chart.model import named_guards, structure_rules, tracked_targets, variable_uses
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.model_base import Scope
 from missionkit.chart.model.validation_problems import plain, problems_in
@@ -105,6 +105,7 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     wrong = (
         *(*expanded.problems, *named_guards.problems_of(mission.guards)),
         *(*structure_rules.problems_of(mission), *variable_uses.problems_of(mission)),
+        *tracked_targets.problems_of(mission),
     )
     if wrong:
         raise _refusal(wrong, expanded)

@@ -13,6 +13,7 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import NavigatorParameters
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
+from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
 from missionkit.guards import GUARDS
 from missionkit.perception.apriltag import AprilTag
 from missionkit.perception.aruco import Aruco
@@ -28,6 +29,7 @@ from missionkit.plugin_protocols import (
     DetectorProtocol,
     GuardProtocol,
     HerdingPolicyProtocol,
+    TrackerProtocol,
     WindowGuardProtocol,
 )
 
@@ -56,6 +58,7 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     "detectors": PluginGroup(
         "detector", (DetectorProtocol, BoxDetectorProtocol), (AprilTag, Aruco, Blob), bases=(Aruco,)
     ),
+    "trackers": PluginGroup("tracker", (TrackerProtocol,), (MultiTargetTracker,)),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
     "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
     "herding_policies": PluginGroup("herding policy", (HerdingPolicyProtocol,), (NearestToGoal,)),

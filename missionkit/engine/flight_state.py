@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.control.hold_point import HoldPoint
+from missionkit.engine.target_tracks import TrackingMemory
 from missionkit.geometry import Vec3
 from missionkit.messages import Battery, Goal, Range, Scan, VehicleStatus
 from missionkit.perception.vision_pipeline import VisionMemory
@@ -24,6 +25,7 @@ class SensorState(NamedTuple):
     home: Vec3 | None = None
     range: Range | None = None
     misfit: str = ""  # how the sightings did not fit the filter's noise, the first time
+    tracking: TrackingMemory | None = None  # None: nothing is tracked yet
 
 
 class PausedBehavior(NamedTuple):
@@ -49,6 +51,7 @@ class BehaviorState(NamedTuple):
     past: Mapping[str, PausedBehavior] = {}  # states that a history may lead back to
     scan: FieldMemory = FieldMemory()  # the newest, for braking
     held: HoldPoint | None = None  # the place that is held while no behaviour leads anywhere
+    chosen: str | None = None  # the tracked target that the behaviour asked for at the last tick
 
 
 class FlightMemory(NamedTuple):

@@ -33,6 +33,7 @@ from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import brake_of
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
+from missionkit.plugin_protocols import TrackerProtocol
 
 
 class PreparedMission(NamedTuple):
@@ -46,6 +47,7 @@ class PreparedMission(NamedTuple):
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed
     period: float = 0.05  # s
     map: Occupancy | None = None
+    tracker: TrackerProtocol | None = None
     arm_anyway: bool = False  # although a failsafe holds on the ground already
 
 
@@ -71,7 +73,9 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     navigation = mission.navigation
     chart = compile_mission(mission, catalogue)
     for state in chart.states.values():
-        _warm_up(state.behavior)
+        _warm_up("behaviour", state.behavior)
+    tracker = None if mission.tracking is None else mission.tracking.plugin
+    _warm_up("tracker", tracker)
     return PreparedMission(
         chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
@@ -81,6 +85,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
         facing=turned,
         period=1.0 / mission.settings.rate,
         map=mission.known,
+        tracker=tracker,
     )
 
 
@@ -110,14 +115,14 @@ def _navigator(
     return contained(kind, plugin, built)
 
 
-def _warm_up(behavior: object) -> None:
-    """Let a behaviour compile what it needs; one of another package may have nothing to."""
+def _warm_up(word: str, plugin: object) -> None:
+    """Let a plug-in compile what it needs; one of another package may have nothing to."""
     try:
         with reporting_faults():
-            getattr(behavior, "warm_up", lambda: None)()
+            getattr(plugin, "warm_up", lambda: None)()
     except PluginError as error:
-        kind = getattr(behavior, "kind", type(behavior).__name__)
-        raise UsageError(f"behaviour {kind!r} cannot be used: warm_up raised {error}") from error
+        kind = getattr(plugin, "kind", type(plugin).__name__)
+        raise UsageError(f"{word} {kind!r} cannot be used: warm_up raised {error}") from error
 
 
 def _planner(use: Use[AvoidancePlanner]) -> AvoidancePlanner:

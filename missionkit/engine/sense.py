@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from missionkit.engine.contained_navigator import ContainedNavigator
 from missionkit.engine.flight_state import FlightMemory, SensorState
 from missionkit.engine.ground_below import ground_below
 from missionkit.engine.prepared_mission import PreparedMission
+from missionkit.engine.target_tracks import (
+    TrackingMemory,
+    begin_tracking,
+    chosen,
+    observed,
+    targets_at,
+    with_chosen,
+    with_detected,
+)
 from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import (
@@ -50,7 +60,10 @@ def sense(
     if found.sightings:
         navigation = plan.navigator.fuse(navigation, found.sightings)
         state = plan.navigator.read(navigation)
-    found = found._replace(looks=tuple(_believed(look, state) for look in found.looks))
+    tracking, tracks = _tracking(plan, memory, found, state, seen.now, contain)
+    targets = {**_known(plan, state), **tracks}
+    looks = (with_detected(_believed(look, state), tracks) for look in found.looks)
+    found = found._replace(looks=tuple(looks))
     status = seen.status or before.status
     home = before.home
     if home is None and status is not None and status.armed:
@@ -64,8 +77,9 @@ def sense(
         home,
         seen.range or before.range,
         before.misfit or state.health.misfit,
+        tracking,
     )
-    return senses, _estimate(plan, memory, senses, state, seen, found)
+    return senses, _estimate(plan, memory, senses, state, seen, found, targets)
 
 
 def _look(
@@ -91,6 +105,27 @@ def _look(
     return plan.eye.look(memory.senses.eye, seen, priors, contain)
 
 
+def _tracking(
+    plan: PreparedMission,
+    memory: FlightMemory,
+    found: Seen,
+    state: NavState,
+    now: float,
+    contain: Containment,
+) -> tuple[TrackingMemory | None, Mapping[str, Target]]:
+    """Return the memory of the tracks after this tick, and the tracked targets by name."""
+    tracker = plan.tracker
+    if tracker is None:
+        return None, {}
+    known = memory.senses.tracking or begin_tracking(tracker, contain)
+    if known is None:
+        return None, {}
+    known = observed(tracker, known, found.ground, contain)
+    targets = targets_at(tracker, known, now, contain)
+    known = chosen(known, memory.acting.chosen, targets, state.position)
+    return known, with_chosen(targets, known)
+
+
 def _estimate(
     plan: PreparedMission,
     memory: FlightMemory,
@@ -98,6 +133,7 @@ def _estimate(
     state: NavState,
     seen: Observation,
     found: Seen,
+    targets: Mapping[str, Target],
 ) -> Estimate:
     chart, acting = memory.chart, memory.acting
     return Estimate(
@@ -110,7 +146,7 @@ def _estimate(
         battery=senses.battery,
         status=senses.status,
         home=senses.home,
-        targets=_known(plan, state),
+        targets=targets,
         looks=found.looks,
         sightings=found.sightings,
         ground=found.ground,

@@ -19,6 +19,8 @@ class Window(NamedTuple):
     hits: int = 0
     frames: int = 0
     sure: bool = False
+    silent: int = 0  # the same frames, 1: it never came
+    tracked: float | None = None  # a tracked target's own γ; None: it is not tracked
 
 
 class ArucoConfidence(WindowGuard):
@@ -28,6 +30,9 @@ class ArucoConfidence(WindowGuard):
 
     Becomes true at γ ≥ `enter` and false below `exit` (hysteresis). A frame that never came, or a
     frozen one, counts as a miss, so that a dead camera lowers the confidence (correction P1.7).
+
+    A tracked target has a γ of its own, over the last frames that should have shown it; times the
+    share of the window's frames that came, it is what counts.
     """
 
     kind: ClassVar[str] = "aruco_confidence"
@@ -49,22 +54,32 @@ class ArucoConfidence(WindowGuard):
     @override
     def advance(self, memory: Any, seen: Estimate) -> Window:
         state: Window = memory
-        hits, frames = state.hits, state.frames
+        hits, frames, silent = state.hits, state.frames, state.silent
         mask = (1 << self.window) - 1
         for look in seen.looks:
             hits = ((hits << 1) | (self.target in look.seen)) & mask
+            silent = ((silent << 1) | look.silent) & mask
             frames = min(frames + 1, self.window)
-        confidence = hits.bit_count() / self.window
-        return Window(hits, frames, confidence >= (self.exit if state.sure else self.enter))
+        target = seen.targets.get(self.target)
+        own = None if target is None else target.confidence
+        following = Window(hits, frames, state.sure, silent, own)
+        return following._replace(sure=self._share(following) >= self._threshold(following))
 
     @override
     def check(self, memory: Any, seen: Estimate) -> Verdict:
         state: Window = memory
         if state.frames == 0:
             return Verdict.unknown("no frame was due yet")
-        confidence = state.hits.bit_count() / self.window
-        threshold = self.exit if state.sure else self.enter
+        confidence, threshold = self._share(state), self._threshold(state)
         return Verdict(state.sure, "", confidence, threshold, confidence - threshold)
+
+    def _share(self, state: Window) -> float:
+        if state.tracked is None:
+            return state.hits.bit_count() / self.window
+        return state.tracked * (1.0 - state.silent.bit_count() / self.window)
+
+    def _threshold(self, state: Window) -> float:
+        return self.exit if state.sure else self.enter
 
     @override
     def region(self) -> Region:

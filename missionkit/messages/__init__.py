@@ -49,6 +49,7 @@ from missionkit.messages.observation import (
 )
 from missionkit.messages.occupancy import Occupancy, Spot
 from missionkit.messages.record import Fired, Record
+from missionkit.messages.tracked_names import TRACKED, names_a_track, track_name
 from missionkit.messages.verdict import Verdict
 from missionkit.messages.vision import (
     BoxDetection,
@@ -67,6 +68,7 @@ __all__ = [
     "MARKER_DUPLICATED",
     "MARKER_UPSIDE_DOWN",
     "NO_CYCLE",
+    "TRACKED",
     "Action",
     "AnchorRange",
     "AnySetpoint",
@@ -112,4 +114,6 @@ __all__ = [
     "Verdict",
     "Wrench",
     "is_event",
+    "names_a_track",
+    "track_name",
 ]

@@ -85,3 +85,4 @@ class GroundFrame(NamedTuple):
     at: float  # s, of the exposure
     detections: tuple[GroundDetection, ...]
     view: npt.NDArray[np.float64] | None = None  # (n, 2), m, corners of what it shows; None: all
+    ground: float = 0.0  # m, down, of the ground

@@ -60,6 +60,7 @@ def ground_frame(
         frame.at,
         tuple(place for place in found if place is not None),
         view_of(camera, body, priors.ground),
+        priors.ground,
     )
 
 

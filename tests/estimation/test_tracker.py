@@ -16,6 +16,7 @@ from missionkit.messages import GroundDetection, GroundFrame
 
 ROBOT = GroundRobot()
 DT, SD = 0.05, 0.0135
+GROUND = 0.3  # m, down
 R = SD**2 * np.eye(2)
 
 
@@ -37,7 +38,7 @@ def made(**settings) -> Tracker:
 def watched(tracker: Tracker, frames, known=None):
     known = known or tracker.begin()
     for k, detections in frames:
-        known = tracker.observe(known, GroundFrame(k * DT, tuple(detections)))
+        known = tracker.observe(known, GroundFrame(k * DT, tuple(detections), ground=GROUND))
     return known
 
 
@@ -49,8 +50,8 @@ def seen_driving(tracker: Tracker, frames: int, seed: int = 0):
 def test_a_robot_is_found_with_its_heading_speed_and_mode():
     tracker = made()
     known = seen_driving(tracker, 40)
-    (robot,) = tracker.targets(known, 39 * DT, ground=0.3).values()
-    assert robot.position == pytest.approx([*drives(39), 0.3], abs=0.02)
+    (robot,) = tracker.targets(known, 39 * DT).values()
+    assert robot.position == pytest.approx([*drives(39), GROUND], abs=0.02)
     assert robot.heading == pytest.approx(0.4, abs=0.1)
     assert robot.velocity == pytest.approx(
         0.33 * np.array([math.cos(0.4), math.sin(0.4), 0]), abs=0.04

@@ -58,6 +58,20 @@ def test_a_silent_camera_lowers_the_confidence():
     assert guard.check(memory, calm()).holds is False
 
 
+def test_a_tracked_target_brings_its_own_confidence_which_a_silent_camera_lowers():
+    guard = ArucoConfidence(target="tracked", window=10, enter=0.7, exit=0.5)
+    robot = Target("robot_4", np.zeros(3), 0.1, None, None, 10.0, confidence=0.8)
+    memory, values = guard.begin(), []
+    for silent in [False, True, True, True, True]:
+        seen = calm(looks=(look(False, silent),), targets={"robot_4": robot, "tracked": robot})
+        memory = guard.advance(memory, seen)
+        values.append(guard.check(memory, seen).value)
+    assert values == pytest.approx([0.8, 0.72, 0.64, 0.56, 0.48])
+    assert guard.check(memory, seen).holds is False
+    lost = guard.advance(memory, calm(looks=(look(False),)))
+    assert guard.check(lost, calm()).value == 0.0
+
+
 def test_confidence_is_unknown_before_the_first_frame():
     guard = ArucoConfidence(target="trunk")
     assert guard.check(guard.begin(), calm()).holds is None

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from missionkit import Guidance, Step, Verdict, Wrench
+from missionkit import Guidance, Step, Target, Verdict, Wrench
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.messages.herd import HerdChoice, HerdView
@@ -131,3 +131,20 @@ class AnyRobot(BaseModel):
 
     def choose(self, view: HerdView) -> HerdChoice:
         return HerdChoice(view.robots[0].name, "front")
+
+
+class Standing(BaseModel):
+    """A tracker that always knows one target, 4 m to the north."""
+
+    model_config = CONFIG
+    kind: ClassVar[str] = "standing"
+
+    def begin(self) -> int:
+        return 0
+
+    def observe(self, memory: int, frame: Any) -> int:
+        return memory + 1
+
+    def targets(self, memory: int, now: float) -> dict[str, Target]:
+        place = np.array([4.0, 0.0, 0.0])
+        return {"robot_1": Target("robot_1", place, 0.1, None, None, seen_at=now)}

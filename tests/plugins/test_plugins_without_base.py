@@ -21,6 +21,7 @@ FOUND = {
     "behaviors": {"climb"},
     "navigators": {"plain"},
     "detectors": {"blind"},
+    "trackers": {"standing"},
     "planners": {"carefree"},
     "controllers": {"drifting"},
     "herding_policies": {"any_robot"},
@@ -28,6 +29,7 @@ FOUND = {
 MISSION = """\
 navigation: plain
 perception: [{use: blind, target: tree}]
+tracking: standing
 avoid: carefree
 targets: {tree: {position: [30, 0, -3]}}
 initial: idle

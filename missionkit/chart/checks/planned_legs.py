@@ -75,7 +75,8 @@ def goal_of(chart: AnalysedChart, state: State, start: Point3) -> Point3 | None:
                 "go_to",
                 "ddp_go_to",
             }:  # until its marker was seen
-                goal = chart.mission.targets[target].position
+                surveyed = chart.mission.targets.get(target)  # None: it is tracked
+                goal = None if surveyed is None else surveyed.position
             return goal if goal is None or height is None else (*goal[:2], -float(height))
         case _:
             return None

@@ -9,9 +9,10 @@ from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.errors import Level, Place, Problem
+from missionkit.messages import names_a_track
 from missionkit.planning.pad_view import cone_below
 from missionkit.plugin import Plugin
-from missionkit.plugin_protocols import CompositeGuardProtocol
+from missionkit.plugin_protocols import BoxDetectorProtocol, CompositeGuardProtocol
 
 SEEING = ("servo", "inject", "spiral")  # behaviours that work on what the camera sees
 
@@ -20,8 +21,10 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield everything that waits for a marker that no detector looks for, or for no camera."""
     seen = looked_for(chart)
     camera = chart.mission.camera.use != "none"
+    yield from _nothing_to_track(chart)
+    tracks = chart.mission.tracking is not None
     for what, target, place in (*_guards(chart), *_behaviors(chart)):
-        if target not in seen:
+        if target not in seen and not (tracks and names_a_track(target)):
             yield Problem(
                 place,
                 f"{what} needs to see {target!r}, but 'perception' has no marker for it, so it is "
@@ -40,6 +43,22 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
                 "camera: {use: rendered}",
             )
     yield from _not_below(chart)
+
+
+def _nothing_to_track(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield that nothing finds what is to be tracked."""
+    mission = chart.mission
+    if mission.tracking is None:
+        return
+    if not any(isinstance(it.plugin, BoxDetectorProtocol) for it in mission.perception):
+        yield Problem(
+            mission.place("tracking"),
+            "'tracking' tracks what detectors of boxes find, but 'perception' has none of them, so "
+            "nothing is ever tracked",
+            Level.ERROR,
+            "no-detector",
+            "a detector without a 'target' in 'perception'",
+        )
 
 
 def _not_below(chart: AnalysedChart) -> Iterator[Problem]:

@@ -19,6 +19,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "Mission.map": "what is known about the ground before the flight",
     "Mission.targets": "places by name; `home` is where the vehicle armed",
     "Mission.perception": "what is looked for in camera frames, an entry for each detector",
+    "Mission.tracking": "how moving targets are tracked: `tracked` and `robot_1` name them",
     "Mission.avoid": "how obstacles are avoided",
     "Mission.control": "gains and limits of the controller",
     "Mission.failsafes": "checked first in every flying state; the first that holds wins",

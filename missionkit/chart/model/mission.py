@@ -46,6 +46,7 @@ from missionkit.perception.camera_section import Camera
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.map_section import KnownMap
 from missionkit.plugin import Plugin
+from missionkit.plugin_protocols import TrackerProtocol
 from missionkit.units import Seconds
 
 _SCALAR = ({"type": ["number", "string", "boolean"]},)
@@ -79,6 +80,9 @@ class Mission(MissionPart):
     perception: Annotated[
         tuple[Annotated[Use[Plugin], PluginReference("detectors")], ...], Field(strict=False)
     ] = ()
+    tracking: Annotated[Use[TrackerProtocol] | None, PluginReference("trackers", optional=True)] = (
+        None
+    )
     avoid: Annotated[Use[AvoidancePlanner] | None, PluginReference("planners", optional=True)] = (
         Field(default=_use("potential_field"), validate_default=True)
     )

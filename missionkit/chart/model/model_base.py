@@ -29,6 +29,7 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.located_data import FILE_START, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
+from missionkit.messages import TRACKED, names_a_track
 
 NAMES_KEY = "x-name"  # in a schema, marks a text that names something of the mission
 HERE = Path()
@@ -44,7 +45,7 @@ class Scope:
 
     catalogue: Catalogue
     states: frozenset[str]
-    targets: frozenset[str]
+    targets: frozenset[str]  # with those that are tracked
     guards: frozenset[str]
     variables: frozenset[str] = frozenset()
     folder: Path = HERE  # of the mission; files that it names are beside it or in folders below
@@ -62,6 +63,9 @@ class Scope:
         targets, guards, variables = (
             _names(data.get(key)) for key in ("targets", "guards", "variables")
         )
+        tracking = data.get("tracking")
+        if tracking is not None and tracking != "none":
+            targets = targets if isinstance(targets, _Unreadable) else _WithTracked(targets)
         states = _states(data.get("states"))
         vehicle = data.get("vehicle")
         kind = vehicle.get("use") if isinstance(vehicle, Mapping) else vehicle
@@ -78,6 +82,22 @@ class _Unreadable(frozenset[str]):
     @override
     def __or__(self, other: AbstractSet[Any]) -> frozenset[Any]:
         return self
+
+
+class _WithTracked(frozenset[str]):
+    """The names of targets in a mission that tracks others: `tracked`, and each track's own."""
+
+    def __new__(cls, names: AbstractSet[str]) -> Self:
+        """Return the names and `tracked`; those of tracks are too many to list."""
+        return super().__new__(cls, {*names, TRACKED})
+
+    @override
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and names_a_track(name))
+
+    @override
+    def __or__(self, other: AbstractSet[Any]) -> frozenset[Any]:
+        return _WithTracked({*self, *other})
 
 
 def _names(section: object) -> frozenset[str]:

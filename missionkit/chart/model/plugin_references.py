@@ -16,6 +16,7 @@ from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.chart.text.located_data import LocatedTable, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.messages import names_a_track
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
 from missionkit.plugin_protocols import (
@@ -124,15 +125,24 @@ def unknown_targets(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:
     keys = getattr(plugin, "target_keys", Plugin.target_keys)
     named = {key: getattr(plugin, key) for key in keys if key in keys_of(type(plugin))}
     errors = [
-        sentence(f"unknown target {name!r}", key, word=name, known=known)
+        _unknown_target(name, known, key)
         for key, name in named.items()
         if isinstance(name, str) and name not in known
     ]
     return errors + [
-        sentence(f"needs the unknown target {name!r}", word=name, known=known)
+        _unknown_target(name, known, says="needs the unknown target")
         for name in needed
         if name not in known and name not in {HOME, *named.values()}
     ]
+
+
+def _unknown_target(
+    name: str, known: frozenset[str], *path: str, says: str = "unknown target"
+) -> InitErrorDetails:
+    if names_a_track(name):
+        hint = "it is found in flight, which needs a section 'tracking: tracker'"
+        return sentence(f"{says} {name!r}: {hint}", *path)
+    return sentence(f"{says} {name!r}", *path, word=name, known=known)
 
 
 def unknown_names(plugin: Plugin, scope: Scope) -> list[InitErrorDetails]:

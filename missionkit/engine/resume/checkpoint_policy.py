@@ -64,7 +64,12 @@ def keepable(
     for slot, window in zip(chart.slots, windows, strict=True):
         if window is StartsAgain.BEGIN:
             lost.append(f"the memory of {slot.name} cannot be saved: it will restart on resume")
-    return memory._replace(acting=acting, chart=memory.chart._replace(windows=windows)), tuple(lost)
+    senses = memory.senses
+    if not fits(senses.tracking):
+        senses = senses._replace(tracking=None)
+        lost.append("the memory of the tracker cannot be saved: it will restart on resume")
+    chart_memory = memory.chart._replace(windows=windows)
+    return memory._replace(acting=acting, chart=chart_memory, senses=senses), tuple(lost)
 
 
 def _hands(chart: Chart, memory: FlightMemory, fits: Fits) -> tuple[BehaviorState, list[str]]:

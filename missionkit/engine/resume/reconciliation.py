@@ -201,6 +201,8 @@ def _handed_back(
         acting = acting._replace(paused={}, past={})
         acting = acting._replace(avoidance=plan.law.begin_avoidance())
     senses = now.senses
+    if restart:
+        senses = senses._replace(tracking=None)
     if fresh is not None and fresh.in_air and before.senses.home is None:
         home = plan.navigator.read(before.senses.navigation).position  # where it stood
         senses = senses._replace(home=home)

@@ -47,7 +47,7 @@ class Track(NamedTuple):
     seen_at: float  # s, of the last detection
     state: BankState
     oriented: bool  # its heading is known
-    places: tuple[Place, ...]  # measured lately
+    places: tuple[Place, ...]  # measured lately, until its heading is known
     looks: int = 0  # the last frames as bits, 1: detected, the newest lowest
     frames: int = 0  # of those, at most `WINDOW`
     missed_for: float = 0.0  # s in view without a detection, up to now
@@ -124,7 +124,7 @@ def updated(how: Motion, known: Track, at: float, seen: GroundDetection) -> Trac
         state=state,
         seen_at=at,
         missed_for=0.0,
-        places=(*known.places[1 - MOST_PLACES :], place),
+        places=() if known.oriented else (*known.places[1 - MOST_PLACES :], place),
         evidence=min(max(evidence, -MOST_EVIDENCE), MOST_EVIDENCE),
     )
     return _oriented(how, _counted(after, seen))
@@ -168,4 +168,5 @@ def _oriented(how: Motion, known: Track) -> Track:
     first = first_state(known.places, how.robot.speed)
     if first is None:
         return known
-    return known._replace(state=multiple_models.begun(how.moving, *first), oriented=True)
+    state = multiple_models.begun(how.moving, *first)
+    return known._replace(state=state, oriented=True, places=())

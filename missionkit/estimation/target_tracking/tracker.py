@@ -11,6 +11,7 @@ Source: P4 section III; S. Blackman, R. Popoli, "Design and Analysis of Modern T
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -23,10 +24,11 @@ from missionkit.estimation.target_tracking.multiple_models import Estimator, Lib
 from missionkit.estimation.target_tracking.track import Motion, Track
 from missionkit.estimation.target_tracking.track_output import target_of
 from missionkit.geometry import Mat
-from missionkit.messages import GroundDetection, GroundFrame, Target
+from missionkit.messages import GroundDetection, GroundFrame, Target, track_name
 from missionkit.plugin import Plugin
 from missionkit.units import Metres, Number, Seconds
 
+WARM_UP_FRAMES = 8
 REMEMBERED = 12
 """Frames that a late one can go back over."""
 
@@ -65,7 +67,33 @@ class MultiTargetTracker(Plugin):
     confirm_at: Number = Field(default=2.0, gt=0, description="scores of detections, summed up")
     lost_after: Seconds = Field(default=1.0, gt=0, description="in view, and not detected")
     most_sd: Metres = Field(default=1.0, gt=0, description="of a track that is kept")
-    most_tracks: int = Field(default=20, ge=1, le=100)
+    most_tracks: int = Field(default=20, ge=1, le=100, description="at once")
+
+    def begin(self) -> TrackerMemory:
+        """Return the memory before the first frame."""
+        return _made(self).begin()
+
+    def observe(self, memory: TrackerMemory, frame: GroundFrame) -> TrackerMemory:
+        """Return the memory after one frame, which may be older than the last."""
+        return _made(self).observe(memory, frame)
+
+    def targets(self, memory: TrackerMemory, now: float) -> dict[str, Target]:
+        """Return the confirmed tracks, where they are expected at `now` (s), by name."""
+        return _made(self).targets(memory, now)
+
+    def warm_up(self) -> None:
+        """Compile or load what a frame would otherwise wait for."""
+        seen = GroundDetection("", np.zeros(2), 1e-4 * np.eye(2), 1.0, 1.0, 0.0, 2.0)
+        known = self.begin()
+        for k in range(WARM_UP_FRAMES):
+            ahead = seen._replace(position=np.array((0.33 * k, 0.0)))
+            known = self.observe(known, GroundFrame(float(k), (ahead,)))
+        self.targets(known, float(WARM_UP_FRAMES))
+
+
+@lru_cache(maxsize=8)
+def _made(settings: MultiTargetTracker) -> Tracker:
+    return Tracker(settings, GroundRobot())
 
 
 class Tracker:
@@ -106,22 +134,23 @@ class Tracker:
             start = self._step(start, it)
         return TrackerMemory(start, before, refused, known.late)
 
-    def targets(self, known: TrackerMemory, now: float, ground: float = 0.0) -> dict[str, Target]:
+    def targets(self, known: TrackerMemory, now: float) -> dict[str, Target]:
         """Return the confirmed tracks, where they are expected at `now`, by name.
 
         Args:
             known: the memory.
             now: s, later than the last frame, whose image took a while to arrive.
-            ground: m, down, of the ground they stand on.
         """
         ahead = max(now - known.now.at, 0.0)
+        ground = known.before[-1][1].ground if known.before else 0.0
         return {
-            f"robot_{it.number}": target_of(
-                self.motion, track.predicted(self.motion, it, ahead), f"robot_{it.number}", ground
-            )
-            for it in known.now.tracks
-            if it.confirmed
+            track_name(it.number): target_of(self.motion, it, track_name(it.number), ground)
+            for it in (self._ahead(it, ahead) for it in known.now.tracks if it.confirmed)
+            if _sd(it) <= self._settings.most_sd
         }
+
+    def _ahead(self, it: Track, dt: float) -> Track:
+        return track.predicted(self.motion, it, dt)
 
     def _step(self, last: Snapshot, frame: GroundFrame) -> Snapshot:
         dt = frame.at - last.at
@@ -150,12 +179,18 @@ class Tracker:
 
     def _lives(self, it: Track, at: float) -> bool:
         """Say whether a track goes on: not if it should have been seen, or may be anywhere."""
-        s, P = self._settings, track.mean(it)[1]
-        if not math.sqrt(max(P[0, 0], P[1, 1])) <= s.most_sd:
+        s = self._settings
+        if not _sd(it) <= s.most_sd:
             return False
         if it.confirmed:
             return it.missed_for <= s.lost_after
         return it.looks & 0b11 != 0 and at - it.seen_at <= s.lost_after
+
+
+def _sd(it: Track) -> float:
+    """Return the larger standard deviation (m) of a track's place."""
+    P = track.mean(it)[1]
+    return math.sqrt(max(P[0, 0], P[1, 1]))
 
 
 def _near(it: GroundDetection, places: Mat, reach: float) -> bool:
