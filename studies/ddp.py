@@ -176,6 +176,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
         obstacles=obstacles(options.fields, options.first),
         seed=options.first,
     )
+    options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "ddp.md").write_text(text, encoding="utf-8")
     draw(options.out / "ddp.png", options.first)
     sys.stdout.write(text)

@@ -140,6 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = chosen_rows(chosen.only)
     results = gathered(rows, seeds, chosen.workers, chosen.kept)
     command = f"python -m studies.faults --seeds {chosen.seeds} --first {chosen.first}"
+    chosen.out.mkdir(parents=True, exist_ok=True)
     (chosen.out / "faults.md").write_text(page(results, command), encoding="utf-8")
     hurt = {"crashed", "hit something"}
     return int(any(seen.false_success or seen.outcome in hurt for _, seen in results))

@@ -169,6 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     text = PAGE.format(
         speed=chosen.speed, command=command, rows=table(header, rows), deviations=deviations
     )
+    chosen.out.mkdir(parents=True, exist_ok=True)
     (chosen.out / "known_map_over_the_wire.md").write_text(text, encoding="utf-8")
     print(table(header, rows))  # noqa: T201
 

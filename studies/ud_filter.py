@@ -173,6 +173,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
         repeats=REPEATS,
         costs=costs(40),
     )
+    options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "ud_filter.md").write_text(text, encoding="utf-8")
     sys.stdout.write(text)
 
