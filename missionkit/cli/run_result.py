@@ -56,6 +56,10 @@ def numbers(summary: Summary) -> str:
         parts.append(f"{_length(grade['visit']['position_error'])} from the goal on arrival")
     if grade.get("clearance") is not None:
         parts.append(f"clearance {grade['clearance']:.2f} m")
+    if "herd" in grade:
+        herd = grade["herd"]
+        all_of_them = herd["home"] + herd["lost"] + herd["remaining"]
+        parts.append(f"{herd['home']} of {all_of_them} robots home, {herd['lost']} lost")
     if timing is not None:
         parts.append(f"cycle p99 {timing.total.p99:.1f} ms")
     return ", ".join(parts)

@@ -41,6 +41,18 @@ class GradedVisit(NamedTuple):
     worst_sideways: float  # m, the same across the marker's normal
 
 
+class HerdGrade(NamedTuple):
+    """What became of the target robots of an arena."""
+
+    home: int  # left over the goal's side
+    lost: int  # left over another
+    remaining: int
+    home_at: tuple[float, ...]  # s, of each, in order
+    lost_at: tuple[float, ...]  # s
+    bumps: int  # that robots reacted to
+    touches: int  # on top, the same
+
+
 class Grade(NamedTuple):
     """Grade of a flight by ground truth."""
 
@@ -58,14 +70,19 @@ class Grade(NamedTuple):
     outside_fence: float | None = None  # m, farthest; None: no failsafe keeps a fence
     landing_error: float | None = None  # m, level, from where it meant to land
     docking: DockingGrade | None = None  # of a free flyer
+    herd: HerdGrade | None = None  # of the robots in the world
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain values for a report; what is not finite or not known is None."""
         visit = None if self.visit is None else self.visit._asdict()
         clearance = self.clearance if math.isfinite(self.clearance) else None
         found = {**self._asdict(), "visit": visit, "clearance": clearance}
-        docking = found.pop("docking")
-        return found if docking is None else {**found, "docking": docking.as_dict()}
+        docking, herd = found.pop("docking"), found.pop("herd")
+        if docking is not None:
+            found["docking"] = docking.as_dict()
+        if herd is not None:
+            found["herd"] = herd._asdict()
+        return found
 
 
 def true_goal(marker: Marker, standoff: tuple[float, float, float]) -> Transform:

@@ -32,7 +32,12 @@ TURN_LEFT = 6  # s, 0 while it does not turn
 OFFSET = 7  # m/s, of the wheels in this turn; positive: clockwise
 TURNS = 8  # random turns begun
 OBSTACLE = 9  # 1: an obstacle robot
-SIZE = 10
+OUT = 10  # 0 in play; HOME or LOST: taken off the floor
+OUT_AT = 11  # s, when it left
+PRESSED = 12  # 1 while something rests on its plate
+BUMPS, TOUCHES = 13, 14  # that it reacted to
+SIZE = 15
+HOME, LOST = 1.0, 2.0
 
 
 def placed(places: Mat, headings: Mat, phases: Mat, robot: GroundRobot, *, obstacles: int) -> Mat:
@@ -77,6 +82,8 @@ def advance(robots: Mat, offsets: Mat, robot: GroundRobot, dt: float) -> None:
         dt: s.
     """
     for i in range(len(robots)):
+        if robots[i, OUT] > 0.0:
+            continue
         if robots[i, OBSTACLE] > 0.0:
             _drive(robots[i], robot.speed, robot.speed / robot.circle_radius, dt)
             continue
@@ -89,13 +96,17 @@ def advance(robots: Mat, offsets: Mat, robot: GroundRobot, dt: float) -> None:
 @compiled
 def bump(state: Mat, robot: GroundRobot) -> bool:
     """Hit the bumper of one robot (SIZE,); say whether it reacts."""
-    return _spin(state, robot.spin_time)
+    reacts = _spin(state, robot.spin_time)
+    state[BUMPS] += 1.0 if reacts else 0.0
+    return reacts
 
 
 @compiled
 def touch(state: Mat, robot: GroundRobot) -> bool:
     """Touch one robot (SIZE,) on top; say whether it reacts."""
-    return _spin(state, 0.25 * robot.spin_time)
+    reacts = _spin(state, 0.25 * robot.spin_time)
+    state[TOUCHES] += 1.0 if reacts else 0.0
+    return reacts
 
 
 @compiled

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import GRAVITY, Mat, Vec3
 from missionkit.jit import compiled
 from missionkit.planning.rotor_power import RotorModel
@@ -22,6 +23,7 @@ from missionkit.sim.kernel_layout import (
 )
 from missionkit.sim.obstacle_distance import nearest_gap
 from missionkit.sim.rigid_body import advance, electrical_power, touch
+from missionkit.sim.robot_contact import Floor, live
 
 
 @compiled
@@ -117,6 +119,10 @@ def fly(
     step: int,
     extra: Vec3,
     things: Mat,
+    robots: Mat,
+    offsets: Mat,
+    robot: GroundRobot,
+    floor: Floor,
     body: Body,
     rotor: RotorModel,
     gains: LoopGains,
@@ -133,7 +139,11 @@ def fly(
         memory: (SIZE,) changed in place.
         step: number of the first step; its end is at (step + 1) at.DT.
         extra: (3,) m/s, NED, wind on top of mean and gusts.
-        things: (N, 8) obstacles.
+        things: (N, 8) obstacles, those of obstacle robots at the end; they are moved.
+        robots: (R, ·) states of ground robots, changed in place.
+        offsets: (R, k) m/s, of their random turns.
+        robot: how they drive.
+        floor: where they are in play.
         body: constants.
         rotor: constants of one rotor.
         gains: constants.
@@ -159,6 +169,9 @@ def fly(
             before[part] = x[part]
         advance(x, u, wind, body, at.DT, work)
         touch(x, memory)
+        if robots.shape[0] > 0:
+            end = (step + n + 1) * at.DT
+            live(x, -before[2], end, memory, body.radius, robots, offsets, robot, floor, things)
         watch(x, memory, things, body)
         feel(x, before, memory)
         if rotor.area > 0.0:

@@ -15,6 +15,7 @@ from missionkit.sim import kernel_layout as at
 from missionkit.sim.obstacle_distance import table
 from missionkit.sim.physics_steps import fly
 from missionkit.sim.random_blocks import Normals
+from missionkit.sim.robot_contact import start
 from missionkit.sim.world import World
 
 
@@ -22,11 +23,13 @@ class Plant:
     """Body, inner autopilot, wind and inertial unit, advanced together by one kernel."""
 
     def __init__(self, world: World, rngs: dict[str, np.random.Generator]) -> None:
-        self.things = table(world)
+        herd = start(world, rngs["robots"])
+        self.robots = herd.robots
+        self.things = np.vstack((table(world), herd.things))
         self.step = 0
         self.state = np.zeros(17)
         self.memory = np.zeros(at.SIZE)
-        self._constants = at.constants(world)
+        self._constants = (*herd.constants, *at.constants(world))
         self._wind = Normals(rngs["wind"], 3)
         self._own = Normals(rngs["autopilot"], 3)
         self._imu = Normals(rngs["imu"], 12)
@@ -83,6 +86,7 @@ class Plant:
             self.step,
             np.zeros(3) if extra is None else extra,
             self.things,
+            self.robots,
             *self._constants,
             self._wind.take(count),
             self._own.take(count),

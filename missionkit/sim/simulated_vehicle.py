@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
-from missionkit.geometry import GRAVITY, to_matrix, vec, yaw_of
+from missionkit.geometry import GRAVITY, Mat, to_matrix, vec, yaw_of
 from missionkit.messages import (
     NO_CYCLE,
     Action,
@@ -27,6 +27,7 @@ from missionkit.sim.camera_feed import Feed
 from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.ground_truth import TrueTrack
+from missionkit.sim.herd_grading import HerdTrack
 from missionkit.sim.obstacle_distance import ring
 from missionkit.sim.plant import Plant
 from missionkit.sim.position_control import velocity_for
@@ -65,6 +66,7 @@ class SimulatedVehicle(SimulatedPort):
         rngs = streams(seed)
         self.world = world
         self.track = TrueTrack()
+        self.herd = HerdTrack()
         self.payload: str | None = None  # actuator that is on
         self._mishaps = Mishaps(tuple(faults), {})
         self._plant = Plant(world, rngs)
@@ -91,6 +93,11 @@ class SimulatedVehicle(SimulatedPort):
     def now(self) -> float:
         """Simulated time (s)."""
         return self._plant.now
+
+    @property
+    def robots(self) -> Mat:
+        """True states of the ground robots (R, SIZE), see `ground_robots`, not to be changed."""
+        return self._plant.robots
 
     @property
     def ready(self) -> bool:
@@ -197,6 +204,8 @@ class SimulatedVehicle(SimulatedPort):
             memory[kernel_layout.ENERGY],
         )
         self.track.add(self.now, self._plant.state[:13], rest)
+        if len(self.robots):
+            self.herd.add(self.now, self.robots)
 
     def _obey(self) -> None:
         while self._orders and self._orders[0][0] <= self._plant.step:

@@ -13,6 +13,7 @@ from missionkit.sim.flight_grading import Grade, grade
 from missionkit.sim.free_flyer.docking_grading import grade_docking
 from missionkit.sim.free_flyer.free_flyer import FreeFlyer
 from missionkit.sim.free_flyer.warm_up import warm_up as warm_up_flyer
+from missionkit.sim.herd_grading import grade_herd
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.warm_up import warm_up as warm_up_multicopter
 from missionkit.sim.world import World
@@ -47,5 +48,7 @@ def graded(vehicle: Simulated) -> Grade:
     """Return the grade of what a vehicle has flown so far, by ground truth."""
     rows = vehicle.track.rows
     if isinstance(vehicle, SimulatedVehicle):
-        return grade(rows)
+        herd = grade_herd(vehicle.robots)
+        found = grade(rows)._replace(herd=herd)
+        return found if herd is None else found._replace(touched_at=None)  # it lands before robots
     return grade(rows)._replace(docking=grade_docking(rows, vehicle.world, vehicle.impulse))

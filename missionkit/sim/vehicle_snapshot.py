@@ -40,7 +40,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     ),
     FlyerPlant: ("step", "state", "memory", "_imu", "_uwb"),
     FeatureCamera: ("beat", "_noise", "_last"),
-    Plant: ("step", "state", "memory", "_wind", "_own", "_imu"),
+    Plant: ("step", "state", "memory", "robots", "_wind", "_own", "_imu"),
     Feed: ("_spotter", "_renderer", "_waiting", "_count"),
     Spotter: ("_rng",),
     Renderer: ("_sensor",),

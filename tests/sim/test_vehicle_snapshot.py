@@ -13,6 +13,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Action, Command, Setpoint
 from missionkit.recorder import value_codec
 from missionkit.rehearsal import world_of
+from missionkit.sim.arena import ObstacleRobots, PlacedObstacle, PlacedRobot, Robots
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.vehicle_snapshot import restore, taken
@@ -24,7 +25,10 @@ def built(camera: str) -> SimulatedVehicle:
     mission = load(MISSIONS / "precision_task.yaml", builtin())
     eye = mission.camera.model_copy(update={"use": camera, "width": 160, "height": 120})
     world = world_of(mission, MISSIONS)
-    world = world.model_copy(update={"start": (80.0, 12.0)})  # before the marker
+    robots = Robots(placed=tuple(PlacedRobot(at=(83.0, 12.0 + k)) for k in (-0.5, 0.1)))
+    circling = ObstacleRobots(placed=(PlacedObstacle(at=(83.0, 14.0)),))
+    parts = {"start": (80.0, 12.0), "robots": robots, "obstacle_robots": circling}
+    world = world.model_copy(update=parts)  # before the marker
     return SimulatedVehicle(world, eye, 5, tuple(map(parse_fault, FAULTS)))
 
 
@@ -40,7 +44,7 @@ def flown(vehicle: SimulatedVehicle, first: int, last: int) -> list[Any]:
             vehicle.entered("flying", 0.05 * n)
         elif n >= 120:
             vehicle.apply(Command(Setpoint(np.array([0.1, 0.0, 0.0]), 0.05)))
-    return [*seen, plain(vehicle.truth)]
+    return [*seen, plain(vehicle.truth), plain(vehicle.robots)]
 
 
 @pytest.mark.parametrize("camera", ["corners", "rendered", "none"])

@@ -1,0 +1,61 @@
+"""What became of the ground robots of a world, by the truth, and the paths they drove.
+
+Imported late, as the ground robots are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missionkit.geometry import Mat
+from missionkit.sim.flight_grading import HerdGrade
+from missionkit.sim.ground_robots import BUMPS, HOME, LOST, OBSTACLE, OUT, OUT_AT, SIZE, TOUCHES
+
+
+class HerdTrack:
+    """Growing record of all ground robots, one row of states for each stretch flown."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+        self._states: list[Mat] = []
+
+    def add(self, at: float, robots: Mat) -> None:
+        """Append the states (R, SIZE) at a time (s)."""
+        self._times.append(at)
+        self._states.append(robots.astype(np.float32))
+
+    @property
+    def times(self) -> Mat:
+        """Times (T,), s."""
+        return np.array(self._times)
+
+    @property
+    def states(self) -> Mat:
+        """States (T, R, SIZE), see `ground_robots`, in single precision."""
+        return np.array(self._states).reshape(len(self._times), -1, SIZE)
+
+
+def grade_herd(robots: Mat) -> HerdGrade | None:
+    """Grade the robots by their states at the end of a flight; None: there are no target robots.
+
+    Args:
+        robots: (R, SIZE).
+    """
+    targets = robots[robots[:, OBSTACLE] == 0.0]
+    if not len(targets):
+        return None
+    home, lost = (_left(targets, end) for end in (HOME, LOST))
+    return HerdGrade(
+        home=len(home),
+        lost=len(lost),
+        remaining=len(targets) - len(home) - len(lost),
+        home_at=home,
+        lost_at=lost,
+        bumps=int(targets[:, BUMPS].sum()),
+        touches=int(targets[:, TOUCHES].sum()),
+    )
+
+
+def _left(targets: Mat, end: float) -> tuple[float, ...]:
+    times: list[float] = targets[targets[:, OUT] == end, OUT_AT].tolist()
+    return tuple(sorted(times))
