@@ -94,13 +94,13 @@ def fly(
     sinks, operator, log = background(), operator or Operator(), FlightLog(plan.chart)
     own = [_Unhurried(f"observer {n}", it, sinks.reports) for n, it in enumerate(observers, 1)]
     scene = scenery_of(world, model)
-    with ExitStack() as whole:
+    with landing_on_interrupt(operator), ExitStack() as whole:
         if folder is not None:
             Path(folder).mkdir(parents=True, exist_ok=True)
             whole.enter_context(held(Path(folder)))
         book = Logbook(folder, plan, scene, sinks, mission.path)
         save = _saving(book, mission, vehicle, sinks)
-        with book, landing_on_interrupt(operator), ExitStack() as stack:
+        with book, ExitStack() as stack:
             for each in own:
                 stack.callback(each.close)
             flown = outside_loop(

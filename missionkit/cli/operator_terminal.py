@@ -6,9 +6,7 @@ import signal
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
-from typing import NamedTuple
 
-from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.key_events import Keys, Planned, offered
 from missionkit.cli.live_view import LineView, LiveView, live_view
@@ -29,33 +27,30 @@ from missionkit.states import VEHICLES
 GIVE_BACK = "r"  # the key
 
 
-class Cockpit(NamedTuple):
-    """Where the person sits."""
-
-    operator: Operator
-    observers: tuple[Observer, ...]  # to be called after every tick
-
-
 @contextmanager
 def cockpit(
     order: RunOptions,
+    operator: Operator,
     mission: Mission,
     recorder: FlightRecorder,
     sinks: Sinks,
     truth: Callable[[], TrueState | None] = lambda: None,
     give_back: Callable[[], None] | None = None,
-) -> Iterator[Cockpit]:
+) -> Iterator[tuple[Observer, ...]]:
     """Record and show a flight, and listen to the keys, while this context is open.
+
+    It gives what is to be called after every tick.
 
     Args:
         order: says whether there is a live view, and keys with it.
+        operator: gets what is requested at the keys.
         mission: that is flown.
         recorder: takes every tick.
         sinks: what is shown goes to one of them; take reports of what fails.
         truth: of a simulated vehicle.
         give_back: gives control back after a pilot's takeover.
     """
-    operator, view = Operator(), None
+    view = None
     events: dict[str, str] = {}
     deeds: dict[str, Callable[[], None]] = {}
     if not (order.headless or order.as_json):
@@ -71,9 +66,8 @@ def cockpit(
     planned = Planned(order.events, operator)
     observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
-    signals = landing_on_interrupt(operator)
-    with view or nullcontext(), closing(sinks), recorder, keys, signals, _giving_back(give_back):
-        yield Cockpit(operator, safe)
+    with view or nullcontext(), closing(sinks), recorder, keys, _giving_back(give_back):
+        yield safe
 
 
 class _KeyWatch:

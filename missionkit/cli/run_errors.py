@@ -8,25 +8,31 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
+from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_result import exit_code, report
+from missionkit.engine.flight_loop import Operator
 from missionkit.errors import ExitCode, MissionkitError
 from missionkit.recorder.run_summary import Summary
 
 
-def guarded(order: RunOptions, folder: Path, fly: Callable[[], Summary]) -> ExitCode:
+def guarded(order: RunOptions, folder: Path, fly: Callable[[Operator], Summary]) -> ExitCode:
     """Fly, tell how it went, and return what the command says to the shell.
+
+    Signals that end a program land the vehicle, from the first tick until all files are written.
 
     Args:
         order: says whether the result is printed as JSON.
         folder: of the run, in which `crash.txt` is left if something unexpected is raised.
-        fly: flies to the end and returns the summary.
+        fly: flies to the end and returns the summary; what its operator requests is heeded.
 
     Raises:
         MissionkitError: raised by `fly`; whoever parses the command line prints it.
     """
+    operator = Operator()
     try:
-        summary = fly()
+        with landing_on_interrupt(operator):
+            summary = fly(operator)
     except MissionkitError:
         raise
     except KeyboardInterrupt:

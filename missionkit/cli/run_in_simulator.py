@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from missionkit.api.run_origin import Origins
 from missionkit.api.simulation import fault_of
 from missionkit.chart.model.mission import Mission
@@ -13,6 +15,7 @@ from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.cli.run_result import summed_up
 from missionkit.engine.clock import Pace, RealTime
+from missionkit.engine.flight_loop import Operator
 from missionkit.errors import ExitCode
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary
@@ -43,7 +46,7 @@ def run_in_simulator(
         f"seed{order.seed}",
         lambda path, stamp: since(path, order.gap, stamp),
     ) as (folder, past):
-        return guarded(order, folder.path, lambda: _flown(order, ready, folder, past))
+        return guarded(order, folder.path, partial(_flown, order, ready, folder, past))
 
 
 def _staged(order: RunOptions, mission: Mission, catalogue: Catalogue) -> Stage:
@@ -53,7 +56,9 @@ def _staged(order: RunOptions, mission: Mission, catalogue: Catalogue) -> Stage:
     return ready._replace(plan=ready.plan._replace(arm_anyway=order.anyway))
 
 
-def _flown(order: RunOptions, ready: Stage, folder: Folder, past: Since | None) -> Summary:
+def _flown(
+    order: RunOptions, ready: Stage, folder: Folder, past: Since | None, operator: Operator
+) -> Summary:
     scenery = scenery_of(ready.world, ready.mission)
     sinks = inline()
     recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
@@ -61,17 +66,19 @@ def _flown(order: RunOptions, ready: Stage, folder: Folder, past: Since | None) 
     save = RehearsalCheckpointWriter(
         folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past
     )
-    with cockpit(order, ready.mission, recorder, sinks, lambda: ready.vehicle.truth) as seat:
+    with cockpit(
+        order, operator, ready.mission, recorder, sinks, lambda: ready.vehicle.truth
+    ) as observers:
         result = rehearse(
             ready,
-            seat.observers,
-            operator=seat.operator,
+            observers,
+            operator=operator,
             pace=_pace(order, again),
             save=save,
             reports=sinks.reports.take,
             again=again,
         )
-    landing_requested = seat.operator.wants_down
+    landing_requested = operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, landing_requested=landing_requested)
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 from missionkit.api.run_origin import Origins
@@ -19,6 +20,7 @@ from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
+from missionkit.engine.flight_loop import Operator
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
@@ -66,7 +68,7 @@ def run_on_vehicle(
     )
     with folder_of(order, mission, origins, "vehicle", before) as (folder, past):
         flight = FlightResources(mission, world, plan, vehicle, folder, past)
-        return guarded(order, folder.path, lambda: _flown(order, flight))
+        return guarded(order, folder.path, partial(_flown, order, flight))
 
 
 class FlightResources(NamedTuple):
@@ -80,7 +82,7 @@ class FlightResources(NamedTuple):
     past: Before | None  # what it resumes from
 
 
-def _flown(order: RunOptions, ready: FlightResources) -> Summary:
+def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Summary:
     mission, world, plan, vehicle, folder, past = ready
     scenery, speed = scenery_of(world, mission), order.speed or 1.0
     sinks = background()
@@ -89,12 +91,13 @@ def _flown(order: RunOptions, ready: FlightResources) -> Summary:
         folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past
     )
     log = FlightLog(plan.chart, None if past is None else past.track)
-    with cockpit(order, mission, recorder, sinks, give_back=vehicle.resume_control) as seat:
+    back = vehicle.resume_control
+    with cockpit(order, operator, mission, recorder, sinks, give_back=back) as observers:
         flown = fly_vehicle(
             plan,
             vehicle,
-            (log, with_remarks(seat.observers, vehicle)),
-            operator=seat.operator,
+            (log, with_remarks(observers, vehicle)),
+            operator=operator,
             speed=speed,
             time_limit=mission.settings.time_limit,
             keeper=now_and_then(plan.chart, is_plain, save),
@@ -102,7 +105,7 @@ def _flown(order: RunOptions, ready: FlightResources) -> Summary:
             resume=None if past is None else lambda: woken(past, vehicle, speed),
             look_first=past is None and not order.anyway,
         )
-    landing_requested = seat.operator.wants_down
+    landing_requested = operator.wants_down
     summary = summarise(
         recorder.track,
         mission=mission.name,

@@ -107,6 +107,8 @@ class Folder(NamedTuple):
         for what, step in steps.items():
             try:
                 step()
+            except KeyboardInterrupt:
+                reports.add(f"{self.path / what}", "interrupted", then="")
             except Exception as error:  # noqa: BLE001 - the flight has ended as it has ended
                 reports.add(f"{self.path / what}", error, then="")
         with suppress(OSError):  # the terminal has gone too

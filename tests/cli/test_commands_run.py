@@ -11,6 +11,7 @@ import pytest
 from child import default_signals
 
 from missionkit.api.interrupts import SAME_KEYPRESS
+from missionkit.cli import main, run_output
 from missionkit.cli import run_in_simulator as command
 from missionkit.errors import VehicleError
 from missionkit.recorder.record_reader import read
@@ -95,6 +96,29 @@ def test_a_crash_keeps_the_record_and_says_where(call, tmp_path, monkeypatch):
     folder = tmp_path / "runs/hop-seed0"
     assert "ZeroDivisionError: ours" in (folder / "crash.txt").read_text()
     assert (folder / "flight.mcap").is_file()
+
+
+def test_ctrl_c_after_the_landing_leaves_out_the_picture_and_nothing_else(call, monkeypatch):
+    def slow(*_, **__):
+        signal.raise_signal(signal.SIGTERM)  # the first one is answered by a landing
+        threading.Event().wait(1.1 * SAME_KEYPRESS)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_output, "draw", slow)
+    result = call("run", "hop.yaml", "--headless")
+    folder = Path("runs/hop-seed0")
+    assert (result.exit_code, result.stderr) == (0, f"{folder / 'track.png'}: interrupted\n")
+    assert summary(folder)["outcome"] == "success"
+
+
+def test_ctrl_c_before_a_command_begins_leaves_no_traceback(monkeypatch, capfd):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("missionkit.cli.app.app", interrupt)
+    with pytest.raises(SystemExit, match="130"):
+        main()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_an_unreachable_vehicle_is_not_a_crash(call, monkeypatch):
