@@ -19,6 +19,7 @@ from missionkit.perception.apriltag import AprilTag
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.blob import Blob
 from missionkit.planning.avoidance_planner import AvoidancePlanner
+from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
 from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin import Plugin
@@ -61,5 +62,7 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     "trackers": PluginGroup("tracker", (TrackerProtocol,), (MultiTargetTracker,)),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
     "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
-    "herding_policies": PluginGroup("herding policy", (HerdingPolicyProtocol,), (NearestToGoal,)),
+    "herding_policies": PluginGroup(
+        "herding policy", (HerdingPolicyProtocol,), (DynamicProgramme, NearestToGoal)
+    ),
 }
