@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from missionkit.estimation.target_tracking.apparent_size import TOWER_WIDTH
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import (
     Mat,
     Transform,
@@ -20,6 +19,7 @@ from missionkit.geometry import (
     to_matrix,
     vec,
 )
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import BoxDetection, CameraModel, GroundDetection, GroundFrame
 from missionkit.perception.camera_section import Camera, Mount
 from missionkit.perception.ground_plane import ViewNoise, on_ground, view_of

@@ -19,8 +19,8 @@ import math
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 
 NORTH, EAST = 0, 1  # m

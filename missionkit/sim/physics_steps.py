@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import GRAVITY, Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 from missionkit.planning.rotor_power import RotorModel
 from missionkit.sim import kernel_layout as at

@@ -16,8 +16,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 from missionkit.sim import ground_robots as of
 from missionkit.sim import kernel_layout as at

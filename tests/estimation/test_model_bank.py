@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from missionkit.estimation.target_tracking import model_bank, multiple_models
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.estimation.target_tracking.multiple_models import (
     SPIN,
     STRAIGHT,
@@ -20,6 +19,7 @@ from missionkit.estimation.target_tracking.multiple_models import (
     kernels,
     predicted,
 )
+from missionkit.ground_robot import GroundRobot
 from missionkit.sim.ground_robots import SPIN_LEFT, advance, placed, random_offsets
 
 ROBOT = GroundRobot()

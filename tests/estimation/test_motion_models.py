@@ -9,7 +9,7 @@ import pytest
 from filterpy.kalman import KalmanFilter
 
 from missionkit.estimation.target_tracking import motion_models as mm
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.sim.ground_robots import advance, placed, random_offsets
 
 ROBOT = GroundRobot()

@@ -9,9 +9,9 @@ import pytest
 from scipy.stats import chi2
 
 from missionkit.estimation.target_tracking.association import MOST_DETECTIONS, fused, usable
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.estimation.target_tracking.heading_start import Place, first_state
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker, Tracker, inside
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection, GroundFrame
 
 ROBOT = GroundRobot()

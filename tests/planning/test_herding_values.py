@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.planning.herding import gain, value_table
 from missionkit.planning.herding import robot_forecast as fc
 from missionkit.planning.herding.value_iteration import values

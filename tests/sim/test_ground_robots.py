@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.sim.ground_robots import (
     EAST,
     HEADING,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.sim import ground_robots as of
 from missionkit.sim import kernel_layout
 from missionkit.sim.flight_grading import HerdGrade

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from missionkit.estimation.linear_algebra import joseph, symmetrise, transpose
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 
 HEADING = 2

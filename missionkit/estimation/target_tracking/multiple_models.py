@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from missionkit.estimation.target_tracking import model_bank, motion_models
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 
 STRAIGHT, SPIN, CIRCLING, STANDING = "straight", "spin", "circling", "standing"
 TARGET, OBSTACLE = "target", "obstacle"

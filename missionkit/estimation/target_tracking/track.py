@@ -9,7 +9,6 @@ import numpy as np
 
 from missionkit.estimation.target_tracking import model_bank, multiple_models
 from missionkit.estimation.target_tracking.apparent_size import size_evidence
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.estimation.target_tracking.heading_start import MOST_PLACES, Place, first_state
 from missionkit.estimation.target_tracking.multiple_models import (
     OBSTACLE,
@@ -20,6 +19,7 @@ from missionkit.estimation.target_tracking.multiple_models import (
     kernels,
 )
 from missionkit.geometry import Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection
 
 WINDOW = 30

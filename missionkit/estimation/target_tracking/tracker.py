@@ -19,11 +19,11 @@ from pydantic import Field
 
 from missionkit.estimation.target_tracking import track
 from missionkit.estimation.target_tracking.association import assigned, fused, usable
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.estimation.target_tracking.multiple_models import Estimator, Library
 from missionkit.estimation.target_tracking.track import Motion, Track
 from missionkit.estimation.target_tracking.track_output import target_of
 from missionkit.geometry import Mat
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection, GroundFrame, Target, track_name
 from missionkit.plugin import Plugin
 from missionkit.units import Metres, Number, Seconds

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages.herd import Arena, HerdChoice, HerdRobot, HerdView
 from missionkit.planning.herding.arena_frame import to_arena
 from missionkit.plugin import Plugin

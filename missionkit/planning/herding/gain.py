@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 from missionkit.planning.herding.robot_forecast import (
     HEADING,

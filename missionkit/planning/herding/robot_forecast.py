@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 
 X, Y = 0, 1  # m

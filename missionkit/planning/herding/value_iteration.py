@@ -21,7 +21,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
 from missionkit.planning.herding.robot_forecast import HOME, INSIDE, crossed
 

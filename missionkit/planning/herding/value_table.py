@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 from missionkit.kernel_cache import folder_for
 from missionkit.planning.herding.value_iteration import Table, values
 
