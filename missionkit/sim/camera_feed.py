@@ -11,6 +11,8 @@ from missionkit.geometry import Mat, Transform, Vec3
 from missionkit.messages import Frame
 from missionkit.sim.kernel_layout import RATE
 from missionkit.sim.marker_visibility import Spotter
+from missionkit.sim.robot_boxes import BoxSpotter
+from missionkit.sim.robot_look import RobotLook, looks_of
 from missionkit.sim.world import World
 
 if TYPE_CHECKING:
@@ -27,20 +29,39 @@ class Shot(NamedTuple):
     hidden: frozenset[int]
     repeat: bool  # frozen: the last frame comes again
     flipped: bool  # upside down
+    robots: tuple[RobotLook, ...] = ()
 
 
 class Feed:
-    """Frames of one camera. Pictures are made on arrival, and only those that are delivered."""
+    """Frames of one camera. Pictures are made on arrival, and only those that are delivered.
 
-    def __init__(self, camera: Camera, world: World, things: Mat, rng: np.random.Generator) -> None:
+    Args:
+        camera: the mission's.
+        world: what there is to see.
+        things: (N, 8) obstacles that hide markers.
+        rng: the camera's stream.
+        boxes: the stream of what detectors of ground robots would find.
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        world: World,
+        things: Mat,
+        rng: np.random.Generator,
+        boxes: np.random.Generator,
+    ) -> None:
         self._camera = camera
+        self._world = world
         self._model = camera.model()
         self._spotter = Spotter(world.markers, self._model, things, rng)
+        self._boxes = BoxSpotter(world, self._model, boxes)
         self._renderer = self._start(world, rng) if camera.drawn else None
         self._waiting: deque[Shot] = deque()
         self._last: Frame | None = None
         self._count = 1
         self._off = camera.use == "none"
+        self._any_robots = bool(world.target_starts or world.obstacle_starts)
 
     def _start(self, world: World, rng: np.random.Generator) -> Renderer:
         from missionkit.sim.camera_renderer import Renderer  # noqa: PLC0415 (imports cv2)
@@ -57,6 +78,7 @@ class Feed:
     def expose(
         self,
         x: Vec3,
+        robots: Mat,
         *,
         hidden: frozenset[int],
         delay: float,
@@ -68,6 +90,7 @@ class Feed:
 
         Args:
             x: (17,) true state.
+            robots: (R, ·) true states of the ground robots.
             hidden: ids of markers that are covered.
             delay: s, added to the latency.
             off: no frame.
@@ -78,7 +101,8 @@ class Feed:
         self._count += 1
         if not off:
             due = at + self._camera.latency + delay
-            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen, flipped))
+            looks = tuple(looks_of(self._world, robots))
+            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen, flipped, looks))
 
     def deliver(self, now: float) -> Frame | None:
         """Return the newest frame that has arrived by `now` (s), if any; older ones are lost."""
@@ -97,13 +121,16 @@ class Feed:
         if frame.image is not None:
             return Frame(frame.at, np.ascontiguousarray(frame.image[::-1, ::-1]))
         last = np.array([self._camera.width - 1.0, self._camera.height - 1.0])
-        found = frame.corners or ()
-        return Frame(frame.at, None, tuple((name, number, last - at) for name, number, at in found))
+        found = tuple((name, number, last - at) for name, number, at in frame.corners or ())
+        boxes = tuple(box._replace(centre=last - box.centre) for box in frame.boxes or ())
+        return Frame(frame.at, None, found, boxes)
 
     def _picture(self, shot: Shot) -> Frame:
         x, exposure = shot.state, self._camera.exposure
-        if self._renderer is None:
-            return Frame(shot.at, None, self._spotter.find(x, exposure, shot.hidden))
         body = Transform(x[6:10], x[:3])
-        image = self._renderer.render(body, x[3:6], x[10:13], exposure, shot.hidden)
+        if self._renderer is None:
+            corners = self._spotter.find(x, exposure, shot.hidden)
+            boxes = self._boxes.find(body, shot.robots) if self._any_robots else ()
+            return Frame(shot.at, None, corners, boxes)
+        image = self._renderer.render(body, x[3:6], x[10:13], exposure, shot.hidden, shot.robots)
         return Frame(shot.at, image)

@@ -13,7 +13,8 @@ from missionkit.messages import CameraModel, Image
 from missionkit.sim import ground_drawing, lens_model
 from missionkit.sim.occlusion import OcclusionScene
 from missionkit.sim.perspective_canvas import CanvasView, paint, view_of
-from missionkit.sim.robot_drawing import RobotLook, robot_solids
+from missionkit.sim.robot_drawing import robot_solids
+from missionkit.sim.robot_look import RobotLook
 from missionkit.sim.solid_shapes import Solid, edge_lines, solids
 from missionkit.sim.world import World
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 import cv2
 import numpy as np
@@ -16,25 +16,15 @@ from missionkit.ground_robot import GroundRobot
 from missionkit.messages import Image
 from missionkit.sim import textures
 from missionkit.sim.perspective_canvas import CanvasView, Face, in_sight
+from missionkit.sim.robot_look import ROBOT, RobotLook
 from missionkit.sim.solid_shapes import Solid, circle, prism, ring_of
 
-ROBOT: Final = GroundRobot()
 RADIUS: Final = 0.5 * ROBOT.diameter  # m
 PLATE: Final = (0.22, 0.24)  # m, of the plate, along the heading and across
 PAD: Final = 0.045  # m, radius of the touch pad, in the middle
 BODY, BUMPER, POLE = 178, 58, 205  # grey levels of the paint
 TEXELS: Final = 160  # across a robot seen from above
 BODY_CORNERS, POLE_CORNERS = 24, 10
-
-
-class RobotLook(NamedTuple):
-    """A ground robot as a camera sees it at one moment."""
-
-    north: float  # m
-    east: float  # m
-    heading: float  # rad, clockwise from north
-    plate: int  # grey level of the plate's paint
-    tower: float = 0.0  # m, height of its top above the ground; 0: none
 
 
 def robot_solids(robots: Sequence[RobotLook], view: CanvasView) -> list[Solid]:

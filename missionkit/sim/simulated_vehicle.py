@@ -70,7 +70,7 @@ class SimulatedVehicle(SimulatedPort):
         self.payload: str | None = None  # actuator that is on
         self._mishaps = Mishaps(tuple(faults), {})
         self._plant = Plant(world, rngs)
-        self._feed = Feed(camera, world, self._plant.things, rngs["camera"])
+        self._feed = Feed(camera, world, self._plant.things, rngs["camera"], rngs["boxes"])
         self._gnss = GnssSensor(world.sensors.gnss, rngs["gnss"])
         self._baro = BaroSensor(world.sensors.baro, rngs["baro"])
         self._mag = MagnetometerSensor(world.sensors.magnetometer, rngs["magnetometer"])
@@ -260,6 +260,7 @@ class SimulatedVehicle(SimulatedPort):
         faults = self._mishaps
         self._feed.expose(
             self._plant.state,
+            self.robots,
             hidden=faults.hidden(now, self._ids),
             delay=(faults.since("camera_delayed", now) or (0.0, 0.0))[0],
             off=faults.active("camera_off", now),

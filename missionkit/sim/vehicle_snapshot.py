@@ -24,6 +24,7 @@ from missionkit.sim.lens_model import Sensor
 from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.plant import Plant
 from missionkit.sim.random_blocks import Normals
+from missionkit.sim.robot_boxes import BoxSpotter
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
@@ -41,8 +42,9 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     FlyerPlant: ("step", "state", "memory", "_imu", "_uwb"),
     FeatureCamera: ("beat", "_noise", "_last"),
     Plant: ("step", "state", "memory", "robots", "_wind", "_own", "_imu"),
-    Feed: ("_spotter", "_renderer", "_waiting", "_count"),
+    Feed: ("_spotter", "_boxes", "_renderer", "_waiting", "_count"),
     Spotter: ("_rng",),
+    BoxSpotter: ("_rng",),
     Renderer: ("_sensor",),
     Sensor: ("_rng", "_gain"),
     GnssSensor: ("beat", "_noise", "_drift"),

@@ -10,7 +10,7 @@ import pytest
 from missionkit.geometry import Transform, from_euler, vec
 from missionkit.perception.camera_section import Camera, Mount
 from missionkit.sim.camera_renderer import Renderer
-from missionkit.sim.robot_drawing import RobotLook
+from missionkit.sim.robot_look import RobotLook
 from missionkit.sim.world import World
 
 STILL = np.zeros(3)

@@ -1,0 +1,54 @@
+"""How the ground robots of a world look.
+
+Imported late, as the ground robots are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.geometry import Mat, Vec3
+from missionkit.sim.ground_robots import EAST, HEADING, NORTH, OUT
+from missionkit.sim.world import World
+
+ROBOT: Final = GroundRobot()
+
+
+class RobotLook(NamedTuple):
+    """A ground robot as a camera sees it at one moment."""
+
+    north: float  # m
+    east: float  # m
+    heading: float  # rad, clockwise from north
+    plate: int  # grey level of the plate's paint
+    tower: float = 0.0  # m, height of its top above the ground; 0: none
+
+
+def looks_of(world: World, robots: Mat) -> list[RobotLook]:
+    """Return the robots in play as a camera sees them.
+
+    Args:
+        world: says how they are painted, and their towers.
+        robots: (R, SIZE) states, see `ground_robots`.
+    """
+    return [
+        RobotLook(*_pose(robots[n]), plate, tower)
+        for n, (plate, tower) in enumerate(_painted(world))
+        if robots[n, OUT] == 0.0
+    ]
+
+
+def _painted(world: World) -> Iterator[tuple[int, float]]:
+    """Yield the plate's grey level and the tower's height (m) of each robot, in order."""
+    for n in range(len(world.target_starts)):
+        assert world.robots is not None  # noqa: S101 - it has starts
+        yield world.robots.plates[n % len(world.robots.plates)], 0.0
+    for it in world.obstacle_starts:
+        assert world.obstacle_robots is not None  # noqa: S101 - the same
+        yield world.obstacle_robots.plate, it.tower
+
+
+def _pose(state: Vec3) -> tuple[float, float, float]:
+    return float(state[NORTH]), float(state[EAST]), float(state[HEADING])
