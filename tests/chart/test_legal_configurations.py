@@ -75,7 +75,7 @@ def test_a_chart_goes_where_the_recommendation_says(pick):
             compare(reference, stepped, decision)
     except UnsettledError:
         (problem,) = stepped.contain.take()
-        assert problem.startswith("the chart keeps changing state within one tick")
+        assert problem.startswith("the chart does not come to rest within one tick")
 
 
 def test_events_of_the_beginning_come_in_the_order_of_entry():

@@ -84,3 +84,35 @@ def test_an_initial_state_without_outputs_is_entered_quietly():
     decisions = [walk.tick() for _ in range(3)]
     assert [decision.entered for decision in decisions] == [True, False, False]
     assert walk.trace == []
+
+
+FAILING = """\
+initial: x
+dwell: 0
+variables: {tries: {initial: 0, max: 1}, seen: 0}
+states:
+  x:
+    kind: custom
+    entry: [{assign: {tries: {add: 1}}}, {assign: {seen: {add: 1}}}]
+    exit: [{assign: {tries: {add: 1}}}, {assign: {seen: {add: 10}}}]
+    transitions:
+      - {to: x, event: go, do: [{log: on the way}, {assign: {tries: {add: 5}}}, {vehicle: hold}]}
+      - {to: y, event: error.execution}
+  y: {kind: custom}
+  land: {kind: land}
+"""
+
+
+def test_after_an_action_that_fails_the_rest_of_its_block_alone_is_skipped():
+    walk = Walk(FAILING)
+    walk.tick()
+    assert walk.memory.variables == {"tries": 1, "seen": 1}
+    decision = walk.tick("go")
+    assert walk.memory.variables == {"tries": 1, "seen": 1}  # of exit, of the way, of entry
+    assert decision.orders == ()
+    assert decision.fired[0].outputs[1:] == (
+        *("assign tries add 1", "log on the way", "assign tries add 5", "assign tries add 1"),
+    )
+    rest = "is not a valid value of tries; it stays 1; the actions after it are skipped"
+    assert decision.problems == tuple(f"assign tries: {value} {rest}" for value in (2, 6, 2, 2))
+    assert walk.state == "y"

@@ -30,10 +30,11 @@ MORE: Mapping[str, frozenset[str]] = {
     "datamodel": frozenset(),
     "data": frozenset({"id", "expr"}),
     "assign": frozenset({"location", "expr"}),
-    "send": frozenset({"event", "delay", "target"}),
+    "send": frozenset({"event", "delay", "delayexpr", "target", "id"}),
+    "cancel": frozenset({"sendid"}),
 }
 DONE = "done.state."
-SENT = "send"  # how a log begins that asks whoever flies the chart for an event: `send name 0.5`
+FAILING = "failing"  # a variable that has no other value: assigning one is an action that fails
 
 
 class Converted(NamedTuple):
@@ -59,6 +60,12 @@ def convert(chart: Element) -> Converted:
     converter = _Converter(chart)
     document = {} if strange else converter.document()
     return Converted(document, converter.ids, (*strange, *converter.beyond))
+
+
+def sends_at_once(chart: Element) -> bool:
+    """Say whether a chart sends something to itself, from outside, without delay."""
+    sends = chart.iter(f"{SCXML}send")
+    return any(not {"delay", "delayexpr", "target"} & set(each.attrib) for each in sends)
 
 
 def _strange(chart: Element, known: Mapping[str, frozenset[str]]) -> tuple[str, ...]:
@@ -90,6 +97,8 @@ class _Converter:
         self.ids = {each.get("id", ""): name for each, name in self.names.items()}
         if len(set(self.names.values())) < len(self.names):
             self.beyond.append("ids that differ only in characters that names have not")
+        self.delays = {each.get("delayexpr", "") for each in chart.iter(f"{SCXML}send")}
+        self.sent = {each.get("id"): each.get("event", "") for each in chart.iter(f"{SCXML}send")}
         self.variables = self._variables()
 
     def document(self) -> dict[str, Any]:
@@ -102,6 +111,8 @@ class _Converter:
         }
         if self.variables:
             document["variables"] = self.variables
+        if FAILING in self.variables:
+            document["variables"] = {**self.variables, FAILING: {"initial": 0, "max": 0}}
         return document
 
     def _name(self, element: Element, at: int) -> str:
@@ -117,11 +128,19 @@ class _Converter:
             if (data.text or "").strip():
                 self.beyond.append(f"<data {name}> with content")
             first = data.get("expr") or next(self._assigned(name), "0")
-            value = self._or_beyond(f"<data {name}>", 0, lambda first=first: literal(first))
+            value = self._or_beyond(
+                f"<data {name}>", 0, lambda first=first, name=name: self._literal(first, name)
+            )
             variables[name] = value if data.get("expr") else type(value)()
         if any("cond" in each.attrib for each in self.chart.iter(f"{SCXML}transition")):
             variables[TRUTH] = True
+        if any(map(_fails, self.chart.iter())):
+            variables[FAILING] = 0
         return variables
+
+    def _literal(self, text: str, name: str) -> Value:
+        value = literal(text)
+        return _seconds(value) if name in self.delays else value
 
     def _assigned(self, name: str) -> Iterator[str]:
         for each in self.chart.iter(f"{SCXML}assign"):
@@ -197,6 +216,9 @@ class _Converter:
         return DONE + self.ids.get(state, state)
 
     def _actions(self, blocks: Iterable[Element]) -> list[dict[str, Any]]:
+        blocks = list(blocks)
+        if any(map(_fails, (each for block in blocks[:-1] for each in block))):
+            self.beyond.append(f"<{blocks[0].tag.removeprefix(SCXML)}> twice, the first fails")
         return [action for block in blocks for action in self._do(block)]
 
     def _do(self, block: Element) -> list[dict[str, Any]]:
@@ -210,34 +232,58 @@ class _Converter:
                 return {"assign": self._assign(element)}
             case "send":
                 return self._send(element)
+            case "cancel":
+                return {"cancel": self._event(self.sent.get(element.get("sendid"), ""))}
             case _:
                 return {"log": " ".join(filter(None, map(element.get, ("label", "expr")))) or "-"}
 
     def _assign(self, element: Element) -> dict[str, Any]:
         name, text = element.get("location", "").strip(), element.get("expr", "")
-        value = self._or_beyond(
-            f"<assign {name}>", 0, lambda: assignment(text, name, self.variables)
-        )
+        value = self._or_beyond(f"<assign {name}>", 0, lambda: self._assignment(text, name))
         if name not in self.variables:
             self.beyond.append(f"<assign> to the undeclared {name}")
         return {name: value}
 
+    def _assignment(self, text: str, name: str) -> Any:
+        value = assignment(text, name, self.variables)
+        return value if isinstance(value, dict) or name not in self.delays else _seconds(value)
+
     def _send(self, element: Element) -> dict[str, Any]:
+        event = self._event(element.get("event", ""))
         match element.get("target"):
             case "#_internal" if "delay" not in element.attrib:
-                return {"raise": self._event(element.get("event", ""))}
+                return {"raise": event}
             case None:
-                return {"log": f"{SENT} {element.get('event')} {self._delay(element)}"}
+                return {"raise": {"event": event, "after": self._delay(element)}}
+            case _ if _fails(element):
+                return {"assign": {FAILING: {"add": 1}}}
             case target:
                 self.beyond.append(f"<send> to {target}")
-                return {"log": SENT}
+                return {"log": "-"}
 
-    def _delay(self, element: Element) -> float:
-        found = re.fullmatch(r"(\d*\.?\d+)(ms|s)", element.get("delay", "0s"))
-        if found is None:
-            self.beyond.append(f"<send> after {element.get('delay')}")
-            return 0.0
-        return float(found[1]) * (0.001 if found[2] == "ms" else 1.0)
+    def _delay(self, element: Element) -> float | str:
+        text = element.get("delayexpr", f"'{element.get('delay', '0s')}'")
+        if text in self.variables:
+            return text
+        return self._or_beyond(f"<send> after {text}", 0.0, lambda: _seconds(literal(text)))
+
+
+def _seconds(text: object) -> float:
+    """Return the seconds that a duration such as `1.5s` stands for.
+
+    Raises:
+        BeyondError: it is no duration.
+    """
+    found = re.fullmatch(r"(\d*\.?\d+)(ms|s)", str(text))
+    if found is None:
+        raise BeyondError(str(text))
+    return float(found[1]) * (0.001 if found[2] == "ms" else 1.0)
+
+
+def _fails(element: Element) -> bool:
+    """Say whether an action is sure to fail: nothing can be sent to what is no address."""
+    to = element.get("target", "#") if element.tag == f"{SCXML}send" else "#"
+    return not to.startswith("#")
 
 
 def _children(element: Element, *tags: str) -> Iterator[Element]:

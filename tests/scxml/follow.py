@@ -1,4 +1,4 @@
-"""A converted chart under way, with the clock and the outside queue of an SCXML session."""
+"""A converted chart under way, with the clock of an SCXML session."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from convert import SENT, Converted
+from convert import Converted
 from samples import calm
 
 from missionkit.chart.load import parse
@@ -20,7 +20,7 @@ CATALOGUE = builtin()
 
 
 class Session:
-    """A chart that hears one event at a time; what it sends comes back when it is due."""
+    """A chart that hears one event at a time."""
 
     def __init__(self, converted: Converted) -> None:
         mission = parse(json.dumps(converted.document), "converted.yaml", CATALOGUE)
@@ -28,7 +28,6 @@ class Session:
         self.ids = {name: given for given, name in converted.ids.items()}
         self.contain = Containment()
         self.now = 0.0
-        self.due: list[tuple[float, str]] = []
         self.memory = begin(self.chart, self.now)
         self.hear()
         self.wait(0.0)
@@ -36,20 +35,15 @@ class Session:
     def hear(self, *events: str) -> None:
         """Let one tick pass."""
         seen = calm(now=self.now, status=None, events=events)
-        self.memory, decision = decide(self.chart, self.memory, seen, self.contain)
+        self.memory, _ = decide(self.chart, self.memory, seen, self.contain)
         assert not self.contain.take()
-        for fired in decision.fired:
-            for said in fired.outputs:
-                self._send(said)
 
     def wait(self, seconds: float) -> None:
-        """Let time pass, and what was sent come in when it is due."""
+        """Let time pass; the chart ticks when an event that it has delayed is due."""
         until = self.now + seconds
-        while self.due and min(self.due)[0] <= until + 1e-9:
-            first = min(self.due, key=lambda each: each[0])
-            self.due.remove(first)
-            self.now = max(self.now, first[0])
-            self.hear(first[1])
+        while self.memory.delayed and self.memory.delayed[0].due <= until + 1e-9:
+            self.now = max(self.now, self.memory.delayed[0].due)
+            self.hear()
         self.now = until
 
     def innermost(self) -> list[str]:
@@ -57,11 +51,6 @@ class Session:
         states = self.chart.states
         leaves = [name for name in self.memory.active if states[name].shape in LEAVES]
         return sorted(self.ids[name] for name in leaves)
-
-    def _send(self, said: str) -> None:
-        match said.split(" "):
-            case ["log", verb, event, delay] if verb == SENT:
-                self.due.append((self.now + float(delay), event))
 
 
 def followed(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from missionkit.chart.checks import (
     battery_reserve,
     default_failsafes,
+    delayed_events,
     geofence_violations,
     hysteresis,
     implausible_goals,
@@ -35,6 +36,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     reachability.traps,
     livelocks.livelocks,
     livelocks.oscillations,
+    delayed_events.problems_of,
     hysteresis.problems_of,
     plugin_requirements.problems_of,
     landing_guarantee.problems_of,

@@ -185,7 +185,7 @@ def _raised(chart: AnalysedChart, way: GuardedTransition, entered: Sequence[str]
     states = chart.tree.states
     acts = [*states[way.source].state.exit, *way.model.do]
     acts += [act for name in entered for act in states[name].state.entry]
-    return [str(act.event) for act in acts if isinstance(act, Raise)]
+    return [str(act.event) for act in acts if isinstance(act, Raise) and not act.after]
 
 
 def _trimmed(follows: dict[int, list[int]]) -> dict[int, list[int]]:

@@ -10,13 +10,14 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from missionkit.chart.model.model_base import Scope
-from missionkit.chart.model.variables import Value
+from missionkit.chart.model.variables import Value, is_number
 from missionkit.chart.text.located_data import LocatedTable, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 
 VEHICLE_ORDERS = ("arm", "disarm", "hold", "land", "return")
 OPERATIONS = ("set", "add", "copy", "toggle")
+RAISE_KEYS = ("event", "after")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,16 @@ class Log:
 
 @dataclass(frozen=True, slots=True)
 class Raise:
-    """Send an event to the chart itself."""
+    """Send an event to the chart itself, at once or later: `{event: name, after: 5}`."""
+
+    event: str
+    place: Place
+    after: float | str | None = None  # s, or the variable that holds them
+
+
+@dataclass(frozen=True, slots=True)
+class Cancel:
+    """Drop the delayed events of that name that are yet to come."""
 
     event: str
     place: Place
@@ -53,7 +63,7 @@ class Order:
     place: Place
 
 
-Act = Log | Raise | Assign | Order
+Act = Log | Raise | Cancel | Assign | Order
 
 
 class ActionField:
@@ -82,9 +92,16 @@ class ActionField:
         scalar = {"type": ["string", "number", "boolean"]}
         value = {"anyOf": [scalar, {"type": "object", "minProperties": 1, **operation}]}
         assign = {"type": "object", "minProperties": 1, "maxProperties": 1}
+        delayed = {
+            "type": "object",
+            "properties": {"event": text, "after": {"type": ["number", "string"], "minimum": 0}},
+            "required": ["event"],
+            "additionalProperties": False,
+        }
         forms: dict[str, tuple[type, dict[str, Any]]] = {
             "log": (Log, text),
-            "raise": (Raise, text),
+            "raise": (Raise, {"anyOf": [text, delayed]}),
+            "cancel": (Cancel, text),
             "assign": (Assign, {**assign, "additionalProperties": value}),
             "vehicle": (Order, {"enum": list(VEHICLE_ORDERS)}),
         }
@@ -115,8 +132,37 @@ def _log(value: object, data: LocatedTable, _: Scope) -> Log:
     return Log(_text("log", value), data.place)
 
 
-def _raise(value: object, data: LocatedTable, _: Scope) -> Raise:
-    return Raise(_text("raise", value), data.place)
+def _raise(value: object, data: LocatedTable, scope: Scope) -> Raise:
+    if not isinstance(value, LocatedTable):
+        return Raise(_text("raise", value), data.place)
+    odd = next((key for key in value if key not in RAISE_KEYS), None)
+    if odd is not None:
+        unknown = f"unknown key {odd!r}"
+        raise sentences(sentence(unknown, "raise", odd, word=odd, known=RAISE_KEYS, at_key=True))
+    event = value.get("event")
+    if not isinstance(event, str) or not event:
+        expected = f"'event': expected a string, got {shown(event)}"
+        raise sentences(sentence(expected, "raise", "event"))
+    return Raise(event, data.place, _delay(value["after"], scope) if "after" in value else None)
+
+
+def _delay(after: object, scope: Scope) -> float | str:
+    at = ("raise", "after")
+    if isinstance(after, str):
+        if after not in scope.variables:
+            unknown = f"unknown variable {after!r}"
+            raise sentences(sentence(unknown, *at, word=after, known=scope.variables))
+        return str(after)
+    if not is_number(after):
+        expected = f"'after': expected seconds or the name of a variable, got {shown(after)}"
+        raise sentences(sentence(expected, *at))
+    if after < 0.0:
+        raise sentences(sentence(f"'after': expected 0 s or more, got {after:g}", *at))
+    return float(after)
+
+
+def _cancel(value: object, data: LocatedTable, _: Scope) -> Cancel:
+    return Cancel(_text("cancel", value), data.place)
 
 
 def _order(value: object, data: LocatedTable, _: Scope) -> Order:
@@ -152,6 +198,7 @@ def _assign(value: object, data: LocatedTable, scope: Scope) -> Assign:
 _PARSERS: dict[str, Callable[[object, LocatedTable, Scope], Act]] = {
     "log": _log,
     "raise": _raise,
+    "cancel": _cancel,
     "assign": _assign,
     "vehicle": _order,
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.actions import Assign
+from missionkit.chart.model.actions import Assign, Raise
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.traversal import actions_of, guards_of
 from missionkit.chart.model.variables import Variable, alike, is_number
@@ -17,10 +17,15 @@ Variables = Mapping[str, Variable]
 def problems_of(mission: Mission) -> Iterator[Problem]:
     """Yield a problem for each comparison or assignment that can never be right."""
     for action in actions_of(mission):
-        if isinstance(action, Assign):
-            wrong = _assigned(mission.variables, action)
-            if wrong:
-                yield Problem(action.place, f"assign {action.variable}: {wrong}")
+        match action:
+            case Assign(variable=name):
+                wrong, what = _assigned(mission.variables, action), f"assign {name}"
+            case Raise(event=event, after=str(name)):
+                wrong, what = _delayed(mission.variables[name]), f"raise {event} after {name}"
+            case _:
+                continue
+        if wrong:
+            yield Problem(action.place, f"{what}: {wrong}")
     for guard in guards_of(mission):
         for part in ex.parts_of(guard):
             if isinstance(part, ex.VariableGuard):
@@ -44,6 +49,14 @@ def _assigned(variables: Variables, action: Assign) -> str:
         return f"expected {variable.described}, got {operand!r}"
     if isinstance(variable.initial, int) and isinstance(operand, float):
         return "it is a whole number; write its initial value with a decimal point, 0.0"
+    return ""
+
+
+def _delayed(variable: Variable) -> str:
+    if not is_number(variable.initial):
+        return f"a delay is a number; it is {variable.type_name}"
+    if variable.max is not None and variable.max < 0.0:
+        return f"a delay is not negative; it is {variable.described}"
     return ""
 
 

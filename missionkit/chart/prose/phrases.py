@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
+from missionkit.chart.model.actions import Act, Assign, Cancel, Log, Order, Raise
 from missionkit.chart.model.state_definitions import Transition
 
 DONE_GUARD = "done"
@@ -118,12 +118,20 @@ def action(act: Act) -> str:
     match act:
         case Log(text=text):
             return f"logs {text!r}"
-        case Raise(event=event):
-            return f"raises {event}"
+        case Raise(event=event, after=after):
+            return f"raises {event}{_later(after)}"
+        case Cancel(event=event):
+            return f"cancels the delayed {event}"
         case Order(action=word):
             return f"asks the autopilot to {word}"
         case Assign():
             return _assigned(act)
+
+
+def _later(after: float | str | None) -> str:
+    if isinstance(after, str):
+        return f" after the time in {after}"
+    return f" after {after:g} s" if after else ""
 
 
 def _assigned(act: Assign) -> str:

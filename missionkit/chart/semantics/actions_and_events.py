@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
 
 from missionkit.chart.model.variables import Value, Values, Variable, is_number
+from missionkit.chart.semantics.chart_memory import DelayedEvent
 from missionkit.chart.semantics.compiled_chart import Output
+
+MOST_DELAYED = 64  # delayed events that may be under way at once
 
 
 def matches(descriptors: tuple[str, ...], event: str) -> bool:
@@ -44,6 +49,31 @@ def assigned(
     return {**values, name: value}, ""
 
 
+def delay_of(values: Values, output: Output) -> tuple[float, str]:
+    """Return after how long (s) a delayed event is to come, and what was wrong with that."""
+    operand = output.operand
+    delay = values[operand] if isinstance(operand, str) else operand
+    if is_number(delay) and 0.0 <= delay < math.inf:
+        return float(delay), ""
+    return 0.0, f"{in_words(output)}: {delay} is not a valid delay; the event is not raised"
+
+
+def scheduled(
+    delayed: Sequence[DelayedEvent], due: float, event: str
+) -> tuple[tuple[DelayedEvent, ...], str]:
+    """Return the delayed events with one more, and what was wrong with that.
+
+    Args:
+        delayed: under way, the next first.
+        due: s, when the new one is to come; at equal times it comes after the others.
+        event: its name.
+    """
+    if len(delayed) >= MOST_DELAYED:
+        return tuple(delayed), f"raise {event}: {MOST_DELAYED} delayed events are under way already"
+    place = bisect_right(delayed, due, key=lambda each: each.due)
+    return (*delayed[:place], DelayedEvent(due, event), *delayed[place:]), ""
+
+
 def _value(values: Values, output: Output) -> Value | None:
     before, operand = values[output.text], output.operand
     if output.operation == "add":
@@ -65,5 +95,8 @@ def in_words(output: Output) -> str:
             return f"{assigned} = {output.operand}"
         case "toggle":
             return f"{assigned} toggled"
+        case "after":
+            unit = "" if isinstance(output.operand, str) else " s"
+            return f"{assigned} after {output.operand}{unit}"
         case operation:
             return f"{assigned} {operation} {output.operand}"

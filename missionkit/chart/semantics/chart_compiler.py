@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.model.actions import Act, Assign, Log, Order, Raise
+from missionkit.chart.model.actions import Act, Assign, Cancel, Log, Order, Raise
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.placed_states import Placed, around, firsts
 from missionkit.chart.model.state_contracts import fulfilled
@@ -255,8 +255,11 @@ def _output(action: Act) -> Output:
     match action:
         case Log(text=text):
             return Output("log", str(text))
-        case Raise(event=event):
-            return Output("raise", str(event))
+        case Raise(event=event, after=after):
+            delayed = () if after is None else ("after", after)
+            return Output("raise", str(event), *delayed)
+        case Cancel(event=event):
+            return Output("cancel", str(event))
         case Order(action=word):
             return Output("vehicle", str(word))
         case Assign(variable=variable, operation=operation, operand=operand):

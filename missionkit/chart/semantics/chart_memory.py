@@ -14,6 +14,13 @@ from missionkit.messages import Action, Fired, Verdict
 EMPTY_MEMORY: Mapping[Any, Any] = {}
 
 
+class DelayedEvent(NamedTuple):
+    """An event that the chart has raised and that is yet to come."""
+
+    due: float  # s, mission time
+    event: str
+
+
 class ChartMemory(NamedTuple):
     """Where the chart stands. Immutable, and fit to be saved."""
 
@@ -27,6 +34,7 @@ class ChartMemory(NamedTuple):
     violated: Mapping[str, float] = EMPTY_MEMORY  # state -> since when its invariant is broken, s
     started: bool = False  # the initial states' entry was carried out
     ended: bool = False  # a final state of the whole chart is active
+    delayed: tuple[DelayedEvent, ...] = ()  # the next first
 
     @property
     def state(self) -> str:

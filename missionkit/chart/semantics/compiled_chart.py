@@ -61,10 +61,10 @@ class GuardMemory(NamedTuple):
 class Output(NamedTuple):
     """One Mealy output of a transition, or an entry or exit action."""
 
-    verb: str  # log, raise, assign, vehicle
+    verb: str  # log, raise, cancel, assign, vehicle
     text: str
-    operation: str = ""  # assign: set, add, copy, toggle
-    operand: Value = ""
+    operation: str = ""  # assign: set, add, copy, toggle; raise: after
+    operand: Value = ""  # raise: s, or the variable that holds them
 
 
 class Shape(Enum):

@@ -30,7 +30,7 @@ class EnteredState(NamedTuple):
     """One state that is entered, and what that brings with it."""
 
     name: str
-    outputs: tuple[Output, ...]  # on entry, then those of default entry and default history
+    blocks: tuple[tuple[Output, ...], ...]  # on entry, of default entry, of default history
     events: tuple[str, ...]  # done.state...
 
 
@@ -166,7 +166,7 @@ class _Walk:
             restored=frozenset(self.restored),
             ended=ended,
             kept=tuple([name for name in kept if name not in self.entering]),
-            says=speaking or any(entry.outputs or entry.events for entry in entries),
+            says=speaking or any(entry.blocks or entry.events for entry in entries),
             gone=frozenset([way.number for state in leaving for way in state.transitions]),
         )
 
@@ -293,11 +293,10 @@ class _Walk:
         for name in entered:
             active.add(name)
             state = self.states[name]
-            outputs = state.entry
-            if name in self.by_default:
-                outputs += state.initial.outputs
-            outputs += self.default_history.get(name, ())
-            entries.append(EnteredState(name, outputs, self._done(state, active)))
+            start = state.initial.outputs if name in self.by_default else ()
+            every = (state.entry, start, self.default_history.get(name, ()))
+            blocks = tuple(filter(None, every))
+            entries.append(EnteredState(name, blocks, self._done(state, active)))
         return tuple(entries)
 
     def _done(self, state: CompiledState, active: set[str]) -> tuple[str, ...]:

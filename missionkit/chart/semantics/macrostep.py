@@ -6,11 +6,17 @@ mainEventLoop, selectTransitions, microstep.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from missionkit.chart.semantics import entry_exit_sets
-from missionkit.chart.semantics.actions_and_events import assigned, in_words, matches
+from missionkit.chart.semantics.actions_and_events import (
+    assigned,
+    delay_of,
+    in_words,
+    matches,
+    scheduled,
+)
 from missionkit.chart.semantics.chart_memory import ChartMemory, Decision
 from missionkit.chart.semantics.compiled_chart import (
     ROOT_STATE,
@@ -25,6 +31,7 @@ from missionkit.chart.semantics.guard_evaluation import evaluated
 from missionkit.messages import ABORT, Action, Fired, Verdict
 
 MOST_MICROSTEPS = 1000  # microsteps in one tick: more is a chart that does not come to rest
+WATCHED_FROM = 16  # microsteps after which a tick is watched for going round in a circle
 ERROR = "error.execution"
 _new = tuple.__new__  # quicker than the class's own
 
@@ -67,23 +74,13 @@ class Macrostep:
         if not self.memory.started:
             self._start()
             rested = False
-        if forced is not None:
+        if forced is None:
+            self._hear_delayed()
+        else:
             self.external.clear()
             self._microstep((forced,))
             rested = False
-        chosen: Sequence[CompiledTransition] = ()
-        if not rested:
-            chosen = self._selected(self.here.ways, None)
-        while True:
-            if not chosen:
-                chosen = self._heard()
-            if not chosen or self.memory.ended:
-                break
-            if len(self.moves) >= MOST_MICROSTEPS:
-                self._give_up()
-                break
-            rests = self._microstep(chosen) or not self._moving()
-            chosen = () if rests else self._selected(self.here.ways, None)
+        self._run_to_rest(rested=rested)
         return self.memory, _new(
             Decision,
             (
@@ -95,6 +92,38 @@ class Macrostep:
                 self.problems,
             ),
         )
+
+    def _run_to_rest(self, *, rested: bool) -> None:
+        """Take what is ready until nothing is; keep none of it if that never comes to an end."""
+        before = self.memory, self.here, self.orders, self.problems, self.pilot_entered
+        taken = len(self.moves), len(self.fired)
+        chosen: Sequence[CompiledTransition] = ()
+        seen_before: tuple[object, ...] = ()
+        if not rested:
+            chosen = self._selected(self.here.ways, None)
+        while True:
+            if not chosen:
+                chosen = self._heard()
+            if not chosen or self.memory.ended:
+                return
+            count = len(self.moves)
+            if count >= MOST_MICROSTEPS or (seen_before and self._situation() == seen_before):
+                break
+            if count >= WATCHED_FROM and count.bit_count() == 1:
+                seen_before = self._situation()
+            rests = self._microstep(chosen) or not self._moving()
+            chosen = () if rests else self._selected(self.here.ways, None)
+        way = " -> ".join(fired.to for fired in self.fired[-6:])
+        self.question.contain.note(f"the chart does not come to rest within one tick: ... {way}")
+        self.memory, self.here, self.orders, self.problems, self.pilot_entered = before
+        del self.moves[taken[0] :], self.fired[taken[1] :]
+
+    def _situation(self) -> tuple[object, ...]:
+        """Return all that decides how a tick goes on: seen twice, it goes round in a circle."""
+        memory = self.memory
+        queues = tuple(self.internal), tuple(self.external), memory.delayed
+        stands = memory.active, memory.entered, memory.variables, memory.history, memory.held
+        return (*stands, *queues, self.pilot_entered)
 
     def _moving(self) -> bool:
         """Say whether a transition without an event may be ready after a microstep."""
@@ -112,9 +141,13 @@ class Macrostep:
                 return chosen
         return ()
 
-    def _give_up(self) -> None:
-        way = " -> ".join(fired.to for fired in self.fired[-6:])
-        self.question.contain.note(f"the chart keeps changing state within one tick: ... {way}")
+    def _hear_delayed(self) -> None:
+        """Queue the delayed events that are due, before what has come from outside since."""
+        delayed = self.memory.delayed
+        due = [each.event for each in delayed if each.due <= self.now + EPSILON]
+        if due:
+            self.external[:0] = due
+            self.memory = self.memory._replace(delayed=delayed[len(due) :])
 
     def _start(self) -> None:
         """Carry out the entry of the initial states, which are active already."""
@@ -123,9 +156,7 @@ class Macrostep:
         self.moves.append(move)
         self.pilot_entered = True
         outputs_text = self._carried_out(self.chart.states[ROOT_STATE].initial.outputs)
-        for entry in move.entries:
-            outputs_text += self._carried_out(entry.outputs)
-            self.internal += entry.events
+        outputs_text += self._entered(move)
         self.stale = True
         if outputs_text:
             opening = CompiledTransition(
@@ -198,12 +229,10 @@ class Macrostep:
         self.moves.append(move)
         outputs_text: list[str] = []
         if move.says:
-            outputs = [each for name in move.exited for each in chart.states[name].exit]
-            outputs += [each for way in chosen for each in way.outputs]
-            outputs_text = self._carried_out(outputs)
-            for entry in move.entries:
-                outputs_text += self._carried_out(entry.outputs)
-                self.internal += entry.events
+            blocks = [chart.states[name].exit for name in move.exited]
+            blocks += [way.outputs for way in chosen]
+            outputs_text = [text for block in blocks for text in self._carried_out(block)]
+            outputs_text += self._entered(move)
         for way in chosen:
             shown = way if way.source != ROOT_STATE else replace(way, source=source)
             self.fired.append(self._explained(shown, outputs_text))
@@ -232,29 +261,61 @@ class Macrostep:
             ChartMemory,
             (
                 *(move.active, entered, memory.windows, memory.variables, here.pilot),
-                *(history, held, violated, True, move.ended),
+                *(history, held, violated, True, move.ended, memory.delayed),
             ),
         )
 
-    def _carried_out(self, outputs: Iterable[Output]) -> list[str]:
-        """Do what outputs say, and return it in words."""
-        outputs_text = []
-        for output in outputs:
-            outputs_text.append(in_words(output))
-            if output.verb == "raise":
-                self.internal.append(output.text)
-            elif output.verb == "vehicle":
-                self.orders += (Action(output.text),)
-            elif output.verb == "assign":
-                self._assign(output)
+    def _entered(self, move: entry_exit_sets.Move) -> list[str]:
+        """Carry out what entering states says, and return it in words."""
+        outputs_text: list[str] = []
+        for entry in move.entries:
+            for block in entry.blocks:
+                outputs_text += self._carried_out(block)
+            self.internal += entry.events
         return outputs_text
 
-    def _assign(self, output: Output) -> None:
-        values, wrong = assigned(self.chart.variables, self.memory.variables, output)
-        self.memory = self.memory._replace(variables=values)
+    def _carried_out(self, block: Sequence[Output]) -> list[str]:
+        """Do what a block of outputs says, up to the first that fails; return it in words."""
+        for count, output in enumerate(block, 1):
+            if wrong := self._failure(output):
+                rest = "" if count == len(block) else "; the actions after it are skipped"
+                self.problems += (wrong + rest,)
+                self.internal.append(ERROR)
+                block = block[:count]
+                break
+        return list(map(in_words, block))
+
+    def _failure(self, output: Output) -> str:
+        """Carry out one output; return what is wrong with it, "" if nothing is."""
+        wrong, memory = "", self.memory
+        match output.verb:
+            case "raise" if output.operation:
+                wrong = self._send(output)
+            case "raise":
+                self.internal.append(output.text)
+            case "cancel":
+                kept = [each for each in memory.delayed if each.event != output.text]
+                self.memory = memory._replace(delayed=tuple(kept))
+            case "vehicle":
+                self.orders += (Action(output.text),)
+            case "assign":
+                values, wrong = assigned(self.chart.variables, memory.variables, output)
+                self.memory = memory._replace(variables=values)
+            case _:  # what is logged stands in the record
+                pass
+        return wrong
+
+    def _send(self, output: Output) -> str:
+        """Put off an event; without any delay it comes after those raised inside."""
+        delay, wrong = delay_of(self.memory.variables, output)
         if wrong:
-            self.problems += (wrong,)
-            self.internal.append(ERROR)
+            return wrong
+        if delay == 0.0:
+            self.external.append(output.text)
+            return ""
+        delayed, wrong = scheduled(self.memory.delayed, self.now + delay, output.text)
+        self.memory = self.memory._replace(delayed=delayed)
+        return wrong
 
     def _explained(self, way: CompiledTransition, outputs_text: Sequence[str]) -> Fired:
         verdicts: tuple[tuple[str, Verdict], ...] = ()

@@ -46,7 +46,7 @@ def decide(
     Returns:
         What to remember, and what was decided and why. Nothing passed in is changed.
     """
-    active, _, windows, variables, _, _, was_held, was_violated, started, ended = memory
+    active, _, windows, variables, _, _, was_held, was_violated, started, ended, delayed = memory
     here = chart.configurations.get(active) or configuration(chart, active)
     question = GuardContext(seen, windows, contain, active, variables)
     if chart.slots:
@@ -64,7 +64,8 @@ def decide(
         forced = forced or escape
     if chart.slots or held != was_held or violated != was_violated:
         memory = memory._replace(windows=windows, held=held, violated=violated)
-    if started and forced is None and not moving and not seen.events:
+    due = bool(delayed) and delayed[0].due <= seen.now + EPSILON
+    if started and forced is None and not (moving or due or seen.events):
         return memory, _new(Decision, (question.answers, (), (), False, (), problems))
     return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
 

@@ -25,7 +25,7 @@ def fitted(
 
     How long a guard has held (`for:`) is not known across a gap: for the states' own transitions
     it restarts, for failsafes and invariants it keeps counting. Times of entry stay, so `after:`
-    continues.
+    continues, and so do the times of delayed events.
 
     Args:
         chart: that is flown now.
@@ -49,6 +49,7 @@ def fitted(
         pilot=configuration(chart, saved.active).pilot,
         started=True,
         ended=saved.ended,
+        delayed=saved.delayed,
     )
     return kept, True, ("guards, behaviours and histories restart",)
 
