@@ -135,7 +135,7 @@ def _is_finite(it: Target) -> bool:
     vectors = (it.position, *(() if it.velocity is None else (it.velocity,)))
     if any(np.shape(vector) != (3,) for vector in vectors):
         return False
-    given = (it.position_sd, it.seen_at, it.heading, it.heading_sd, it.confidence)
+    given = (it.position_sd, it.seen_at, it.heading, it.heading_sd, it.confidence, it.reversal_in)
     numbers = (number for number in given if number is not None)
     shares = (*it.modes.values(), *it.classes.values())
     return all(

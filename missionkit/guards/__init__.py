@@ -20,6 +20,12 @@ from missionkit.guards.sequential_test import Sprt
 from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
 from missionkit.guards.target_visibility import TargetLost, TargetSeen
 from missionkit.guards.tick_timing import TickOverrun
+from missionkit.guards.tracked_targets import (
+    TargetHeading,
+    TargetMode,
+    TargetsInView,
+    TimeToReversal,
+)
 
 GUARDS = (
     ArucoConfidence,
@@ -43,8 +49,12 @@ GUARDS = (
     PluginFailed,
     Ready,
     Sprt,
+    TargetHeading,
     TargetLost,
+    TargetMode,
     TargetSeen,
+    TargetsInView,
     TickOverrun,
+    TimeToReversal,
     Within,
 )

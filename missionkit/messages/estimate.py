@@ -37,6 +37,7 @@ class Target(NamedTuple):
     modes: Mapping[str, float] = MappingProxyType({})  # probability of each model of motion
     classes: Mapping[str, float] = MappingProxyType({})  # probability of each kind of object
     confidence: float | None = None  # 0 to 1, share of the last frames in which it was detected
+    reversal_in: float | None = None  # s, until it next turns round by its clock; None: not known
 
 
 class Health(NamedTuple):

@@ -14,6 +14,8 @@ from missionkit.guards.estimate_quality import FIX_AGE, POSITION_SD
 from missionkit.guards.link_loss import SILENCE
 from missionkit.guards.plugin_failure import FAILING
 from missionkit.guards.target_visibility import time_since_seen, time_without
+from missionkit.guards.tracked_targets import COUNTED
+from missionkit.messages import TRACKED
 from missionkit.messages.region import ONLY_FALSE, ONLY_TRUE, Box, Interval, Quantity
 
 FOR_EVER = Interval.at_least(1e9)  # of whatever grows while something is lost
@@ -47,10 +49,11 @@ def losses(chart: AnalysedChart) -> Iterator[Loss]:
 
 def _blind(chart: AnalysedChart) -> Box:
     box: dict[Quantity, Interval | None] = {MISSED: FOR_EVER, GOAL_AGE: FOR_EVER}
-    for detector in chart.mission.perception:
-        target = str(getattr(detector.plugin, "target", ""))
-        if not target:
-            continue
+    found = {str(getattr(it.plugin, "target", "")) for it in chart.mission.perception}
+    if chart.mission.tracking is not None:
+        found.add(TRACKED)
+        box[COUNTED["any"]] = box[COUNTED["target"]] = box[COUNTED["obstacle"]] = ONLY_FALSE
+    for target in sorted(found - {""}):
         box[confidence_of(target)] = ONLY_FALSE
         box[time_since_seen(target)] = FOR_EVER
         box[time_without(target)] = FOR_EVER

@@ -12,12 +12,14 @@ from missionkit.estimation.target_tracking.apparent_size import size_evidence
 from missionkit.estimation.target_tracking.heading_start import MOST_PLACES, Place, first_state
 from missionkit.estimation.target_tracking.multiple_models import (
     OBSTACLE,
+    SPIN,
     Bank,
     BankState,
     Library,
     bank,
     kernels,
 )
+from missionkit.estimation.target_tracking.reversal_clock import ReversalClock, advanced
 from missionkit.geometry import Mat, Vec3
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection
@@ -26,6 +28,7 @@ WINDOW = 30
 """Frames over which a track's confidence is counted (P1 section 1.3)."""
 INDEPENDENT_EVERY = 0.2
 """Sizes of boxes measured nearer to each other in time say the same again (s)."""
+LIKELY = 0.5  # probability of a spin
 MOST_EVIDENCE = 12.0
 """Of sizes, a logarithm of odds: a class can still be wrong."""
 
@@ -54,6 +57,7 @@ class Track(NamedTuple):
     trust: float = 0.0  # scores of its detections until it is confirmed, summed up
     confirmed: bool = False
     evidence: float = 0.0  # of sizes, logarithm of the odds obstacle robot : target
+    clock: ReversalClock = ReversalClock()
 
     @property
     def confidence(self) -> float:
@@ -122,12 +126,20 @@ def updated(how: Motion, known: Track, at: float, seen: GroundDetection) -> Trac
     )
     after = known._replace(
         state=state,
+        clock=_clocked(how, known, state, at),
         seen_at=at,
         missed_for=0.0,
         places=() if known.oriented else (*known.places[1 - MOST_PLACES :], place),
         evidence=min(max(evidence, -MOST_EVIDENCE), MOST_EVIDENCE),
     )
     return _oriented(how, _counted(after, seen))
+
+
+def _clocked(how: Motion, known: Track, state: BankState, at: float) -> ReversalClock:
+    if not known.oriented or SPIN not in how.moving.names:
+        return known.clock
+    spins = bool(state.mu[how.moving.names.index(SPIN)] > LIKELY)
+    return advanced(known.clock, at, known.seen_at, spins=spins, robot=how.robot)
 
 
 def missed(known: Track, dt: float) -> Track:

@@ -8,18 +8,20 @@ import numpy as np
 
 from missionkit.estimation.target_tracking import track
 from missionkit.estimation.target_tracking.multiple_models import OBSTACLE, TARGET
+from missionkit.estimation.target_tracking.reversal_clock import reversal_in
 from missionkit.estimation.target_tracking.track import Motion, Track
 from missionkit.geometry import Vec3
 from missionkit.messages import Target
 
 
-def target_of(how: Motion, known: Track, name: str, ground: float) -> Target:
+def target_of(how: Motion, known: Track, name: str, now: float, ground: float) -> Target:
     """Return a track as a target; heading, velocity and modes only once its heading is known.
 
     Args:
         how: it is tracked.
         known: the track.
         name: of the target.
+        now: s, when it is there.
         ground: m, down, of the ground it stands on.
     """
     x, P = track.mean(known)
@@ -40,6 +42,7 @@ def target_of(how: Motion, known: Track, name: str, ground: float) -> Target:
         velocity=_velocity(how, known),
         heading=float(x[2]),
         heading_sd=math.sqrt(float(P[2, 2])),
+        reversal_in=reversal_in(known.clock, now, how.robot),
         modes=dict(zip(how.moving.names, known.state.mu.tolist(), strict=True)),
     )
 

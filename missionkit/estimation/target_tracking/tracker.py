@@ -144,7 +144,9 @@ class Tracker:
         ahead = max(now - known.now.at, 0.0)
         ground = known.before[-1][1].ground if known.before else 0.0
         return {
-            track_name(it.number): target_of(self.motion, it, track_name(it.number), ground)
+            track_name(it.number): target_of(
+                self.motion, it, track_name(it.number), max(now, known.now.at), ground
+            )
             for it in (self._ahead(it, ahead) for it in known.now.tracks if it.confirmed)
             if _sd(it) <= self._settings.most_sd
         }
