@@ -21,6 +21,7 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError, nearest
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.recorder.record_sinks import CHECKPOINTS, Reports, contained
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
@@ -28,7 +29,12 @@ from missionkit.vehicle.command.estimate_sharing import SHARE_NOTHING, Share
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import become_fit
-from missionkit.vehicle.telemetry.required_inputs import FIX_INPUT, FLOW_INPUT, SCAN_INPUT
+from missionkit.vehicle.telemetry.required_inputs import (
+    FIX_INPUT,
+    FLOW_INPUT,
+    IMAGE_INPUT,
+    SCAN_INPUT,
+)
 
 NOTED = "an observer"
 
@@ -80,13 +86,14 @@ def vehicle_of(
 
 
 def relied_on(mission: Mission) -> frozenset[str]:
-    """Return what a mission relies on: a fix or optical flow, and scans of obstacles."""
+    """Return what a mission relies on: a fix, optical flow or images, and scans of obstacles."""
     navigation = mission.navigation.plugin
-    by_flow = isinstance(navigation, FlowKalman) or getattr(navigation, "flow", False)
-    return frozenset(
-        {FLOW_INPUT if by_flow else FIX_INPUT}
-        | ({SCAN_INPUT} if mission.avoid is not None else set())
-    )
+    by = FIX_INPUT
+    if isinstance(navigation, FlowKalman) or getattr(navigation, "flow", False):
+        by = FLOW_INPUT
+    elif isinstance(navigation, UdVisionEkf):
+        by = IMAGE_INPUT
+    return frozenset({by} | ({SCAN_INPUT} if mission.avoid is not None else set()))
 
 
 def share_of(texts: Sequence[str], mission: Mission) -> Share:

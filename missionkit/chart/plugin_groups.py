@@ -14,6 +14,7 @@ from missionkit.estimation.navigator import NavigatorParameters
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
+from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.guards import GUARDS
 from missionkit.perception.apriltag import AprilTag
 from missionkit.perception.aruco import Aruco
@@ -53,8 +54,8 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     "navigators": PluginGroup(
         "navigator",
         (NavigatorParameters,),
-        builtin=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
-        bases=(FlowKalman, VisualInertialEkf, TandemEkf, CompoundEkf),
+        builtin=(FlowKalman, VisualInertialEkf, UdVisionEkf, TandemEkf, CompoundEkf),
+        bases=(FlowKalman, VisualInertialEkf, UdVisionEkf, TandemEkf, CompoundEkf),
     ),
     "detectors": PluginGroup(
         "detector", (DetectorProtocol, BoxDetectorProtocol), (AprilTag, Aruco, Blob), bases=(Aruco,)

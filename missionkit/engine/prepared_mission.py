@@ -24,7 +24,7 @@ from missionkit.errors import UsageError
 from missionkit.estimation.builder import build
 from missionkit.estimation.navigator import Navigator
 from missionkit.estimation.warm_up import warm_up
-from missionkit.geometry import Quat, Transform, Vec3
+from missionkit.geometry import Quat, Vec3
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Occupancy
 from missionkit.perception.vision_pipeline import VisionPipeline
@@ -78,7 +78,7 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
     _warm_up("tracker", tracker)
     return PreparedMission(
         chart=chart,
-        navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera.mount),
+        navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera),
         eye=VisionPipeline(camera, [detector.plugin for detector in mission.perception]),
         camera=camera,
         law=_law(mission, chart),
@@ -105,11 +105,11 @@ def _law(mission: Mission, chart: Chart) -> ControlLaw:
 
 
 def _navigator(
-    kind: str, plugin: Plugin, surveyed: Mapping[str, tuple[Vec3, float]], mount: Transform
+    kind: str, plugin: Plugin, surveyed: Mapping[str, tuple[Vec3, float]], camera: CameraModel
 ) -> Navigator:
     try:
         with reporting_faults():  # `chart.plugin_check` has looked at its class
-            built = build(plugin, surveyed, mount)
+            built = build(plugin, surveyed, camera.mount, camera)
     except PluginError as error:
         raise UsageError(f"navigator {kind!r} cannot be used: build raised {error}") from error
     return contained(kind, plugin, built)

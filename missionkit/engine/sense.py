@@ -19,15 +19,17 @@ from missionkit.engine.target_tracks import (
     with_chosen,
     with_detected,
 )
-from missionkit.estimation.navigator import Navigator, NavState
+from missionkit.estimation.navigator import FeatureNavigator, Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import (
     Estimate,
+    Frame,
     Look,
     Observation,
     Points,
     Target,
 )
+from missionkit.perception.feature_matching import matched
 from missionkit.perception.ground_plane import ViewNoise
 from missionkit.perception.marker_search import Priors
 from missionkit.perception.vision_pipeline import Seen
@@ -55,6 +57,7 @@ def sense(
         plan = plan._replace(navigator=plan.navigator.within(contain))
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
+    navigation = _with_features(plan, navigation, seen.frame)
     state = plan.navigator.read(navigation)
     found = _look(plan, memory, navigation, state, seen, contain)
     if found.sightings:
@@ -80,6 +83,17 @@ def sense(
         tracking,
     )
     return senses, _estimate(plan, memory, senses, state, seen, found, targets)
+
+
+def _with_features(plan: PreparedMission, navigation: Any, frame: Frame | None) -> Any:
+    """Return the navigator's memory after the features that it looks for in a frame."""
+    navigator = plan.navigator
+    if frame is None or frame.image is None or not isinstance(navigator, FeatureNavigator):
+        return navigation
+    search = navigator.search(navigation, frame.at)
+    if search is None:
+        return navigation
+    return navigator.see(navigation, search, matched(frame.image, frame.at, plan.camera, search))
 
 
 def _look(

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from missionkit.geometry import Mat, Quat, Transform, Vec3
-from missionkit.messages import Health, Observation, Sighting, Target
+from missionkit.messages import (
+    FeatureMatches,
+    FeatureSearch,
+    Health,
+    Observation,
+    Sighting,
+    Target,
+)
 
 
 class NavState(NamedTuple):
@@ -40,6 +47,26 @@ class Navigator(Protocol):
 
     def read(self, known: Any) -> NavState:
         """Return the current estimate."""
+
+
+@runtime_checkable
+class FeatureNavigator(Navigator, Protocol):
+    """A navigator that looks for features in images. The tick looks for them on its behalf."""
+
+    def search(self, known: Any, at: float) -> FeatureSearch | None:
+        """Return what to look for in the frame just observed, exposed at `at` (s); None: nothing.
+
+        It is asked after `propagate`.
+        """
+
+    def see(self, known: Any, search: FeatureSearch, matches: FeatureMatches) -> Any:
+        """Return the memory after what one frame shows.
+
+        Args:
+            known: as `search` saw it.
+            search: what was looked for.
+            matches: what was found.
+        """
 
 
 class NavigatorParameters(Protocol):

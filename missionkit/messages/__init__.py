@@ -28,6 +28,7 @@ from missionkit.messages.events import (
     MARKER_UPSIDE_DOWN,
     is_event,
 )
+from missionkit.messages.image_features import FeatureMatches, FeatureSearch
 from missionkit.messages.observation import (
     NO_CYCLE,
     AnchorRange,
@@ -82,6 +83,8 @@ __all__ = [
     "Cycle",
     "Detection",
     "Estimate",
+    "FeatureMatches",
+    "FeatureSearch",
     "Features",
     "Fired",
     "Frame",

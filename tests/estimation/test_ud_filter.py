@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from missionkit.estimation.ud_filter.factors import covariance, factorised, predict, update
+from missionkit.estimation.ud_filter.factors import (
+    add_rank_one,
+    covariance,
+    factorised,
+    forget,
+    predict,
+    predict_first,
+    update,
+)
 from studies.ud_filter_runs import (
     FILTERS,
     dyer_mcreynolds,
@@ -79,3 +87,42 @@ def test_a_wide_prior_costs_single_precision_nothing():
     ]
     assert off[0] <= 0.004
     assert off[1] > 0.023
+
+
+def ungainly(n):
+    rng = np.random.default_rng(n)
+    root = rng.normal(size=(n, n))
+    return rng, root @ root.T + 0.1 * np.eye(n)
+
+
+def test_a_prediction_of_the_first_states_is_that_of_all():
+    rng, P = ungainly(9)
+    F, G, q = np.eye(9), np.zeros((9, 2)), np.array([0.3, 0.1])
+    F[:4, :4] += 0.2 * rng.normal(size=(4, 4))
+    G[:4] = rng.normal(size=(4, 2))
+    (U, D), (V, E) = factorised(P), factorised(P)
+    predict(U, D, F, G, q)
+    predict_first(V, E, F[:4, :4].copy(), G[:4].copy(), q)
+    np.testing.assert_allclose(V, U, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(E, D, rtol=0, atol=1e-12)
+
+
+def test_a_dyad_is_added():
+    rng, P = ungainly(7)
+    U, D = factorised(P)
+    a = rng.normal(size=5)
+    added = np.zeros((7, 7))
+    added[:5, :5] = 0.7 * np.outer(a, a)
+    add_rank_one(U, D, a.copy(), 0.7)
+    np.testing.assert_allclose(covariance(U, D), P + added, rtol=0, atol=1e-12)
+
+
+def test_states_are_forgotten_and_the_others_keep_what_they_know():
+    _, P = ungainly(9)
+    U, D = factorised(P)
+    forget(U, D, 3, 3, 25.0)
+    P[3:6] = P[:, 3:6] = 0.0
+    P[range(3, 6), range(3, 6)] = 25.0
+    np.testing.assert_allclose(covariance(U, D), P, rtol=0, atol=1e-12)
+    forget(U, D, 0, 9, 0.0)
+    np.testing.assert_array_equal(covariance(U, D), np.zeros((9, 9)))

@@ -43,6 +43,22 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
                 "camera: {use: rendered}",
             )
     yield from _not_below(chart)
+    yield from _no_images(chart)
+
+
+def _no_images(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield a navigator that looks at images, which the camera does not give."""
+    mission = chart.mission
+    navigator, camera = mission.navigation, mission.camera
+    if getattr(navigator.plugin, "images", False) and not camera.drawn:
+        yield Problem(
+            navigator.place,
+            f"navigator {navigator.kind!r} needs images of the ground, but 'camera' is "
+            f"'use: {camera.use}', which gives none",
+            Level.ERROR,
+            "no-images",
+            "camera: {use: rendered, mount: {tilt_deg: 90}}",
+        )
 
 
 def _nothing_to_track(chart: AnalysedChart) -> Iterator[Problem]:

@@ -57,9 +57,11 @@ def update(x: Vec3, U: Mat, D: Vec3, h: Vec3, residual: float, variance: float) 
     """
     n, b = len(D), D - D
     a = b.copy()
+    for i in range(n):
+        if h[i] != 0:
+            for j in range(i, n):
+                a[j] += U[i, j] * h[i]
     for j in range(n):
-        for i in range(j + 1):
-            a[j] += U[i, j] * h[i]
         b[j] = D[j] * a[j]
     innovation = variance
     for j in range(n):
@@ -98,6 +100,78 @@ def predict(U: Mat, D: Vec3, F: Mat, G: Mat, q: Vec3) -> None:
                 W[j, k] -= U[j, i] * W[i, k]
             for k in range(N.shape[1]):
                 N[j, k] -= U[j, i] * N[i, k]
+
+
+@compiled
+def predict_first(U: Mat, D: Vec3, F: Mat, G: Mat, q: Vec3) -> None:
+    """P := F P Fᵀ + G diag(q) Gᵀ where all but the first m states stand still, in place.
+
+    The rows of U below the first m are orthogonal already and stay as they are, so Gram-Schmidt
+    has m rows instead of n, and the rest is U_12 := F U_12.
+
+    Args:
+        U: (n, n), changed.
+        D: (n,), changed.
+        F: (m, m), transition of the first m.
+        G: (m, k), how noise enters them.
+        q: (k,), variances of the noise.
+    """
+    m, n = len(F), len(D)
+    first, weights = U[:m, :m].copy(), D[:m].copy()
+    predict(first, weights, F, G, q)
+    moved = U[:m, m:] - U[:m, m:]
+    for i in range(m):
+        for k in range(m):
+            factor = F[i, k]
+            if factor != 0:
+                for j in range(n - m):
+                    moved[i, j] += factor * U[k, m + j]
+    U[:m, :m], U[:m, m:], D[:m] = first, moved, weights
+
+
+@compiled
+def add_rank_one(U: Mat, D: Vec3, a: Vec3, weight: float) -> None:
+    """P := P + weight a aᵀ on the factors of the first len(a) states, in place.
+
+    Source: W. S. Agee and R. H. Turner, "Triangular decomposition of a positive definite matrix
+    plus a symmetric dyad", 1972.
+
+    Args:
+        U: (n, n), changed.
+        D: (n,), changed.
+        a: (m,), m <= n, overwritten.
+        weight: not negative, of the same precision.
+    """
+    for j in range(len(a) - 1, -1, -1):
+        share, before = a[j], D[j]
+        D[j] = before + weight * share * share
+        if D[j] > 0:
+            slope = weight * share / D[j]
+            weight *= before / D[j]
+            for i in range(j):
+                a[i] -= share * U[i, j]
+                U[i, j] += slope * a[i]
+
+
+@compiled
+def forget(U: Mat, D: Vec3, first: int, count: int, variance: float) -> None:
+    """Make some states independent of all others, in place; what the others know stays.
+
+    Args:
+        U: (n, n), changed.
+        D: (n,), changed.
+        first: of the states.
+        count: of the states.
+        variance: theirs from now on, of the same precision.
+    """
+    for k in range(first + count - 1, first - 1, -1):
+        column, weight = U[:k, k].copy(), D[k]
+        for j in range(k + 1, len(D)):
+            U[k, j] -= U[k, j]
+        for i in range(k):
+            U[i, k] -= U[i, k]
+        D[k] = variance
+        add_rank_one(U, D, column, weight)
 
 
 @compiled

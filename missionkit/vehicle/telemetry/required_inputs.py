@@ -6,12 +6,13 @@ from collections.abc import Iterable, Mapping
 
 from missionkit.messages import Observation
 
-FIX_INPUT, SCAN_INPUT, FLOW_INPUT = "fix", "scan", "flow"
+FIX_INPUT, SCAN_INPUT, FLOW_INPUT, IMAGE_INPUT = "fix", "scan", "flow", "image"
 MISSING_AFTER = 3.0  # s
 SAYS: Mapping[str, str] = {
     FIX_INPUT: "no usable satellite fix: the mission navigates by it",
     SCAN_INPUT: "no usable OBSTACLE_DISTANCE: the mission's avoidance sees nothing",
     FLOW_INPUT: "no usable optical flow: the mission navigates by it",
+    IMAGE_INPUT: "no camera image: the mission navigates by them",
 }
 
 
@@ -29,7 +30,12 @@ class Reliance:
 
     def problems(self, seen: Observation) -> tuple[str, ...]:
         """Return what has been missing for MISSING_AFTER s, each time it goes missing."""
-        came = {FIX_INPUT: seen.gnss, SCAN_INPUT: seen.scan, FLOW_INPUT: seen.flow}
+        came = {
+            FIX_INPUT: seen.gnss,
+            SCAN_INPUT: seen.scan,
+            FLOW_INPUT: seen.flow,
+            IMAGE_INPUT: seen.frame,
+        }
         new = []
         for name in self._inputs:
             if came[name] is not None:

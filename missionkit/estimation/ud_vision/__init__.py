@@ -1,0 +1,1 @@
+"""The vision-aided inertial navigator: features of the ground as states, on U D Uᵀ factors."""
