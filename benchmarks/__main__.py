@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from benchmarks import (
+    arena,
     campaign,
     command_line,
     cycle,
@@ -26,6 +27,7 @@ from studies.markdown import table
 TOPICS: dict[str, Callable[[], list[Table]]] = {
     "cycle": cycle.tables,
     "speed": speed.tables,
+    "arena": arena.tables,
     "campaign": campaign.tables,
     "engine": engine.tables,
     "command-line": command_line.tables,

@@ -12,7 +12,6 @@ import numpy as np
 
 from missionkit.estimation.target_tracking.apparent_size import TOWER_WIDTH
 from missionkit.geometry import Vec3, vec
-from missionkit.ground_robot import GroundRobot
 from missionkit.messages import Image
 from missionkit.sim import textures
 from missionkit.sim.perspective_canvas import CanvasView, Face, in_sight
