@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.estimation.target_tracking.reversal_clock import (
     ReversalClock,
     advanced,
     reversal_in,
 )
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection, GroundFrame
 from missionkit.sim import ground_robots
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
+from missionkit.ground_robot import GroundRobot
 
 DELAY: Final = 0.15  # s until a spin is noticed, median (docs/studies/tracking.md)
 AGREE: Final = 0.6  # s, largest difference of two phases that are one
