@@ -10,21 +10,25 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.behaviors.go_to import GoTo
+from missionkit.behaviors.receding_horizon import (
+    STEP,
+    STEPS,
+    Course,
+    is_due,
+    renewed,
+    sampled,
+    start_of,
+)
 from missionkit.geometry import Mat, Vec3, norm
 from missionkit.messages import Estimate, Goal, Guidance, Points, Step
 from missionkit.units import Metres, MetresPerSecond, MetresPerSecond2
 
 if TYPE_CHECKING:
     from missionkit.planning.ddp.point_mass import Flight, Obstacle
-    from missionkit.planning.ddp.solver import Plan
 
-AGAIN = 0.2  # s between two plans: whole steps of the horizon
 LEAD = 0.3  # s; the vehicle answers so late
-OFF = 0.4  # m off the plan, from which a new one begins where the vehicle is
 TURNS = 1.0  # m to the goal, nearer the nose stays
 STRAYS = 0.1  # m, the vehicle off its plan, kept beside all distances
-EXCESS = 1.1  # times the limit; a vehicle that is faster comes to rest first
-STEPS, STEP = 40, 0.1  # of the horizon; s
 NO_PLAN = "plan.none"
 
 
@@ -33,8 +37,7 @@ class OnPlan(NamedTuple):
 
     down: float  # m, height when it began
     yaw: float  # rad, where the nose points
-    plan: Plan | None = None
-    at: float = -math.inf  # s, when the plan was made, or tried
+    course: Course = Course()
     points: Points | None = None  # of the last scan
 
 
@@ -45,7 +48,8 @@ class DdpGoTo(GoTo):
     acceleration, at most `speed` and `acceleration` in any direction, no nearer with the vehicle's
     surface (`body`) than `clearance` to what the scan sees and to walls of the mission's map, and
     no nearer with its centre than `keep_out` to the targets in `obstacles`, which may move. An
-    obstacle counts as a column of any height.
+    obstacle counts as a column of any height. A tick does one search: a first plan among several
+    obstacles may take a few ticks.
 
     A plan looks 4 s ahead and no farther: round a wall that is wider than that it does not find
     the way, which `follow_path` does over a map. Without a plan that keeps its distances it comes
@@ -76,17 +80,17 @@ class DdpGoTo(GoTo):
         if seen.obstacles is not None:
             on = on._replace(points=seen.obstacles)
         events: tuple[str, ...] = ()
-        if seen.now - on.at >= AGAIN - 1e-6:
-            had = on.plan is not None or on.at == -math.inf
-            on = self._planned(seen, goal, on)
-            events = (NO_PLAN,) if on.plan is None and had else ()
+        if is_due(on.course, seen.now):
+            course = self._planned(seen, goal, on)
+            events = (NO_PLAN,) if course.failed and not on.course.failed else ()
+            on = on._replace(course=course)
         gap = norm(goal.position - seen.position)
-        plan = on.plan
+        plan, after = on.course.plan, seen.now - on.course.at
         if plan is None:
             note = f"no plan keeps its distances, {gap:.1f} m to go: coming to rest"
             return Step(stop=True, goal=goal, note=note, memory=on, events=events)
         on = on._replace(yaw=self._heading(seen, goal, on.yaw))
-        place, ahead = sampled(plan, seen.now - on.at)[0], sampled(plan, seen.now - on.at + LEAD)[1]
+        place, ahead = sampled(plan, after)[0], sampled(plan, after + LEAD)[1]
         guidance = Guidance(place, self.speed, ahead, yaw=on.yaw)
         done = gap <= self.within and norm(seen.velocity) < 0.5
         return Step(guidance, done=done, goal=goal, note=f"{gap:.1f} m to go", memory=on)
@@ -101,36 +105,17 @@ class DdpGoTo(GoTo):
 
         warm_up()
 
-    def _planned(self, seen: Estimate, goal: Goal, on: OnPlan) -> OnPlan:
-        """Return the memory with a new plan from where the last one leads, or from where it is."""
-        from missionkit.planning.ddp.flight_plan import kept, plan_flight  # noqa: PLC0415
+    def _planned(self, seen: Estimate, goal: Goal, on: OnPlan) -> Course:
+        """Return the course after a search from where the last plan leads, or from where it is."""
         from missionkit.planning.ddp.point_mass import Flight, Horizon, MotionLimits  # noqa: PLC0415
 
-        start, flown = self._start(seen, on)
-        if start is None or not np.isfinite(np.concatenate([start, goal.position])).all():
-            return on._replace(plan=None, at=seen.now)
+        start, flown = start_of(on.course, seen, self.speed)
+        if start is None or not np.isfinite(goal.position).all():
+            return Course(None, seen.now, seen.now, failed=True)
         limits = MotionLimits(self.speed, self.acceleration)
         flight = Flight(self._ahead(goal.position, start), limits, horizon=Horizon(STEPS, STEP))
         flight = flight._replace(obstacles=self._around(seen, on.points, start, flight))
-        last = on.plan if flown else None
-        plan = plan_flight(flight, start, last, flown)
-        return on._replace(plan=plan if kept(plan) else None, at=seen.now)
-
-    def _start(self, seen: Estimate, on: OnPlan) -> tuple[Mat | None, int]:
-        """Return the state (6,) to plan from, and how many steps of the last plan are flown.
-
-        None if the vehicle is too fast to keep the limit from here.
-        """
-        if on.plan is not None:
-            after = seen.now - on.at
-            place, velocity = sampled(on.plan, after)
-            if norm(place - seen.position) <= OFF:
-                return np.concatenate([place, velocity]), round(after / STEP)
-        fast = norm(seen.velocity)
-        if fast > EXCESS * self.speed:
-            return None, 0
-        slower = min(1.0, self.speed / fast) if fast > 0.0 else 1.0
-        return np.concatenate([seen.position, slower * seen.velocity]), 0
+        return renewed(on.course, seen.now, flight, start, flown)
 
     def _ahead(self, goal: Vec3, start: Mat) -> Mat:
         """Return the goal as a state (6,), or one on the way to it as far as a plan reaches."""
@@ -164,11 +149,3 @@ class DdpGoTo(GoTo):
         if math.hypot(north, east) > TURNS:
             return math.atan2(east, north)
         return yaw if goal.yaw is None else goal.yaw
-
-
-def sampled(plan: Plan, after: float) -> tuple[Vec3, Vec3]:
-    """Return position (m) and velocity (m/s), (3,), NED, of a plan `after` (s) its beginning."""
-    at = min(max(0.0, after / STEP), len(plan.states) - 1.0)
-    k = min(int(at), len(plan.states) - 2)
-    between = plan.states[k] + (at - k) * (plan.states[k + 1] - plan.states[k])
-    return between[:3], between[3:]

@@ -12,6 +12,7 @@ from samples import calm
 from missionkit.behaviors.ddp_go_to import NO_PLAN, DdpGoTo
 from missionkit.geometry import vec
 from missionkit.messages import Occupancy, Target
+from missionkit.planning.ddp import flight_plan, solver
 
 HOME = vec(0.0, 0.0, 0.0)
 GO = DdpGoTo(target="home", height=2.0)
@@ -138,3 +139,34 @@ def test_it_needs_the_targets_it_stays_clear_of():
     behavior = DdpGoTo(target="trunk", obstacles=("robot",))
     assert behavior.targets() == ("trunk", "robot")
     assert GO.targets() == ()
+
+
+def test_a_first_plan_is_searched_for_over_several_ticks(monkeypatch):
+    """No tick solves more than once, and the plan that is flown is kept while it is clear."""
+    solved = []
+
+    def counted(*given, **more):
+        solved.append(given)
+        return solver.solve(*given, **more)
+
+    monkeypatch.setattr(flight_plan, "solve", counted)
+    wall = np.array([[4.0, east, -2.0] for east in np.linspace(-1.0, 1.0, 9)])
+    seen = [at(10.0 + TICK * n, 0.0, 0.0, -2.0, obstacles=wall, scanned_at=10.0) for n in range(8)]
+    known = {"trunk": marker(8, 0, -2)}
+    counts = []
+    for step in play_each(SIXTY, (it._replace(targets=known) for it in seen)):
+        counts.append(len(solved))
+        if step.guidance is not None:
+            break
+    assert len(counts) > 1
+    assert np.diff([0, *counts]).max() == 1
+
+
+def play_each(behavior, story):
+    """Yield each step as it is made."""
+    memory = None
+    for seen in story:
+        memory = memory or behavior.begin(seen)
+        step = behavior.step(seen, memory)
+        memory = step.memory
+        yield step

@@ -42,20 +42,41 @@ def plan_flight(
     Raises:
         ValueError: of the flight's numbers; `NoPlanError` if the state is not finite.
     """
-    problem = flight.problem()
     if last is not None:
-        plan = replan(problem, state, last, flown, settings)
+        plan = replan(flight.problem(), state, last, flown, settings)
         if kept(plan):
             return plan
-    found = [solve(problem, state, np.zeros((flight.horizon.steps, 3)), settings)]
-    if flight.obstacles:
-        for skipped in STIFFER:
-            if any(map(kept, found)):
-                break
-            how = settings._replace(weights=settings.weights[skipped:] or settings.weights)
-            guesses = (swerve(flight, state, side) for side in (1.0, -1.0))
-            found += (solve(problem, state, guess, how) for guess in guesses)
+    found = [attempted(flight, state, 0, settings)]
+    for attempt in range(1, attempts(flight), 2):
+        if any(map(kept, found)):
+            break
+        found += (attempted(flight, state, each, settings) for each in (attempt, attempt + 1))
     return min(found, key=lambda plan: (not kept(plan), plan.cost))
+
+
+def attempts(flight: Flight) -> int:
+    """Return how many attempts a search for a plan has; without obstacles one is enough."""
+    return 1 + 2 * len(STIFFER) if flight.obstacles else 1
+
+
+def attempted(flight: Flight, state: Mat, attempt: int, settings: Settings = SETTINGS) -> Plan:
+    """Return what one attempt of a search finds, which may keep the distances or not.
+
+    Args:
+        flight: target, limits, obstacles.
+        state: (6,), m and m/s.
+        attempt: 0 begins at rest, the others with swerves to either side.
+        settings: of the solver.
+
+    Raises:
+        ValueError: of the flight's numbers; `NoPlanError` if the state is not finite.
+    """
+    if attempt == 0:
+        return solve(flight.problem(), state, np.zeros((flight.horizon.steps, 3)), settings)
+    skipped = STIFFER[(attempt - 1) // 2]
+    how = settings._replace(weights=settings.weights[skipped:] or settings.weights)
+    guess = swerve(flight, state, 1.0 if attempt % 2 else -1.0)
+    return solve(flight.problem(), state, guess, how)
 
 
 def kept(plan: Plan) -> bool:
