@@ -37,6 +37,7 @@ def landing_on_interrupt(operator: Operator) -> Iterator[None]:
             first.append(stopwatch())
             operator.land()
         elif stopwatch() - first[0] > SAME_KEYPRESS:
+            operator.wants_out = True
             raise Interrupted
 
     heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]

@@ -74,6 +74,7 @@ class Operator:
 
     def __init__(self) -> None:
         self.wants_down = False
+        self.wants_out = False  # stop at the next tick, and leave the vehicle holding
         self._events: list[str] = []
 
     def land(self) -> None:
@@ -275,7 +276,13 @@ def _started(course: FlightState) -> Lifecycle:
 
 
 def _pressing(life: Lifecycle, operator: Operator, *, late: bool) -> tuple[str, ...]:
-    """Begin the abort when it is time; return the event that says so as long as it lasts."""
+    """Begin the abort when it is time; return the event that says so as long as it lasts.
+
+    Raises:
+        Interrupted: the operator wants out; raised in a destructor, the signal's own was ignored.
+    """
+    if operator.wants_out:
+        raise Interrupted
     if life.state == "flying" and (operator.wants_down or late):
         life.abort()
     return (ABORT,) if life.state == "aborting" else ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 from rehearsed import flown, short_stage
 from typing_extensions import override
 
+from missionkit.api import interrupts
 from missionkit.engine import flight_loop
 from missionkit.engine.flight_loop import (
     FlightEnd,
@@ -21,7 +23,8 @@ from missionkit.engine.flight_loop import (
 )
 from missionkit.errors import UsageError, VehicleError
 from missionkit.messages import Action, Command, Observation, Record
-from missionkit.rehearsal import Stage
+from missionkit.plugin_containment import Interrupted
+from missionkit.rehearsal import Stage, rehearse
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 HOP = """\
@@ -278,3 +281,25 @@ def test_what_raises_is_left_to_those_who_take_reports():
 
     flown = asyncio.run(fly(ready.plan, ready.vehicle, keeper=fails, reports=lambda: ()))
     assert flown.end is FlightEnd.LANDED
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_second_signal_that_a_destructor_swallows_stops_the_program(monkeypatch):
+    monkeypatch.setattr(interrupts, "SAME_KEYPRESS", -1.0)
+    ticks, operator = count(), Operator()
+
+    class Dying:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)
+
+    def watch(*_):
+        tick = next(ticks)
+        if tick == 40:
+            signal.raise_signal(signal.SIGTERM)
+        elif tick == 45:
+            Dying()
+
+    with interrupts.landing_on_interrupt(operator), pytest.raises(Interrupted):
+        rehearse(short_stage(STAY), (watch,), operator=operator)
+    assert operator.wants_down
+    assert next(ticks) == 46
