@@ -22,21 +22,26 @@ from studies.hover_figure import draw
 from studies.hover_flight import (
     ALONE,
     BIASED,
+    CAMERA,
     ESTIMATING,
     EVERY,
     METHODS,
     P2,
     PERIOD,
     REST,
+    SEEING,
     WHOLE,
     Hover,
     hover_all,
+    hover_by_sight,
 )
 from studies.markdown import table
 
 TEMPLATE = Path(__file__).with_name("hover.md")
 PAPER = (0.5301, 0.7436)
 """Table I of P2, m: x and y."""
+SVO = (0.1300, 0.1436)
+"""The same of its visual odometry, m."""
 WHITE = 1000
 """Runs of the filter on white noise alone."""
 
@@ -84,10 +89,11 @@ def floor(length: float) -> Mat:
     return lowest
 
 
-def verdict(hovers: Sequence[Hover]) -> str:
+def verdict(hovers: Sequence[Hover], sights: Sequence[Hover]) -> str:
     """Return the results in a few lines."""
     ends = _ends(hovers)
     said = {m: _pair(ends[:, m].std(axis=0, ddof=1)) for m in (P2, BIASED, WHOLE, ALONE)}
+    seen = _ends(sights)[:, 0].std(axis=0, ddof=1)
     worse = " and ".join(_ratio(*ratio(ends[:, P2, a], ends[:, ALONE, a])) for a in (0, 1))
     return "\n".join(
         (
@@ -95,11 +101,13 @@ def verdict(hovers: Sequence[Hover]) -> str:
             f"- Flow alone: {said[ALONE]}, {worse} times as much.",
             f"- Gyroscope's bias estimated in flight: {said[BIASED]}.",
             f"- The house's EKF with flow: {said[WHOLE]}.",
+            f"- Features of the ground, `ud_vision_ekf`: {_fine(seen)} in {len(sights)} flights "
+            f"(P2's visual odometry: {_fine(SVO)}).",
         )
     )
 
 
-def page(hovers: Sequence[Hover], length: float, command: str) -> str:
+def page(hovers: Sequence[Hover], sights: Sequence[Hover], length: float, command: str) -> str:
     """Return the page."""
     wander = np.array([it.wander[BIASED] for it in hovers]).mean(axis=0)
     lowest = _pair(floor(length)[-1])
@@ -108,10 +116,10 @@ def page(hovers: Sequence[Hover], length: float, command: str) -> str:
         paper=_pair(PAPER),
         flights=len(hovers),
         length=f"{length:g}",
-        verdict=verdict(hovers),
+        verdict=verdict(hovers, sights),
         spreads=table(
             ("position by", "x (north)", "y (east)", "one flight: x", "one flight: y"),
-            _spreads(hovers),
+            (*_spreads(hovers), *_sight_spreads(sights)),
         ),
         moved=f"{wander[0]:.2f}",
         moved_east=f"{wander[1]:.2f}",
@@ -124,7 +132,7 @@ def page(hovers: Sequence[Hover], length: float, command: str) -> str:
                 *("by", "velocity error x, rms", "y, rms", "mean error x", "mean error y"),
                 *("`position_sd` at the end", "inside"),
             ),
-            _others(hovers),
+            (*_others(hovers, METHODS), *_others(sights, (_by_sight(sights),))),
         ),
         last=len(hovers) - 1,
         rest=f"{REST:g}",
@@ -141,11 +149,22 @@ def _spreads(hovers: Sequence[Hover]) -> Iterator[tuple[str, ...]]:
         yield name, *cells, *(f"{value:.2f}" for value in wander[m])
 
 
-def _others(hovers: Sequence[Hover]) -> Iterator[tuple[str, ...]]:
+def _sight_spreads(sights: Sequence[Hover]) -> Iterator[tuple[str, ...]]:
+    ends, wander = _ends(sights), np.array([it.wander for it in sights]).mean(axis=0)
+    yield "P2, Table I: visual odometry (SVO)", *(f"{value:.3f}" for value in SVO), "", ""
+    cells = ("{:.3f} ({:.3f} to {:.3f})".format(*spread(ends[:, 0, a])) for a in (0, 1))
+    yield _by_sight(sights), *cells, *(f"{value:.2f}" for value in wander[0])
+
+
+def _by_sight(sights: Sequence[Hover]) -> str:
+    return f"`ud_vision_ekf`, {len(sights)} flights"
+
+
+def _others(hovers: Sequence[Hover], methods: Sequence[str]) -> Iterator[tuple[str, ...]]:
     ends = _ends(hovers)
     speed = np.sqrt(np.square([it.velocity for it in hovers]).mean(axis=0))
     claims = np.array([it.claimed for it in hovers])
-    for m, name in enumerate(METHODS):
+    for m, name in enumerate(methods):
         claimed, inside = "", ""
         if np.isfinite(claims[:, m]).all():
             claimed = f"{claims[:, m].mean():.2f} m"
@@ -166,6 +185,8 @@ def _assumed() -> Iterator[tuple[str, str]]:
         yield name, numbers(getattr(sensors, name))
     yield "inner autopilot", numbers(world.autopilot)
     yield "navigation: flow_kalman", numbers(ESTIMATING)
+    yield "navigation: ud_vision_ekf", numbers(SEEING)
+    yield "its camera, looking down at a floor of concrete", numbers(CAMERA)
 
 
 def _ends(hovers: Sequence[Hover]) -> Mat:
@@ -176,6 +197,10 @@ def _pair(values: Sequence[float] | Mat) -> str:
     return f"{values[0]:.2f} m (x), {values[1]:.2f} m (y)"
 
 
+def _fine(values: Sequence[float] | Mat) -> str:
+    return f"{values[0]:.3f} m (x), {values[1]:.3f} m (y)"
+
+
 def _ratio(value: float, low: float, high: float) -> str:
     return f"{value:.1f} ({low:.1f} to {high:.1f})"
 
@@ -184,21 +209,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Hover over many seeds and write up how far each navigator was off."""
     parser = argparse.ArgumentParser(prog="python -m studies.hover", description=main.__doc__)
     parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--sights", type=int, default=20, help="seeds of flights with a camera")
     parser.add_argument("--length", type=float, default=300.0, help="s")
     parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--out", type=Path, default=Path("docs/studies"))
     chosen = parser.parse_args(arguments)
     flights = hover_all(chosen.seeds, chosen.length, chosen.workers)
     hovers = list(track(flights, "hovering", chosen.seeds, disable=not sys.stderr.isatty()))
+    seen = hover_all(chosen.sights, chosen.length, chosen.workers, hover_by_sight)
+    sights = list(track(seen, "by sight", chosen.sights, disable=not sys.stderr.isatty()))
     command = f"python -m studies.hover --seeds {chosen.seeds} --length {chosen.length:g}"
-    write(hovers, chosen.length, chosen.out, command)
-    print(verdict(hovers))  # noqa: T201
+    write(hovers, sights, chosen.length, chosen.out, f"{command} --sights {chosen.sights}")
+    print(verdict(hovers, sights))  # noqa: T201
 
 
-def write(hovers: Sequence[Hover], length: float, out: Path, command: str) -> None:
+def write(
+    hovers: Sequence[Hover], sights: Sequence[Hover], length: float, out: Path, command: str
+) -> None:
     """Write the page and its picture into the folder `out`."""
     out.mkdir(parents=True, exist_ok=True)
-    (out / "hover.md").write_text(page(hovers, length, command), encoding="utf-8")
+    (out / "hover.md").write_text(page(hovers, sights, length, command), encoding="utf-8")
     said = _pair(_ends(hovers)[:, P2].std(axis=0, ddof=1))
     subtitle = f"{len(hovers)} flights of {length:g} s; P2's filter: {said}"
     draw(out / "hover.png", hovers, PAPER, floor(length), subtitle)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from missionkit.engine.feature_search import with_features
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import Navigator
 from missionkit.estimation.optical_flow import dead_reckoning
 from missionkit.estimation.optical_flow.dead_reckoning import Reckoning
 from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
+from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, vec
 from missionkit.messages import Action, Command, Observation
-from missionkit.perception.camera_section import Camera
+from missionkit.perception.camera_section import Camera, Mount
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
-from missionkit.sim.world import World
+from missionkit.sim.world import Ground, World
 from studies.parallel import in_parallel
 
 PERIOD = 0.05  # s
@@ -28,6 +30,11 @@ EVERY = 100  # ticks between two samples
 ESTIMATING = FlowKalman()
 PRINTED = FlowKalman(bias_gain=0.0)
 EKF = VisualInertialEkf(flow=True, align_for=ESTIMATING.align_for, origin_sd=0.1)
+SEEING = UdVisionEkf(align_for=ESTIMATING.align_for)
+CAMERA = Camera(
+    use="rendered", width=320, height=240, focal=200, mount=Mount(position=(0, 0, 0), tilt_deg=90)
+)
+FLOOR = Ground(texture="concrete")
 P2, BIASED, WHOLE, COMPENSATED, ALONE = range(5)
 METHODS = (
     "P2's filter",
@@ -85,6 +92,29 @@ def hover(order: tuple[int, float]) -> Hover:
     return _judged(seed, np.array(places), np.array(speeds), ends)
 
 
+def hover_by_sight(order: tuple[int, float]) -> Hover:
+    """Fly one hover of a seed and a length (s) over a floor that a camera sees.
+
+    The flight is that of `hover` with the seed; the result has one method.
+    """
+    seed, length = order
+    vehicle, lens = (
+        SimulatedVehicle(World(world="hall", ground=FLOOR), CAMERA, seed),
+        CAMERA.model(),
+    )
+    navigator = build(SEEING, {}, lens.mount, lens)
+    known, places, speeds = navigator.begin(), [], []
+    for tick in range(1, round((SETTLED + length) / PERIOD) + 1):
+        seen = _observed(vehicle, tick)
+        known = with_features(navigator, navigator.propagate(known, seen), seen.frame, lens)
+        if seen.now > SETTLED - 0.5 * PERIOD:
+            state, truth = navigator.read(known), vehicle.truth
+            places.append([state.position[:2], truth.position[:2]])
+            speeds.append([state.velocity[:2], truth.velocity[:2]])
+    claimed = navigator.read(known).health.position_sd
+    return _judged(seed, np.array(places), np.array(speeds), [claimed])
+
+
 def _navigators() -> list[Navigator]:
     still = Transform(IDENTITY, vec(0.0, 0.0, 0.0))
     return [build(settings, {}, still) for settings in (PRINTED, ESTIMATING, EKF)]
@@ -117,11 +147,13 @@ def _judged(seed: int, places: Mat, speeds: Mat, ends: list[float]) -> Hover:
         errors[::EVERY].transpose(1, 0, 2).copy(),
         places[:, :-1].std(axis=0),
         np.sqrt(missed),
-        np.array([*ends, *[np.nan] * (len(METHODS) - len(ends))]),
+        np.array([*ends, *[np.nan] * (places.shape[1] - 1 - len(ends))]),
     )
 
 
-def hover_all(seeds: int, length: float, workers: int) -> Iterator[Hover]:
+def hover_all(
+    seeds: int, length: float, workers: int, fly: Callable[[tuple[int, float]], Hover] = hover
+) -> Iterator[Hover]:
     """Fly every seed on `workers` processes; yield in the order of seeds."""
     orders = [(seed, length) for seed in range(seeds)]
-    return in_parallel(hover, orders, workers, chunk=2)
+    return in_parallel(fly, orders, workers)

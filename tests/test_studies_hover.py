@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studies import hover
-from studies.hover_flight import ALONE, BIASED, METHODS, P2, Hover
+from studies.hover_flight import ALONE, BIASED, METHODS, P2, WHOLE, Hover
 from studies.hover_flight import hover as fly
 
 
@@ -21,6 +21,15 @@ def made(seed: int) -> Hover:
 
 
 HOVERS = [made(seed) for seed in range(400)]
+SIGHTS = [
+    it._replace(
+        errors=0.1 * it.errors[WHOLE : WHOLE + 1],
+        wander=it.wander[:1],
+        velocity=it.velocity[:1],
+        claimed=np.array([0.03]),
+    )
+    for it in HOVERS
+]
 
 
 def test_the_interval_of_a_spread_holds_it_as_often_as_it_says():
@@ -47,13 +56,20 @@ def test_white_noise_sums_up_to_the_floor():
 
 
 def test_the_page_shows_the_spreads_and_the_assumptions(tmp_path):
-    hover.write(HOVERS, 300.0, tmp_path, "the command")
+    hover.write(HOVERS, SIGHTS, 300.0, tmp_path, "the command")
     text = (tmp_path / "hover.md").read_text()
     (row,) = [
         line for line in text.splitlines() if line.startswith("| P2's filter") and "to" in line
     ]
     assert float(row.split("|")[2].split()[0]) == pytest.approx(0.6, rel=0.1)
     assert "| P2, Table I" in text
+    assert "SVO) | 0.130" in " ".join(text.split())
+    (row,) = [
+        line
+        for line in text.splitlines()
+        if line.startswith("| `ud_vision_ekf`, 400") and "to" in line
+    ]
+    assert float(row.split("|")[2].split()[0]) == pytest.approx(0.03, rel=0.1)
     assert "95 %" in text
     assert "gyro bias 0.003 rad/s" in text
     assert "$" not in text

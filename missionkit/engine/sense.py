@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from missionkit.engine.contained_navigator import ContainedNavigator
+from missionkit.engine.feature_search import with_features
 from missionkit.engine.flight_state import FlightMemory, SensorState
 from missionkit.engine.ground_below import ground_below
 from missionkit.engine.prepared_mission import PreparedMission
@@ -19,17 +20,15 @@ from missionkit.engine.target_tracks import (
     with_chosen,
     with_detected,
 )
-from missionkit.estimation.navigator import FeatureNavigator, Navigator, NavState
+from missionkit.estimation.navigator import Navigator, NavState
 from missionkit.geometry import Transform, to_matrix
 from missionkit.messages import (
     Estimate,
-    Frame,
     Look,
     Observation,
     Points,
     Target,
 )
-from missionkit.perception.feature_matching import matched
 from missionkit.perception.ground_plane import ViewNoise
 from missionkit.perception.marker_search import Priors
 from missionkit.perception.vision_pipeline import Seen
@@ -57,7 +56,7 @@ def sense(
         plan = plan._replace(navigator=plan.navigator.within(contain))
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
-    navigation = _with_features(plan, navigation, seen.frame)
+    navigation = with_features(plan.navigator, navigation, seen.frame, plan.camera)
     state = plan.navigator.read(navigation)
     found = _look(plan, memory, navigation, state, seen, contain)
     if found.sightings:
@@ -83,17 +82,6 @@ def sense(
         tracking,
     )
     return senses, _estimate(plan, memory, senses, state, seen, found, targets)
-
-
-def _with_features(plan: PreparedMission, navigation: Any, frame: Frame | None) -> Any:
-    """Return the navigator's memory after the features that it looks for in a frame."""
-    navigator = plan.navigator
-    if frame is None or frame.image is None or not isinstance(navigator, FeatureNavigator):
-        return navigation
-    search = navigator.search(navigation, frame.at)
-    if search is None:
-        return navigation
-    return navigator.see(navigation, search, matched(frame.image, frame.at, plan.camera, search))
 
 
 def _look(

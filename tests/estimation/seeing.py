@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from missionkit.engine.feature_search import with_features
 from missionkit.estimation.builder import build
 from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.geometry import vec
 from missionkit.messages import Action, Command, Observation, Setpoint
 from missionkit.perception.camera_section import Camera, Mount
-from missionkit.perception.feature_matching import matched
 from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import Ground, World
@@ -47,11 +47,7 @@ def observed(seconds: float, seed: int = 1) -> Iterator[tuple[Observation, TrueS
 
 def step(navigator: Any, known: Any, seen: Observation) -> Any:
     """Return the memory after one observation and what its frame shows."""
-    known, frame = navigator.propagate(known, seen), seen.frame
-    search = None if frame is None or frame.image is None else navigator.search(known, frame.at)
-    if search is None:
-        return known
-    return navigator.see(known, search, matched(frame.image, frame.at, LENS, search))
+    return with_features(navigator, navigator.propagate(known, seen), seen.frame, LENS)
 
 
 def through(

@@ -1,0 +1,28 @@
+"""Looking in a frame for the features that a navigator knows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from missionkit.estimation.navigator import FeatureNavigator, Navigator
+from missionkit.messages import CameraModel, Frame
+from missionkit.perception.feature_matching import matched
+
+
+def with_features(
+    navigator: Navigator, known: Any, frame: Frame | None, camera: CameraModel
+) -> Any:
+    """Return a navigator's memory after what a frame shows of its features, if it has any.
+
+    Args:
+        navigator: any.
+        known: its memory after the observation that brought the frame.
+        frame: None if none came.
+        camera: lens and mount.
+    """
+    if frame is None or frame.image is None or not isinstance(navigator, FeatureNavigator):
+        return known
+    search = navigator.search(known, frame.at)
+    if search is None:
+        return known
+    return navigator.see(known, search, matched(frame.image, frame.at, camera, search))
