@@ -38,6 +38,7 @@ from missionkit.errors import UsageError
 from missionkit.geometry import Mat, norm
 from missionkit.messages import Observation, Record
 from missionkit.perception.aruco import Aruco
+from missionkit.recorder.scenery import RobotPath, Scenery
 from missionkit.recorder.value_codec import is_plain
 from missionkit.sim.fault_injection import Fault
 from missionkit.sim.flight_grading import (
@@ -47,6 +48,8 @@ from missionkit.sim.flight_grading import (
     judge_visit,
     landed_at,
 )
+from missionkit.sim.herd_grading import DrivenPath
+from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.simulators import Simulated, graded, simulated
 from missionkit.sim.vehicle_snapshot import Snapshot, restore, taken
 from missionkit.sim.world import Marker, World
@@ -224,6 +227,22 @@ def _keeping(ready: Stage, visits: _Witness, save: Callable[[Kept], None]) -> Ke
         save(Kept(course, taken(ready.vehicle), visits.passage, visits.estimate_error, lost))
 
     return now_and_then(ready.plan.chart, is_plain, keep)
+
+
+def with_paths(scenery: Scenery, vehicle: Simulated) -> Scenery:
+    """Return the scenery with the paths that ground robots drove, since the run was resumed.
+
+    Args:
+        scenery: of the world.
+        vehicle: that was flown there.
+    """
+    if not isinstance(vehicle, SimulatedVehicle):
+        return scenery
+    return scenery._replace(paths=tuple(map(_robot_path, vehicle.herd.driven())))
+
+
+def _robot_path(driven: DrivenPath) -> RobotPath:
+    return RobotPath(driven.places, "obstacle" if driven.obstacle else "target", driven.end)
 
 
 class _Witness:

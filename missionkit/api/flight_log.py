@@ -51,7 +51,7 @@ class Logbook:
         self.digest = ""
         self.folder = None if folder is None else Path(folder)
         self._sinks = sinks
-        self._scenery = scenery
+        self.scenery = scenery
         self._track = tracks.begin()
         self.recorder: FlightRecorder | None = None
         if self.folder is not None:
@@ -62,7 +62,7 @@ class Logbook:
                 )
             keep_mission(self.folder, mission)
             self.recorder = FlightRecorder(
-                self.folder, camera=plan.camera, scenery=self._scenery, sink=sinks.record
+                self.folder, camera=plan.camera, scenery=self.scenery, sink=sinks.record
             )
 
     def __enter__(self) -> Self:
@@ -120,7 +120,7 @@ class Logbook:
         if self.folder is not None:
             title = f"{summary.mission}: {outcome_text(summary.outcome)}"
             contained("track.png", draw, reports)(
-                self.folder / "track.png", self.track, self._scenery, title, summary.reason
+                self.folder / "track.png", self.track, self.scenery, title, summary.reason
             )
             write_summary(self.folder, summary)
         return summary

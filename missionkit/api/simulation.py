@@ -17,7 +17,7 @@ from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import rehearse as fly_simulated
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal import stage, with_paths, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault, refuse_foreign
 from missionkit.sim.world import World
 from missionkit.sim.world_files import AnyWorld
@@ -76,6 +76,7 @@ def rehearse(
                 reports=sinks.reports.take,
             )
         )
+    log.scenery = with_paths(scene, ready.vehicle)
     return log.finished(
         summarise(
             log.track,

@@ -20,7 +20,7 @@ from missionkit.errors import ExitCode
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import Again, Stage, rehearse, stage, world_of
+from missionkit.rehearsal import Again, Stage, rehearse, stage, with_paths, world_of
 
 
 def run_in_simulator(
@@ -80,6 +80,7 @@ def _flown(
         )
     landing_requested = operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, landing_requested=landing_requested)
+    scenery = with_paths(scenery, ready.vehicle)
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary
 

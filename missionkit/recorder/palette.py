@@ -24,6 +24,7 @@ HOLDS_COLOUR, HOLDS_NOT_COLOUR, UNKNOWN_COLOUR = "#009E73", "#D9DCE0", "#F0A30A"
 INK, MUTED, RULE = "#1F2933", "#6B7785", "#E4E7EB"
 WOOD, WOOD_EDGE = "#D6CCBE", "#9C8B75"
 FENCE_COLOUR, FENCE_DASHES = "#B3261E", (0, (6.0, 3.0))
+HOME_COLOUR = "#009E73"
 DASHES: tuple[Any, ...] = ("solid", (0, (3.2, 1.0)), (0, (1.0, 0.7)), (0, (4.5, 0.8, 0.9, 0.8)))
 MARKERS = ("", "o", "s", "^", "D")
 BRIGHT = 0.35  # luminance above which dark letters are read more easily

@@ -16,6 +16,7 @@ from missionkit.recorder.flight_track import FlightTrack, Place
 from missionkit.recorder.palette import (
     FENCE_COLOUR,
     FENCE_DASHES,
+    HOME_COLOUR,
     INK,
     MUTED,
     WOOD,
@@ -26,6 +27,9 @@ from missionkit.recorder.plot_text import Ruler
 from missionkit.recorder.scenery import Ground, Scenery
 
 Spot = tuple[float, float]  # m, east and north
+
+ROBOT_DASHES = {"target": "solid", "obstacle": (0, (1.0, 1.5))}
+ROBOT_COLOURS = {"home": HOME_COLOUR, "lost": FENCE_COLOUR, "": MUTED}
 
 REACHED = 1.0  # m, horizontally, within which a goal counts as reached
 ARROW = 22.0  # px, how far a marker's arrow points out
@@ -107,6 +111,7 @@ def draw_ground(axes: Axes, scene: MapScene) -> None:
         axes.add_patch(
             Polygon(outline, fill=False, edgecolor=FENCE_COLOUR, lw=1.4, ls=FENCE_DASHES, zorder=2)
         )
+    _draw_arena(axes, scene.scenery)
     _draw_paths(axes, scene.flown, scene.looks)
     _draw_places(axes, scene.flown, scene.scenery)
 
@@ -123,6 +128,20 @@ def draw_goals(axes: Axes, flown: Flown) -> Goals:
         if places:
             axes.plot(*np.array(places).T, "x", color=colour, ms=9, mew=width, zorder=6)
     return goals
+
+
+def _draw_arena(axes: Axes, scenery: Scenery) -> None:
+    """Draw the arena with its goal, where its robots drove, and how that ended."""
+    if scenery.arena is not None:
+        outline, goal = scenery.arena.outline[:, ::-1], scenery.arena.goal[:, ::-1]
+        axes.add_patch(Polygon(outline, fill=False, edgecolor=MUTED, lw=1.0, zorder=2))
+        axes.plot(*goal.T, color=HOME_COLOUR, lw=3.5, zorder=2)
+    for path in scenery.paths:
+        places = path.places[:, ::-1]
+        colour = WOOD_EDGE if path.kind == "obstacle" else MUTED
+        axes.plot(*places.T, color=colour, lw=0.7, ls=ROBOT_DASHES[path.kind], zorder=3)
+        end = colour if path.kind == "obstacle" else ROBOT_COLOURS[path.end]
+        axes.plot(*places[-1], "o", ms=6, mfc=end, mec="white", mew=0.8, zorder=5)
 
 
 def _draw_paths(axes: Axes, flown: Flown, looks: dict[str, Style]) -> None:

@@ -9,7 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from missionkit.recorder.palette import FENCE_COLOUR, FENCE_DASHES, INK, MUTED
-from missionkit.recorder.plot_ground import Flown, Goals, MapScene, draw_goals, draw_ground
+from missionkit.recorder.plot_ground import (
+    ROBOT_COLOURS,
+    Flown,
+    Goals,
+    MapScene,
+    draw_goals,
+    draw_ground,
+)
 from missionkit.recorder.plot_map_labels import dots, label_map
 from missionkit.recorder.scenery import Fence, Ground, Scenery
 
@@ -36,6 +43,7 @@ def view_of(flown: Flown, scenery: Scenery) -> MapView:
     places = [flown.path, np.zeros((1, 2)), *(it.footprint()[:, ::-1] for it in scenery.obstacles)]
     places += [np.array([it.position[1::-1]]) for it in scenery.markers]
     places += [np.array([it.at[::-1]]) for it in scenery.targets]
+    places += [] if scenery.arena is None else [scenery.arena.outline[:, ::-1]]
     low, high = _limits(np.vstack(places))
     hidden = []
     for fence in scenery.fences:
@@ -99,6 +107,11 @@ def _key(axes: Axes, scene: MapScene, goals: Goals) -> None:
         )
     if scene.scenery.fences:
         lines.append(Line2D([], [], color=FENCE_COLOUR, lw=1.4, ls=FENCE_DASHES, label="fence"))
+    ends: list[str] = [it.end for it in scene.scenery.paths if it.kind == "target"]
+    for end, name in (("", "in play"), ("home", "home"), ("lost", "lost")):
+        if count := ends.count(end):
+            label = f"{count} {name}"
+            lines.append(Line2D([], [], color=ROBOT_COLOURS[end], marker="o", lw=0, label=label))
     if lines:
         axes.legend(
             handles=lines,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -83,6 +83,21 @@ class Fence(NamedTuple):
         return np.array([(south, west), (north, west), (north, east), (south, east)])
 
 
+class DrawnArena(NamedTuple):
+    """Where ground robots are in play."""
+
+    outline: Ground  # (4, 2), m
+    goal: Ground  # (2, 2), m, ends of the goal's side
+
+
+class RobotPath(NamedTuple):
+    """Where a ground robot really drove."""
+
+    places: Ground  # (N, 2), m
+    kind: Literal["target", "obstacle"]
+    end: Literal["", "home", "lost"] = ""
+
+
 class Scenery(NamedTuple):
     """Everything in the world, and the mission's places in it."""
 
@@ -90,6 +105,8 @@ class Scenery(NamedTuple):
     markers: tuple[DrawnMarker, ...] = ()
     targets: tuple[DrawnTarget, ...] = ()
     fences: tuple[Fence, ...] = ()
+    arena: DrawnArena | None = None
+    paths: tuple[RobotPath, ...] = ()
     over_ground: bool = True  # north, east and down from take-off; else x, y, z of a mother-ship
 
 
@@ -98,7 +115,8 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
 
     Args:
         world: has `obstacles`, each with `use` (cylinder, box or sphere) and its measures, and
-            `markers`, each with `id`, `size`, `position` and `attitude`.
+            `markers`, each with `id`, `size`, `position` and `attitude`; perhaps an `arena` with
+            `centre`, `side` and `goal`.
         mission: with the targets and the failsafes that keep fences.
     """
     targets = {} if mission is None else mission.targets
@@ -111,8 +129,20 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
         ),
         tuple(DrawnTarget(name, it.position[:2]) for name, it in targets.items()),
         tuple(dict.fromkeys(Fence(it.north, it.east) for it in fences)),
+        _arena(getattr(world, "arena", None)),
         over_ground=mission is None or VEHICLES[mission.vehicle.use].over_ground,
     )
+
+
+def _arena(it: Any) -> DrawnArena | None:
+    if it is None:
+        return None
+    (n, e), half = it.centre, 0.5 * it.side
+    corners = np.array(
+        [(n - half, e - half), (n + half, e - half), (n + half, e + half), (n - half, e + half)]
+    )
+    first = ("west", "north", "east", "south").index(it.goal)
+    return DrawnArena(corners, np.roll(corners, -first, axis=0)[:2])
 
 
 def _obstacle(it: Any) -> Round | DrawnBox:

@@ -5,11 +5,16 @@ Imported late, as the ground robots are.
 
 from __future__ import annotations
 
+from typing import Final, Literal, NamedTuple, cast
+
 import numpy as np
 
 from missionkit.geometry import Mat
 from missionkit.sim.flight_grading import HerdGrade
 from missionkit.sim.ground_robots import BUMPS, HOME, LOST, OBSTACLE, OUT, OUT_AT, SIZE, TOUCHES
+
+EVERY: Final = 10  # rows between two places of a path
+End = Literal["", "home", "lost"]
 
 
 class HerdTrack:
@@ -34,6 +39,19 @@ class HerdTrack:
         """States (T, R, SIZE), see `ground_robots`, in single precision."""
         return np.array(self._states).reshape(len(self._times), -1, SIZE)
 
+    def driven(self) -> list[DrivenPath]:
+        """Return where each robot drove while it was in play, twice a second at least."""
+        states = self.states[::-EVERY][::-1]
+        return [_driven(states[:, n]) for n in range(states.shape[1])]
+
+
+class DrivenPath(NamedTuple):
+    """Where one ground robot drove, and how that ended."""
+
+    places: Mat  # (N, 2), m, north and east
+    obstacle: bool
+    end: End
+
 
 def grade_herd(robots: Mat) -> HerdGrade | None:
     """Grade the robots by their states at the end of a flight; None: there are no target robots.
@@ -54,6 +72,13 @@ def grade_herd(robots: Mat) -> HerdGrade | None:
         bumps=int(targets[:, BUMPS].sum()),
         touches=int(targets[:, TOUCHES].sum()),
     )
+
+
+def _driven(states: Mat) -> DrivenPath:
+    gone = states[:, OUT] > 0.0
+    last = int(gone.argmax()) + 1 if gone.any() else len(states)
+    end = {HOME: "home", LOST: "lost"}.get(float(states[-1, OUT]), "")
+    return DrivenPath(states[:last, :2], bool(states[0, OBSTACLE]), cast(End, end))
 
 
 def _left(targets: Mat, end: float) -> tuple[float, ...]:

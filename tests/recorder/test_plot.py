@@ -19,7 +19,7 @@ from missionkit.recorder.plot_ground import Flown, draw_goals
 from missionkit.recorder.plot_guards import labels
 from missionkit.recorder.plot_list import draw_list
 from missionkit.recorder.plot_text import Font, Ruler
-from missionkit.recorder.scenery import Scenery
+from missionkit.recorder.scenery import DrawnArena, RobotPath, Scenery
 
 FONT = Font(10.0)
 
@@ -195,3 +195,21 @@ def test_a_page_is_the_same_every_time(tmp_path, flown, orchard):
     for name in ("a.png", "b.png"):
         draw(tmp_path / name, flown, orchard, "t", "s")
     assert np.array_equal(imread(tmp_path / "a.png"), imread(tmp_path / "b.png"))
+
+
+def test_an_arena_has_its_goal_its_robots_paths_and_their_ends(flown):
+    outline = np.array([(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)])
+    there = np.array([(0.0, 1.0), (5.0, 1.5)])
+    paths = (
+        RobotPath(there, "target", "home"),
+        RobotPath(-there, "target", "lost"),
+        RobotPath(0.5 * there, "target"),
+        RobotPath(0.2 * there, "obstacle"),
+    )
+    arena = DrawnArena(outline, outline[2:])
+    axes = panel(picture(flown, Scenery(arena=arena, paths=paths), "t"), "Map")
+    drawn = [line.get_xydata().tolist() for line in axes.lines]
+    assert [[5.0, 5.0], [5.0, -5.0]] in drawn  # the goal, east and north
+    assert [[1.0, 0.0], [1.5, 5.0]] in drawn
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[-3:] == ["1 in play", "1 home", "1 lost"]

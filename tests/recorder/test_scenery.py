@@ -7,6 +7,7 @@ import numpy as np
 from missionkit.messages import Verdict
 from missionkit.recorder.json_fragments import verdict
 from missionkit.recorder.scenery import DrawnBox, Round, scenery_of
+from missionkit.sim.world import World
 
 
 def test_a_world_becomes_scenery():
@@ -42,3 +43,10 @@ def test_a_verdict_keeps_every_digit_and_drops_what_is_not_finite():
     assert verdict("g", said) == (
         '{"name":"g","holds":"yes","value":0.30000000000000004,"why":"odd \\"quotes\\""}'
     )
+
+
+def test_an_arena_has_its_goals_side():
+    arena = {"centre": (1.0, 2.0), "side": 4.0, "goal": "east"}
+    drawn = scenery_of(World.model_validate({"world": "w", "arena": arena})).arena
+    assert drawn is not None
+    assert sorted(drawn.goal.tolist()) == [[-1.0, 4.0], [3.0, 4.0]]

@@ -127,6 +127,9 @@ def test_robots_drive_into_the_standing_vehicle_and_off_the_floor(built):
     spinning = times[states[:, 0, of.SPIN_LEFT] > 0.0]
     assert spinning[0] == pytest.approx((1.0 - REACH) / 0.33, abs=0.06)
     assert states[-1, 1, of.NORTH] == pytest.approx(0.5 + 3.9 * 0.33, abs=1e-5)
+    driven = flown.vehicle.herd.driven()
+    assert [it.end for it in driven] == ["", "", "lost"]
+    assert driven[2].places[-1] == pytest.approx([0.0, 4.0], abs=0.2)  # and no farther
 
 
 def test_a_tower_that_touches_the_vehicle_is_a_crash(built):
