@@ -4,6 +4,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
+# processes for the tests: flights over the wire mostly wait
+WORKERS ?= 4
 
 .PHONY: run test lint types layers kernels kernels-quadrotor kernels-free-flyer unit bench studies schema reference docs picture clean
 
@@ -33,7 +35,7 @@ kernels-free-flyer: .venv/ready
 	PYTHONPATH=tests $(BIN)/python -m compile_kernels docking
 
 unit: .venv/ready
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 bench: .venv/ready
 	$(PIP) install --constraint requirements.lock --editable '.[bench]'

@@ -283,6 +283,20 @@ def test_what_raises_is_left_to_those_who_take_reports():
     assert flown.end is FlightEnd.LANDED
 
 
+@pytest.mark.parametrize("number", interrupts.STOPPING)
+def test_a_signal_lands_the_vehicle(number):
+    ticks, operator = count(), Operator()
+
+    def watch(*_):
+        if next(ticks) in {40, 41}:  # two at once count as one
+            signal.raise_signal(number)
+
+    with interrupts.landing_on_interrupt(operator):
+        result = rehearse(short_stage(STAY), (watch,), operator=operator)
+    assert result.flown.end is FlightEnd.LANDED
+    assert result.flown.aborted
+
+
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_second_signal_that_a_destructor_swallows_stops_the_program(monkeypatch):
     monkeypatch.setattr(interrupts, "SAME_KEYPRESS", -1.0)

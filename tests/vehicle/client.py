@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-from vehicle.flying import NORTH, Flight
+from vehicle.ticked_flight import NORTH, Flight
 
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.link.link_address import parse

@@ -13,9 +13,8 @@ import time
 from contextlib import asynccontextmanager, contextmanager
 
 import numpy as np
+from vehicle.ticked_flight import Flight
 
-from missionkit.geometry import vec
-from missionkit.messages import Action, Command, Setpoint
 from missionkit.sitl.sitl_server import Setup, serving
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.guardian.policy import Patience
@@ -24,13 +23,7 @@ from missionkit.vehicle.link.link_lock import LinkLock
 
 SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done
-PERIOD = 0.05
 UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine does not count as silence
-STILL = Command()
-NORTH = Command(Setpoint(vec(2.0, 0.0, 0.0), 0.0))
-CLIMB = Command(action=Action.TAKE_OFF, height=2.5)
-LAND = Command(action=Action.LAND)
-ARM = Command(action=Action.ARM)
 
 
 PORTS = itertools.count(20000 + os.getpid() % 60 * 200)
@@ -118,67 +111,6 @@ def sitl(dialect="px4", speed=SPEED, **setup):
             control.close()
 
 
-class Flight:
-    """A vehicle that is ticked at 20 Hz of its own time."""
-
-    def __init__(self, vehicle, speed):
-        self.vehicle, self.speed = vehicle, speed
-        self.now, self.status, self.events, self.seen = 0.0, None, [], []
-        self._start = None
-
-    async def tick(self, command=STILL):
-        if self._start is None:
-            self._start = time.perf_counter()
-        self.now += PERIOD
-        due = self._start + self.now / self.speed
-        await asyncio.sleep(max(0.0, due - time.perf_counter()))
-        seen = await self.vehicle.observe(self.now)
-        self.status = seen.status or self.status
-        self.events += seen.events
-        self.seen.append(seen)
-        await self.vehicle.send(command)
-
-    async def run(self, seconds, command=STILL):
-        for _ in range(round(seconds / PERIOD)):
-            await self.tick(command)
-
-    async def until(self, holds, command=STILL, limit=30.0):
-        end = self.now + limit
-        while not holds():
-            assert self.now < end, f"{self.status}, {self.events}, {self.vehicle.reports}"
-            await self.tick(command() if callable(command) else command)
-
-    async def ready(self):
-        await self.until(lambda: self.status is not None and self.status.ready)
-
-    async def arm(self):
-        await self.ready()
-        await self.until(lambda: self.status.armed, ARM)
-
-    async def take_off(self):
-        await self.arm()
-        await self.until(lambda: self.status.in_air, self._off_the_ground)
-        await self.until(lambda: self.up and self.status.mode != "take_off")
-
-    def _off_the_ground(self):
-        """Arm again what has disarmed itself: a take-off takes long over a bad link."""
-        return CLIMB if self.status.armed else ARM
-
-    @property
-    def up(self):
-        """Whether it is nearly as high as `CLIMB` says; the mode on the way may go unheard."""
-        height = self.vehicle.state.height
-        return height is not None and height > CLIMB.height - 0.4
-
-    async def cruise(self, sitl):
-        """Take off and fly north until it really does."""
-        await self.take_off()
-        await self.until(lambda: sitl.truth["velocity"][0] > 1.8, NORTH)
-
-    async def land(self):
-        await self.until(lambda: not self.status.armed, LAND)
-
-
 @asynccontextmanager
 async def flying(sitl, tmp_path, guard=UNHURRIED, **options):
     """Fly an autopilot through a guardian that bears what a busy machine does."""
@@ -203,11 +135,16 @@ def over_the_wire(tmp_path, script, dialect="px4", guard=UNHURRIED, **setup):
         return asyncio.run(fly(autopilot))
 
 
-def command(autopilot, *arguments):
-    """Return the words that run a mission with the autopilot."""
+def command(autopilot, *more):
+    """Return the command line that runs a mission with the autopilot."""
     python = [sys.executable, "-c", "from missionkit.cli.app import app; app()"]
+    return [*python, *arguments(autopilot, *more)]
+
+
+def arguments(autopilot, *more):
+    """Return the arguments of the command that runs a mission with the autopilot."""
     speed = str(autopilot.speed)
-    return [*python, "run", *arguments, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
+    return ["run", *more, "--vehicle", autopilot.url, "--speed", speed, "--headless"]
 
 
 def until(holds, limit=60.0):

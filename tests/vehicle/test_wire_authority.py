@@ -1,8 +1,9 @@
 """Control authority: a pilot's HOLD does not end a flight, and one odd packet is not a takeover."""
 
 import pytest
-from vehicle.flying import LAND, NORTH, over_the_wire
+from vehicle.flying import over_the_wire
 from vehicle.message_filter import MessageFilter
+from vehicle.ticked_flight import LAND, NORTH
 
 from missionkit.messages import Action, Command
 from missionkit.vehicle.failsafe_parameters import FailsafeLevel

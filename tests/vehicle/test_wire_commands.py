@@ -4,14 +4,17 @@ import asyncio
 import threading
 
 import pytest
-from vehicle.flying import ARM, NORTH, over_the_wire, until
+from vehicle.flying import over_the_wire, until
+from vehicle.ticked_flight import ARM, NORTH
+
+LATE = 0.33  # s of the wall: a command is sent twice before the answer to the first arrives
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
 def test_with_late_acknowledgements_a_flight_is_a_flight(dialect, tmp_path):
     async def script(flight, autopilot):
         await flight.ready()
-        autopilot.ask(fault="acks_delayed=2")
+        autopilot.ask(fault=f"acks_delayed={autopilot.speed * LATE}")
         await flight.take_off()
         await flight.until(lambda: autopilot.truth["velocity"][0] > 1.5, NORTH)
         await flight.land()

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from vehicle.flying import CLIMB, LAND, NORTH, over_the_wire
+from vehicle.flying import over_the_wire
+from vehicle.ticked_flight import CLIMB, LAND, NORTH
 
 STREAMS = "511 "  # MAV_CMD_SET_MESSAGE_INTERVAL commands nothing
 

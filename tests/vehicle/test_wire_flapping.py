@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from vehicle.flying import NORTH, over_the_wire, sitl
+from vehicle.flying import over_the_wire, sitl
 from vehicle.on_a_mission import AHEAD, fly_mission, stay, strike
+from vehicle.ticked_flight import NORTH
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])

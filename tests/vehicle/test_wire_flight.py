@@ -4,7 +4,8 @@ import asyncio
 
 import numpy as np
 import pytest
-from vehicle.flying import ARM, NORTH, flying, free_port, sitl
+from vehicle.flying import flying, free_port, sitl
+from vehicle.ticked_flight import ARM, NORTH
 
 from missionkit.errors import VehicleError
 from missionkit.messages import Action

@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 from vehicle import on_a_mission
-from vehicle.flying import BRISK, NORTH, flying, over_the_wire, sitl
+from vehicle.flying import BRISK, flying, over_the_wire, sitl
 from vehicle.message_filter import MessageFilter
 from vehicle.on_a_mission import fly_mission, stay
+from vehicle.ticked_flight import NORTH
 
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.geometry import from_euler, to_matrix

@@ -16,7 +16,7 @@ from missionkit.recorder.run_summary import read_summary
 def test_observers_that_fail_or_wait_cost_their_records_and_never_the_flight(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     path, folder, released = tmp_path / "trip.yaml", tmp_path / "record", threading.Event()
-    path.write_text(TRIP)
+    path.write_text(TRIP + "settings: {time_limit: 90}\n")
     states, killed = [], tmp_path / "killed"
 
     def watches(record, _):
@@ -38,7 +38,7 @@ def test_observers_that_fail_or_wait_cost_their_records_and_never_the_flight(mon
         released.wait()
 
     mission = missionkit.load(path)
-    with sitl() as autopilot:
+    with sitl(speed=4.0) as autopilot:
         summary = missionkit.fly(
             mission,
             autopilot.url,

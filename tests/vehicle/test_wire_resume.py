@@ -1,11 +1,13 @@
 """A flight with a vehicle whose process is killed is resumed by another."""
 
 import json
-import os
 import subprocess
 
 import pytest
-from vehicle.flying import command, sitl, until
+from typer.testing import CliRunner
+from vehicle.flying import arguments, command, sitl, until
+
+from missionkit.cli.app import app
 
 STAY = """
 missionkit: 1
@@ -26,26 +28,24 @@ states:
 
 
 @pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_killed_flight_is_resumed_and_ends_on_the_ground(dialect, tmp_path):
+def test_a_killed_flight_is_resumed_and_ends_on_the_ground(dialect, tmp_path, monkeypatch):
     (tmp_path / "stay.yaml").write_text(STAY)
-    env = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     folder = tmp_path / "runs" / "stay-vehicle"
     with sitl(dialect) as autopilot:
         if dialect == "px4":
             autopilot.ask(parameter="COM_OBL_RC_ACT", value=5)
             autopilot.patient(1.0)
         first = command(autopilot, "stay.yaml")
-        with subprocess.Popen(first, cwd=tmp_path, env=env) as process:
+        with subprocess.Popen(first, cwd=tmp_path) as process:
             try:
                 until(lambda: '"up"' in saved(folder))
             finally:
                 process.kill()
         assert not autopilot.truth["on_ground"]
-        rest = command(autopilot, "--resume", str(folder))
-        options = {"cwd": tmp_path, "env": env, "capture_output": True, "text": True}
-        done = subprocess.run(rest, check=False, **options)
+        done = CliRunner().invoke(app, arguments(autopilot, "--resume", str(folder)))
         truth = autopilot.truth
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.exit_code == 0, done.output
     assert truth["on_ground"]
     assert not truth["armed"]
     written = json.loads((folder / "summary.json").read_text())

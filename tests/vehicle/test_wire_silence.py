@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from child import default_signals
-from vehicle.flying import NORTH, flying, over_the_wire, sitl, until
+from vehicle.flying import flying, over_the_wire, sitl, until
+from vehicle.ticked_flight import NORTH
 
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 
