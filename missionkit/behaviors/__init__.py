@@ -8,7 +8,9 @@ from missionkit.behaviors.hold import Hold
 from missionkit.behaviors.inject import Inject
 from missionkit.behaviors.land import Land
 from missionkit.behaviors.precision_land import PrecisionLand
+from missionkit.behaviors.robot_contact import LandInFront, TouchTop
 from missionkit.behaviors.servo import Servo
+from missionkit.behaviors.shadow import Shadow
 from missionkit.behaviors.spiral import Spiral
 from missionkit.behaviors.take_off import TakeOff
 
@@ -20,8 +22,11 @@ BEHAVIORS = (
     Hold,
     Inject,
     Land,
+    LandInFront,
     PrecisionLand,
     Servo,
+    Shadow,
     Spiral,
     TakeOff,
+    TouchTop,
 )

@@ -28,6 +28,7 @@ def fault_of(answer: object) -> str:
         "retreat": answer.retreat is None or _vector(answer.retreat),
         "bound": _bounds(answer.bound),
         "takes_over": isinstance(answer.takes_over, bool),
+        "lands": isinstance(answer.lands, bool),
         "chosen": _text_or_none(answer.chosen),
     }
     wrong = [name for name, sound in parts.items() if not sound]

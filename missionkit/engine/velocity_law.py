@@ -98,7 +98,8 @@ class VelocityLaw(NamedTuple):
             )
         if self.brake is not None:
             setpoint, control = braked(self.brake, acting, setpoint, control, guidance, seen)
-        setpoint = above_floor(setpoint, seen, self.floor, self.control.limits)
+        floor = math.inf if step.lands else self.floor
+        setpoint = above_floor(setpoint, seen, floor, self.control.limits)
         control = control.having_sent(setpoint)
         command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
         return Controlled(command, control, avoidance)

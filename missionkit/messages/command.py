@@ -110,4 +110,5 @@ class Step(NamedTuple):
     retreat: Vec3 | None = None  # (3,), m/s, NED, flown instead of zero while it stops
     bound: HalfSpace | None = None  # never to be left, even while it holds still
     takes_over: bool = False  # fly the guidance although the state leaves flying to the autopilot
+    lands: bool = False  # leads to the ground on purpose: no height is kept above it
     chosen: str | None = None  # the tracked target that `tracked` stands for from now on

@@ -1,0 +1,134 @@
+"""Landing in front of a tracked robot and touching its top: the way, refusals, the end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from playing import TICK, at
+
+from missionkit.behaviors import LandInFront, TouchTop
+from missionkit.geometry import vec
+from missionkit.messages import Target
+
+SPEED, HEADING, REACH = 0.33, 0.5, 0.37  # m/s, rad, m: from centre to centre at a bump
+WAY = np.array([math.cos(HEADING), math.sin(HEADING), 0.0])
+RIGHT = np.array([-WAY[1], WAY[0], 0.0])
+
+
+def robot(now, start, name="robot_4", *, obstacle=0.0, spin=0.0, **other):
+    place = np.array(start, float) + SPEED * (now - 10.0) * WAY
+    found = Target(name, place, 0.02, None, None, now, velocity=SPEED * WAY, heading=HEADING)
+    modes = {"straight": 1.0 - spin, "spin": spin}
+    classes = {"target": 1.0 - obstacle, "obstacle": obstacle}
+    return found._replace(heading_sd=0.05, modes=modes, classes=classes, **other)
+
+
+def named(*robots):
+    return {**{it.name: it for it in robots}, "tracked": robots[0]}
+
+
+def played(behavior, targets, seconds, start=(-2.0, 1.0, -2.5)):
+    """The vehicle does exactly as it is guided; places, targets and steps until it is done."""
+    place, velocity, memory, rows = np.array(start), np.zeros(3), None, []
+    for n in range(round(seconds / TICK)):
+        now = 10.0 + n * TICK
+        seen = at(now, *place, velocity=velocity, targets=targets(now))
+        step = behavior.step(seen, memory)
+        memory = step.memory
+        rows.append((now, place.copy(), seen.targets.get("tracked"), step))
+        if step.done:
+            break
+        if step.guidance is not None:
+            velocity = (step.guidance.position - place) / TICK
+            place = place + TICK * np.clip(velocity, -2.2, 2.2)
+        else:
+            velocity = np.zeros(3)
+    return rows
+
+
+def test_it_lands_ahead_of_the_robot_which_then_runs_into_it():
+    behavior = LandInFront()
+    rows = played(behavior, lambda now: named(robot(now, (0.0, 0.0, 0.0))), 12.0)
+    assert rows[-1][3].done
+    down = next(row for row in rows if row[3].note.startswith("down"))
+    offset = down[1] - down[2].position
+    assert float(offset @ WAY) == pytest.approx(behavior.block, abs=0.1)
+    assert float(offset @ WAY) > REACH
+    assert abs(float(offset @ RIGHT)) < 0.05
+    assert down[0] - 10.0 < 5.0
+    last = rows[-1][1] - rows[-1][2].position
+    assert float(last @ WAY) < REACH  # it has run into the vehicle
+    assert all(row[3].lands for row in rows if row[1][2] > -1.0)
+
+
+def test_it_touches_the_top_of_a_robot_that_drives_on():
+    rows = played(TouchTop(), lambda now: named(robot(now, (0.0, 0.0, 0.0))), 12.0)
+    assert rows[-1][3].done
+    offset = rows[-1][1] - rows[-1][2].position
+    assert math.hypot(*offset[:2]) < 0.15
+    assert offset[2] == pytest.approx(-0.1, abs=0.03)
+
+
+@pytest.mark.parametrize("behavior", [LandInFront(), TouchTop()])
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"obstacle": 0.2}, "robot_4 may be an obstacle robot (0.20)"),
+        ({"heading": None}, "the heading of robot_4 is not known yet"),
+        ({"heading_sd": 0.5}, "the heading of robot_4 is uncertain"),
+        (None, "tracked is not tracked"),
+    ],
+)
+def test_it_refuses_in_words_and_holds(behavior, changes, says):
+    def targets(now):
+        found = robot(now, (0.0, 0.0, 0.0))
+        if changes is None:
+            return {}
+        if "obstacle" in changes:
+            return named(robot(now, (0.0, 0.0, 0.0), **changes))
+        return named(found._replace(**changes))
+
+    rows = played(behavior, targets, 1.0)
+    assert {row[3].note for row in rows} == {f"holding: {says}"}
+    assert all(row[3].guidance is None and not row[3].done for row in rows)
+
+
+def test_it_does_not_go_on_with_another_robot():
+    def targets(now):
+        return named(robot(now, (0.0, 0.0, 0.0), "robot_4" if now < 11.0 else "robot_7"))
+
+    *_, last = played(LandInFront(), targets, 2.0)
+    assert last[3].note == "holding: robot_4 is lost, and tracked is robot_7 now"
+    assert last[3].guidance is None
+
+
+def test_a_spin_calls_the_descent_off():
+    def targets(now):
+        return named(robot(now, (0.0, 0.0, 0.0), spin=0.9 if now > 12.2 else 0.0))
+
+    rows = played(LandInFront(), targets, 6.0)
+    assert any(row[3].note.startswith("descending") for row in rows)
+    assert rows[-1][3].note == "flying to robot_4"
+    assert rows[-1][1][2] == pytest.approx(-1.5, abs=0.2)
+
+
+def test_it_keeps_clear_of_obstacle_robots_on_the_way():
+    def targets(now):
+        tower = robot(now, (-0.2, 0.0, 0.0), "robot_9", obstacle=0.95)
+        return named(robot(now, (1.5, 0.0, 0.0)), tower)
+
+    rows = played(LandInFront(), targets, 12.0, start=(-2.0, -0.7, -1.5))
+    gaps = [np.hypot(*(row[1] - targets(row[0])["robot_9"].position)[:2]) for row in rows]
+    assert min(gaps) > 0.6
+    assert rows[-1][3].done
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("where", ["position", "velocity"])
+def test_what_is_not_a_number_leads_nowhere(where, bad):
+    given = {"velocity": np.zeros(3), where: vec(bad, 0.0, 0.0)}
+    seen = at(10.0, -2.0, 1.0, -2.5, targets=named(robot(10.0, (0.0, 0.0, 0.0))))
+    step = LandInFront().step(seen._replace(**given), None)
+    assert step.guidance is None
