@@ -29,7 +29,7 @@ layers: .venv/ready
 kernels: kernels-quadrotor kernels-free-flyer
 
 kernels-quadrotor: .venv/ready
-	PYTHONPATH=tests $(BIN)/python -m compile_kernels precision_landing precision_task known_map
+	PYTHONPATH=tests $(BIN)/python -m compile_kernels precision_landing precision_task known_map detectors
 
 kernels-free-flyer: .venv/ready
 	PYTHONPATH=tests $(BIN)/python -m compile_kernels docking

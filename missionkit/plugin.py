@@ -215,3 +215,6 @@ class BoxDetector(Plugin):
             One box for each object, its centre (px) in the image, its score from 0 to 1. Of more
             than 20 those with the highest scores count.
         """
+
+    def warm_up(self) -> None:
+        """Compile or load, before take-off, what `boxes` would otherwise make a tick wait for."""

@@ -19,6 +19,8 @@ from missionkit.guards import GUARDS
 from missionkit.perception.apriltag import AprilTag
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.blob import Blob
+from missionkit.perception.haar.detector import Haar
+from missionkit.perception.template.detector import Template
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
@@ -58,7 +60,10 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
         bases=(FlowKalman, VisualInertialEkf, UdVisionEkf, TandemEkf, CompoundEkf),
     ),
     "detectors": PluginGroup(
-        "detector", (DetectorProtocol, BoxDetectorProtocol), (AprilTag, Aruco, Blob), bases=(Aruco,)
+        "detector",
+        (DetectorProtocol, BoxDetectorProtocol),
+        (AprilTag, Aruco, Blob, Haar, Template),
+        bases=(Aruco,),
     ),
     "trackers": PluginGroup("tracker", (TrackerProtocol,), (MultiTargetTracker,)),
     "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),

@@ -10,6 +10,7 @@ from missionkit.cli.autopilot_commands import fence, preflight, sitl
 from missionkit.cli.camera_commands import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
 from missionkit.cli.command_options import reporting_errors
+from missionkit.cli.detector_commands import detector as detector_commands
 from missionkit.cli.flight_commands import run
 from missionkit.cli.mission_file_commands import explain, graph, new, plugins, schema, validate
 from missionkit.cli.option_errors import Commands
@@ -38,6 +39,7 @@ _COMMANDS = (
 for _command in _COMMANDS:
     app.command()(reporting_errors(_command))
 app.add_typer(camera_commands, name="camera")
+app.add_typer(detector_commands, name="detector")
 
 
 @app.callback(invoke_without_command=True)

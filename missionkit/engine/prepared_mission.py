@@ -76,6 +76,8 @@ def prepare(mission: Mission, catalogue: Catalogue) -> PreparedMission:
         _warm_up("behaviour", state.behavior)
     tracker = None if mission.tracking is None else mission.tracking.plugin
     _warm_up("tracker", tracker)
+    for detector in mission.perception:
+        _warm_up("detector", detector.plugin)
     return PreparedMission(
         chart=chart,
         navigator=_navigator(navigation.kind, navigation.plugin, surveyed, camera),

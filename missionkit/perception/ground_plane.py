@@ -21,10 +21,6 @@ from missionkit.messages import BoxDetection, CameraModel, GroundDetection
 
 LEAST_SLOPE: Final = math.tan(math.radians(10.0))
 """A ray that falls less steeply meets the ground nowhere in particular."""
-ROBOT_DIAMETER: Final = 0.34
-"""m, of a ground robot (P4 section III)."""
-ROBOT_HEIGHT: Final = 0.10
-"""m, of the plate on top of a ground robot."""
 
 
 class ViewNoise(NamedTuple):

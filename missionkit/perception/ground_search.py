@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import BoxDetection, CameraModel, Frame, GroundFrame
 from missionkit.perception.box_validation import fault_of_boxes
-from missionkit.perception.ground_plane import ROBOT_DIAMETER, on_ground, view_of
+from missionkit.perception.ground_plane import on_ground, view_of
 from missionkit.perception.marker_search import Priors
 from missionkit.plugin_containment import Containment, is_foreign
 from missionkit.plugin_protocols import BoxDetectorProtocol, Prior
 
+ROBOT: Final = GroundRobot()
 MOST_BOXES: Final = 20
 """Boxes of one detector that count, those with the highest scores (P4 section III-A)."""
 
@@ -76,7 +78,7 @@ def _answers(
         if wrong := fault_of_boxes(frame.boxes, camera):
             contain.note(f"the camera gave {wrong}")
         else:
-            yield _Answer(frame.boxes or (), ROBOT_DIAMETER, 0.0)
+            yield _Answer(frame.boxes or (), ROBOT.diameter, 0.0)
         return
     for it in detectors:
         boxed = contain.call(it.kind, it.boxes, frame, camera, prior, foreign=is_foreign(it))
@@ -85,5 +87,5 @@ def _answers(
         if wrong := fault_of_boxes(boxed[0], camera):
             contain.note(f"{it.kind} returned {wrong}")
             continue
-        diameter = getattr(it, "diameter", ROBOT_DIAMETER)
+        diameter = getattr(it, "diameter", ROBOT.diameter)
         yield _Answer(boxed[0], diameter, getattr(it, "height", 0.0))

@@ -62,7 +62,7 @@ def test_a_lens_that_makes_no_sense_is_refused(section, said):
 
 
 def test_the_sections_of_the_mission_file_load_without_opencv():
-    light = "camera_section aruco marker_dictionaries"
+    light = "camera_section aruco apriltag blob haar.detector template.detector"
     code = "import sys; " + "".join(f"import missionkit.perception.{m}; " for m in light.split())
     code += "sys.exit('cv2' in sys.modules or 'scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -9,9 +9,10 @@ import pytest
 from scenes import priors
 
 from missionkit.geometry import IDENTITY, Transform, vec
+from missionkit.ground_robot import GroundRobot
 from missionkit.messages import BoxDetection, Frame, Observation
 from missionkit.perception.camera_section import Camera, Mount
-from missionkit.perception.ground_plane import ROBOT_DIAMETER, ViewNoise
+from missionkit.perception.ground_plane import ViewNoise
 from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.plugin import BoxDetector
 from missionkit.plugin_containment import Containment
@@ -65,7 +66,7 @@ def test_a_box_becomes_a_place_on_the_ground_below():
     (it,) = ground.detections
     assert it.position == pytest.approx([3.0, 1.0])
     assert it.height == pytest.approx(2.5)  # the ground lies 0.5 m below the take-off point
-    assert it.size == pytest.approx(47.0 / 277.0 * 2.5 / ROBOT_DIAMETER)
+    assert it.size == pytest.approx(47.0 / 277.0 * 2.5 / GroundRobot().diameter)
     assert (it.detector, it.kind, it.id, it.score) == ("sure", "robot", 7, 0.9)
     assert ground.at == 1.0
     assert np.ptp(ground.view, axis=0) == pytest.approx(2.5 / 277.0 * np.array([239.0, 319.0]))

@@ -1,0 +1,1 @@
+"""Template matching by normalised cross-correlation: P4 section III-A."""
