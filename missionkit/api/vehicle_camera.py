@@ -110,6 +110,8 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
     """
     rng, model = np.random.default_rng(seed), section.model()
     exposure, nothing = section.exposure, frozenset[int]()
+    from missionkit.sim.robot_look import looks_at  # noqa: PLC0415 (imports numba)
+
     if section.drawn:
         from missionkit.sim.camera_renderer import Renderer  # noqa: PLC0415 (imports cv2)
 
@@ -117,17 +119,22 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
 
         def paint(pose: Pose, at: float) -> Frame:
             turned = pose.velocity, pose.rates
-            return Frame(at, renderer.render(pose.body, *turned, exposure, nothing))
+            robots = looks_at(world, pose.robots)
+            return Frame(at, renderer.render(pose.body, *turned, exposure, nothing, robots))
 
         return paint
     from missionkit.sim.marker_visibility import Spotter  # noqa: PLC0415
     from missionkit.sim.obstacle_distance import table  # noqa: PLC0415 (compiles kernels)
+    from missionkit.sim.robot_boxes import BoxSpotter  # noqa: PLC0415
 
+    boxes = BoxSpotter(world, model, np.random.default_rng([seed, 1]))
     spotter = Spotter(world.markers, model, table(world), rng)
 
     def find(pose: Pose, at: float) -> Frame:
         body = pose.body
         x = np.concatenate((body.translation, pose.velocity, body.rotation, pose.rates))
-        return Frame(at, None, spotter.find(x, exposure, nothing))
+        corners = spotter.find(x, exposure, nothing)
+        seen = boxes.find(body, looks_at(world, pose.robots)) if pose.robots else ()
+        return Frame(at, None, corners, seen)
 
     return find

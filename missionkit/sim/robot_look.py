@@ -5,7 +5,7 @@ Imported late, as the ground robots are.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 from missionkit.estimation.target_tracking.ground_robot import GroundRobot
@@ -33,11 +33,18 @@ def looks_of(world: World, robots: Mat) -> list[RobotLook]:
         world: says how they are painted, and their towers.
         robots: (R, SIZE) states, see `ground_robots`.
     """
-    return [
-        RobotLook(*_pose(robots[n]), plate, tower)
-        for n, (plate, tower) in enumerate(_painted(world))
-        if robots[n, OUT] == 0.0
-    ]
+    return looks_at(world, [None if it[OUT] > 0.0 else _pose(it) for it in robots])
+
+
+def looks_at(world: World, poses: Sequence[tuple[float, float, float] | None]) -> list[RobotLook]:
+    """Return robots as a camera sees them.
+
+    Args:
+        world: says how they are painted, and their towers.
+        poses: north, east (m), heading (rad) of each, in the world's order; None: out of play.
+    """
+    painted = zip(poses, _painted(world), strict=False)
+    return [RobotLook(*pose, *paint) for pose, paint in painted if pose is not None]
 
 
 def _painted(world: World) -> Iterator[tuple[int, float]]:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from missionkit.sitl import (
     flow_range_messages,
     health_messages,
+    robot_messages,
     sensor_messages,
     status_messages,
 )
@@ -55,6 +56,7 @@ MESSAGE_BUILDERS: Mapping[int, Builder] = {
     mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: flow_range_messages.distance_sensor,
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW: flow_range_messages.optical_flow,
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: flow_range_messages.optical_flow_rad,
+    mavlink.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: robot_messages.debug_float_array,
 }
 FRESH_ONLY = frozenset(  # sent once for each measurement, even if requested more often
     (

@@ -70,6 +70,7 @@ INTERVALS: Mapping[int, float] = {
     245: 5.0,  # EXTENDED_SYS_STATE
     330: 10.0,  # OBSTACLE_DISTANCE
     331: 50.0,  # ODOMETRY
+    350: 20.0,  # DEBUG_FLOAT_ARRAY: ground robots, from missionkit's simulator only
     1: 2.0,  # SYS_STATUS
     2: 1.0,  # SYSTEM_TIME
 }
@@ -79,7 +80,7 @@ SCALED: Mapping[int, float] = {
     29: 10.0,  # SCALED_PRESSURE
 }
 OPTIONAL = frozenset(
-    (0, 2, 49, 100, 106, 115, 124, 132, 330, 331)
+    (0, 2, 49, 100, 106, 115, 124, 132, 330, 331, 350)
 )  # nothing is missing without these
 
 

@@ -58,7 +58,7 @@ def test_every_message_is_read_back_by_pymavlink(either: Any) -> None:
     either.run(1.0, either.velocity(1, 0, 0))
     kinds = {message.get_type() for message in either.seen}
     assert not [kind for kind in kinds if kind.startswith("UNKNOWN") or kind == "BAD_DATA"]
-    assert len(kinds) >= len(MESSAGE_BUILDERS) - 6
+    assert len(kinds) >= len(MESSAGE_BUILDERS) - 7  # here are no ground robots to tell of
     for message in either.seen:
         again = either._mav.parse_buffer(message.get_msgbuf())
         assert [m.to_dict() for m in again] == [message.to_dict()] or "nan" in str(message)

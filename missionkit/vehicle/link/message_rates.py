@@ -43,6 +43,7 @@ NAMES: Mapping[int, str] = {
     253: "STATUSTEXT",
     330: "OBSTACLE_DISTANCE",
     331: "ODOMETRY",
+    350: "DEBUG_FLOAT_ARRAY",
 }
 SPARE = frozenset(  # streamed unasked by one autopilot or the other; not used here
     (

@@ -30,6 +30,14 @@ def triple(fields: Fields, *names: str) -> Vec3 | None:
     return np.array(values, dtype=np.float64)
 
 
+def numbers(fields: Fields, name: str) -> list[float]:
+    """Return an array of numbers; empty unless all are finite."""
+    values = fields[name]
+    if any(value is None or not math.isfinite(value) for value in values):
+        return []
+    return [float(value) for value in values]
+
+
 def imu(fields: Fields, at: float) -> Imu | None:
     """Return a sample of HIGHRES_IMU."""
     accel = triple(fields, "xacc", "yacc", "zacc")

@@ -16,6 +16,7 @@ from missionkit.vehicle.telemetry.home_position import local_home
 from missionkit.vehicle.telemetry.observer import Observer
 
 POSE_AGE = 0.5  # s
+GONE = 1e6  # m, says that a robot is out of play
 
 
 class Pose(NamedTuple):
@@ -25,6 +26,8 @@ class Pose(NamedTuple):
     body: Transform  # body to world
     velocity: Vec3  # (3,), m/s, NED
     rates: Vec3  # (3,), rad/s, FRD
+    robots: tuple[tuple[float, float, float] | None, ...] = ()
+    """Ground robots of missionkit's own simulator: north, east (m), heading (rad); None: out."""
 
 
 def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
@@ -35,6 +38,11 @@ def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | Non
         observer: knows home and the clock.
         sphere: m, radius of the earth in the autopilot's simulators.
     """
+    pose = _pose(cache, observer, sphere)
+    return None if pose is None else pose._replace(robots=reported_robots(cache))
+
+
+def _pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
     truth = cache.latest("HIL_STATE_QUATERNION", POSE_AGE)
     if truth is not None and observer.origin is not None:
         return _true(truth, observer, observer.origin._replace(sphere=sphere))
@@ -43,6 +51,16 @@ def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | Non
     if turned is None or placed is None:
         return None
     return _estimated(turned, placed, local_home(cache), observer)
+
+
+def reported_robots(cache: Cache) -> tuple[tuple[float, float, float] | None, ...]:
+    """Return what DEBUG_FLOAT_ARRAY says, see `sitl.robot_messages`."""
+    message = cache.latest("DEBUG_FLOAT_ARRAY", POSE_AGE)
+    if message is None or message.fields.get("name") != "robots":
+        return ()
+    numbers = message_readings.numbers(message.fields, "data")
+    triples = zip(numbers[::3], numbers[1::3], numbers[2::3], strict=False)
+    return tuple(None if it[0] >= GONE else it for it in triples)
 
 
 def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
