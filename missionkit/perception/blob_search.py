@@ -30,7 +30,13 @@ class Colour(NamedTuple):
 
 
 def of_colour(image: Image, colour: Colour, least: float) -> Mask:
-    """Return where a BGR image is of a colour, and brighter than `least` (grey levels)."""
+    """Return where an image is of a colour.
+
+    Args:
+        image: BGR.
+        colour: that is looked for.
+        least: grey levels, of the brightness.
+    """
     hue, saturation, value = cv2.split(cv2.cvtColor(image, cv2.COLOR_BGR2HSV))
     off = np.abs((hue * 2.0 - colour.hue_deg + 180.0) % 360.0 - 180.0)
     vivid = (saturation >= 255.0 * colour.saturation) & (value > least)

@@ -29,6 +29,8 @@ from missionkit.sim.robot_views import Domain
 
 CALIBRATION, TESTS = 1, 2  # added to the seed: pictures of their own
 TEMPLATES: Final = 20
+LEAST_SCORE: Final = 0.2  # of what counts
+FALSE: Final = 0.03  # a picture, of that score, on floors it was trained on
 
 Report = Callable[[str], None]
 Find = Callable[[Sample], Sequence[Found]]
@@ -79,7 +81,35 @@ def haar_cascade(order: Order, report: Report) -> str:
     if not stages:
         raise ValueError("nothing in the pictures could be taken for a robot: show more floor")
     cascade = cascade_of(stages, ROBOT.diameter, order.words)
-    return cascade_text(cascade, _law(order, haar_finder(cascade)))
+    shortest, law = shortened(cascade, list(_fresh(order)))
+    report(
+        f"of {len(cascade.stages)} stages the last {len(cascade.stages) - len(shortest.stages)} "
+        "are left out: without them hardly more is false"
+    )
+    return cascade_text(shortest, law)
+
+
+def shortened(cascade: HaarCascade, fresh: Sequence[Sample]) -> tuple[HaarCascade, ScoreLaw]:
+    """Return a cascade without its last stages, as far as `FALSE` allows, and its law of scores.
+
+    Each stage loses some objects; the last ones turn away what the score would tell as well.
+
+    Args:
+        cascade: with all its stages.
+        fresh: pictures that it was not trained on.
+    """
+    answers = [judged(it, haar_finder(cascade)(it)) for it in fresh]
+    best = cascade, _law(answers)
+    for count in range(len(cascade.stages) - 1, 0, -1):
+        shorter = cascade.model_copy(update={"stages": cascade.stages[:count]})
+        find = haar_finder(shorter)
+        answers = [judged(it, find(it)) for it in fresh]
+        law = _law(answers)
+        false = sum(len(counted(it, law, LEAST_SCORE).wrong) for it in answers)
+        if false > FALSE * len(fresh):
+            break
+        best = shorter, law
+    return best
 
 
 def robot_templates(order: Order, report: Report) -> str:
@@ -99,7 +129,8 @@ def robot_templates(order: Order, report: Report) -> str:
     report(f"{len(pictures)} templates from {len(patches)} objects")
     inner = INNER * template_training.SIDE / SIDE
     found = template_text(pictures, inner, ROBOT.diameter, ScoreLaw(), order.words)
-    law = _law(order, template_finder(TemplateSet.model_validate(json.loads(found))))
+    find = template_finder(TemplateSet.model_validate(json.loads(found)))
+    law = _law([judged(it, find(it)) for it in _fresh(order)])
     return template_text(pictures, inner, ROBOT.diameter, law, order.words)
 
 
@@ -131,9 +162,12 @@ def finder(kind: str, text: str) -> tuple[Find, ScoreLaw]:
     return template_finder(templates), templates.score
 
 
-def _law(order: Order, find: Find) -> ScoreLaw:
-    fresh = samples(order.domain, max(order.pictures // 2, 1), order.seed + CALIBRATION)
-    answers = [judged(it, find(it)) for it in fresh]
+def _fresh(order: Order) -> Iterator[Sample]:
+    """Yield the pictures that the scores are calibrated with."""
+    return samples(order.domain, max(order.pictures // 2, 1), order.seed + CALIBRATION)
+
+
+def _law(answers: Sequence[Judged]) -> ScoreLaw:
     return score_law.fitted(
         [it for answer in answers for it in answer.right],
         [it for answer in answers for it in answer.wrong],
@@ -160,7 +194,13 @@ def tested(
 
 
 def counted(answer: Judged, law: ScoreLaw, least: float) -> Judged:
-    """Return what counts of what was found: that with at least a score."""
+    """Return what counts of what was found.
+
+    Args:
+        answer: all that was found.
+        law: of its scores.
+        least: score.
+    """
 
     def sure(found: Sequence[tuple[float, int]]) -> list[tuple[float, int]]:
         return [it for it in found if law.score(*it) >= least]

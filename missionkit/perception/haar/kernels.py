@@ -34,14 +34,30 @@ def integrated(image: npt.NDArray[np.uint8]) -> tuple[Floats, Floats]:
 
 @compiled
 def inside(sums: Floats, left: int, top: int, width: int, height: int) -> float:
-    """Return the sum over a rectangle from an integral image."""
+    """Return the sum over a rectangle from an integral image.
+
+    Args:
+        sums: the integral image.
+        left: px, of the rectangle.
+        top: px.
+        width: px.
+        height: px.
+    """
     right, bottom = left + width, top + height
     return float(sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left])
 
 
 @compiled
 def scale_of(sums: Floats, squares: Floats, left: int, top: int, side: int) -> float:
-    """Return n σ of a square window."""
+    """Return n σ of a square window.
+
+    Args:
+        sums: integral of the image.
+        squares: integral of its squares.
+        left: px, of the window.
+        top: px.
+        side: px.
+    """
     n = side * side
     mean = inside(sums, left, top, side, side) / n
     variance = inside(squares, left, top, side, side) / n - mean * mean
@@ -52,7 +68,16 @@ def scale_of(sums: Floats, squares: Floats, left: int, top: int, side: int) -> f
 def feature(
     sums: Floats, rectangles: Ints, weights: Floats, left: int, top: int, scale: float
 ) -> float:
-    """Return the value of one feature, (3, 4) and (3,), in the window at left, top."""
+    """Return the value of one feature in one window.
+
+    Args:
+        sums: integral of the image.
+        rectangles: (3, 4), px.
+        weights: (3,).
+        left: px, of the window.
+        top: px.
+        scale: n σ of the window.
+    """
     total = 0.0
     for r in range(rectangles.shape[0]):
         if weights[r] != 0.0:
@@ -132,7 +157,19 @@ def passed_by(
     top: int,
     scale: float,
 ) -> float:
-    """Return by how much a window's sums exceed all limits together; -1: a stage refuses it."""
+    """Return by how much a window's sums exceed all limits together; -1: a stage refuses it.
+
+    Args:
+        sums: integral of the image.
+        rectangles: (n, 3, 4), px, of the stumps' features.
+        weights: (n, 3).
+        stumps: (n, 3), threshold, low, high.
+        ends: of the stages, behind each one's last stump.
+        limits: of the stages' sums.
+        left: px, of the window.
+        top: px.
+        scale: n σ of the window.
+    """
     over, first = 0.0, 0
     for stage in range(len(ends)):
         answer = 0.0

@@ -38,7 +38,16 @@ class TrainedStage(NamedTuple):
 
 
 def positives(samples: Sequence[Sample], count: int, rng: np.random.Generator) -> Patches:
-    """Return windows around objects, (n, SIDE, SIDE): about in the middle, about of that size."""
+    """Return windows around objects, (n, SIDE, SIDE): about in the middle, about of that size.
+
+    Args:
+        samples: pictures.
+        count: of windows; an object may give several.
+        rng: shifts and scales them a little.
+
+    Raises:
+        ValueError: no picture shows a whole object.
+    """
     patches: list[Image] = []
     while len(patches) < count:
         before = len(patches)
@@ -62,7 +71,14 @@ def negatives(
     count: int,
     rng: np.random.Generator,
 ) -> Patches:
-    """Return windows away from objects that all stages so far pass, at most `count`."""
+    """Return windows away from objects that all stages so far pass.
+
+    Args:
+        samples: pictures, looked at in this order.
+        stages: so far.
+        count: at most.
+        rng: chooses among the windows of a picture.
+    """
     arrays = arrays_of(stages)
     patches: list[Image] = []
     for sample in samples:

@@ -17,7 +17,15 @@ MOST_WINDOWS: Final = 4000
 
 
 def passing(level: Level, arrays: CascadeArrays, side: int, gate: SizeGate, stride: int) -> Mat:
-    """Return the windows that pass, (n, 3): column, row (px of the full image), margin."""
+    """Return the windows that pass, (n, 3): column, row (px of the full image), margin.
+
+    Args:
+        level: the image at one size.
+        arrays: the cascade.
+        side: px, of its window.
+        gate: which width is searched for where.
+        stride: px, between windows.
+    """
     from missionkit.perception.haar.kernels import integrated, search  # noqa: PLC0415 compiles
 
     sums, squares = integrated(level.image)
