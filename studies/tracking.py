@@ -21,7 +21,15 @@ from studies.markdown import table
 from studies.statistics import rms, wilson
 from studies.tracking_figure import draw
 from studies.tracking_flight import Followed, followed
-from studies.tracking_runs import MANY, SEEN_FOR, Single, classified, crossing, singles
+from studies.tracking_runs import (
+    MANY,
+    SEEN_FOR,
+    Identity,
+    Single,
+    classified,
+    crossing,
+    singles,
+)
 from studies.tracking_scene import FOCAL, HEIGHT, ROBOT, Scene
 
 TEMPLATE = Path(__file__).with_name("tracking.md")
@@ -42,14 +50,14 @@ class Results(NamedTuple):
 
     singles: Sequence[Mapping[Estimator, Single]]
     flights: Sequence[Followed]
-    crossings: Mapping[str, Sequence[bool]]
+    crossings: Mapping[str, Sequence[Identity]]
     classes: Mapping[tuple[str, float], Sequence[float]]  # by what it is, and after how long
 
 
 def verdict(results: Results) -> str:
     """Return the results in a few lines."""
     imm = _merged(results.singles, "imm")
-    kept = results.crossings[next(iter(SCENES))]
+    kept = [it == "kept" for it in results.crossings[next(iter(SCENES))]]
     last = [_right(*it) for it in results.classes.items() if it[0][1] == SEEN_FOR[-1]]
     wrong = [not p > 0.5 for p in np.concatenate(last).tolist()]
     return "\n".join(
@@ -86,8 +94,8 @@ def page(results: Results, length: float, command: str) -> str:
         pixels=f"{pixels:.0f} px",
         crossings=len(next(iter(results.crossings.values()))),
         crossing=table(
-            ("seen by", "both identities kept"),
-            [(name, _share(kept)) for name, kept in results.crossings.items()],
+            ("seen by", "both identities kept", "swapped", "lost"),
+            [_identities(*it) for it in results.crossings.items()],
         ),
         **{"class": table(CLASS, _classes(results.classes))},
         share=f"{100.0 * OBSTACLE_SHARE:.0f} %",
@@ -132,6 +140,11 @@ def _merged(runs: Sequence[Mapping[Estimator, Single]], name: Estimator) -> Sing
         np.concatenate([run.wrong_at for run in mine]),
         (sum(run.false[0] for run in mine), sum(run.false[1] for run in mine)),
     )
+
+
+def _identities(scene: str, found: Sequence[Identity]) -> tuple[str, ...]:
+    swapped, lost = found.count("swapped"), found.count("lost")
+    return scene, _share(it == "kept" for it in found), str(swapped), str(lost)
 
 
 def _classes(classes: Mapping[tuple[str, float], Sequence[float]]) -> Iterator[tuple[str, ...]]:

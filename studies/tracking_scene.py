@@ -109,6 +109,24 @@ class Watcher:
         )
         return tuple(it for it in found if it is not None)
 
+    def as_believed(self, body: Transform, places: Mat) -> Mat:
+        """Return where places (n, 2), m, seem to be, without noise of the detector, at this frame.
+
+        What the vehicle is wrong about its own pose shifts and turns all that it sees, and what it
+        flies to it finds there all the same.
+
+        Args:
+            body: the vehicle's true pose.
+            places: (n, 2), m, in view.
+        """
+        believed, noise = self._believed(body), ViewNoise()
+        boxes = (
+            BoxDetection("", pixel, (1.0, 1.0), 1.0)
+            for pixel in _pixels(places, body, self._camera)
+        )
+        seen = (on_ground(it, self._camera, believed, 0.0, noise, ROBOT.diameter) for it in boxes)
+        return np.array([it.position for it in seen if it is not None])
+
     def _believed(self, body: Transform) -> Transform:
         """Return the pose that the vehicle believes it has."""
         s = self._scene
