@@ -29,8 +29,6 @@ from missionkit.sim.robot_views import Domain
 
 CALIBRATION, TESTS = 1, 2  # added to the seed: pictures of their own
 TEMPLATES: Final = 20
-LEAST_SCORE: Final = 0.2  # of what counts
-FALSE: Final = 0.03  # a picture, of that score, on floors it was trained on
 
 Report = Callable[[str], None]
 Find = Callable[[Sample], Sequence[Found]]
@@ -81,35 +79,8 @@ def haar_cascade(order: Order, report: Report) -> str:
     if not stages:
         raise ValueError("nothing in the pictures could be taken for a robot: show more floor")
     cascade = cascade_of(stages, ROBOT.diameter, order.words)
-    shortest, law = shortened(cascade, list(_fresh(order)))
-    report(
-        f"of {len(cascade.stages)} stages the last {len(cascade.stages) - len(shortest.stages)} "
-        "are left out: without them hardly more is false"
-    )
-    return cascade_text(shortest, law)
-
-
-def shortened(cascade: HaarCascade, fresh: Sequence[Sample]) -> tuple[HaarCascade, ScoreLaw]:
-    """Return a cascade without its last stages, as far as `FALSE` allows, and its law of scores.
-
-    Each stage loses some objects; the last ones turn away what the score would tell as well.
-
-    Args:
-        cascade: with all its stages.
-        fresh: pictures that it was not trained on.
-    """
-    answers = [judged(it, haar_finder(cascade)(it)) for it in fresh]
-    best = cascade, _law(answers)
-    for count in range(len(cascade.stages) - 1, 0, -1):
-        shorter = cascade.model_copy(update={"stages": cascade.stages[:count]})
-        find = haar_finder(shorter)
-        answers = [judged(it, find(it)) for it in fresh]
-        law = _law(answers)
-        false = sum(len(counted(it, law, LEAST_SCORE).wrong) for it in answers)
-        if false > FALSE * len(fresh):
-            break
-        best = shorter, law
-    return best
+    find = haar_finder(cascade)
+    return cascade_text(cascade, _law([judged(it, find(it)) for it in _fresh(order)]))
 
 
 def robot_templates(order: Order, report: Report) -> str:
