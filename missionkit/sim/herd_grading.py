@@ -37,7 +37,7 @@ class HerdTrack:
     @property
     def states(self) -> Mat:
         """States (T, R, SIZE), see `ground_robots`, in single precision."""
-        return np.array(self._states).reshape(len(self._times), -1, SIZE)
+        return np.array(self._states) if self._states else np.zeros((0, 0, SIZE), np.float32)
 
     def driven(self) -> list[DrivenPath]:
         """Return where each robot drove while it was in play, twice a second at least."""

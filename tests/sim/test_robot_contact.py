@@ -143,6 +143,13 @@ def test_a_tower_that_touches_the_vehicle_is_a_crash(built):
     assert graded(flown.vehicle).herd is None
 
 
+def test_without_robots_no_paths_are_driven(built):
+    flown = built()
+    flown.wait(0.2)
+    assert flown.vehicle.herd.driven() == []
+    assert graded(flown.vehicle).herd is None
+
+
 def test_robots_follow_the_physics_clock_exactly_and_the_seed_alone():
     world = World(world="w", start=(-9.0, 0.0), robots={}, obstacle_robots={"circle": 3.0})
     herds = [start(world, np.random.default_rng(seed)) for seed in (4, 4, 5)]
