@@ -297,6 +297,7 @@ def _graded(ready: Stage, flown: FlownFlight, seen: _Witness) -> Rehearsal:
         result.outside_fence or 0.0,
         result.landing_error,
         *_docking(result),
+        None if result.herd is None else result.herd.home,
     )
     found = conditions(wanted, passage, truth)
     wrong = flaws(wanted, passage, truth, VEHICLES[ready.mission.vehicle.use])

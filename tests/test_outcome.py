@@ -138,11 +138,12 @@ def test_a_mission_that_says_nothing_of_success_has_none_if_a_failsafe_landed_it
 @pytest.mark.parametrize(
     ("success", "says"),
     [
-        ("{}", "needs at least one of 'visit', 'done', 'docked', 'clearance', 'failsafes'"),
+        ("{}", "needs at least one of 'visit', 'done', 'docked', 'clearance', 'failsafes', 'rob"),
         ("[{failsafes: 0, target: x}]", "unknown target 'x'"),
         ("{clearance: 1.0, position: 0.3}", "'position' needs 'visit'"),
         ("[{visit: nowhere}]", "unknown state 'nowhere'"),
         ("{failsafes: -1}", "failsafes"),
+        ("{robots_home: 0}", "robots_home"),
         ("3", "success"),
     ],
 )
@@ -232,3 +233,17 @@ def test_a_failsafe_ends_a_flight_unless_the_plan_is_taken_up_again(way, ended_b
     assert flaws((Success(clearance=1.0),), default, None) == (
         "a default failsafe ended it at 1.0 s: unreachable, when goal unreachable",
     )
+
+
+@pytest.mark.parametrize(
+    ("truth", "met", "figure"),
+    [
+        (None, None, "known only in simulation"),
+        (TruthSummary({}, 1.0, robots_home=None), False, "no robots in the world"),
+        (TruthSummary({}, 1.0, robots_home=6), False, "6"),
+        (TruthSummary({}, 1.0, robots_home=7), True, "7"),
+    ],
+)
+def test_enough_robots_must_be_home(truth, met, figure):
+    (found,) = conditions((Success(robots_home=7),), FlightHistory(), truth)
+    assert (found.says, found.met, found.figure) == ("at least 7 robots home", met, figure)

@@ -17,6 +17,8 @@ UNITS = {
     "yaw_error": ("heading error on arrival", "deg", 180.0 / math.pi, 2),
     "worst_error": ("farthest from the goal", "cm", 100.0, 1),
     "worst_sideways": ("farthest sideways", "cm", 100.0, 1),
+    "robots_home": ("robots home", "", 1.0, 1),
+    "robots_lost": ("robots lost", "", 1.0, 1),
 }
 
 

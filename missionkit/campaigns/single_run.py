@@ -129,4 +129,6 @@ def metrics(grade: Grade) -> dict[str, float | None]:
         "worst_sideways": visit.get("worst_sideways"),
         "estimate_error": grade.estimate_error,
         "landing_error": grade.landing_error,
+        "robots_home": None if grade.herd is None else float(grade.herd.home),
+        "robots_lost": None if grade.herd is None else float(grade.herd.lost),
     }

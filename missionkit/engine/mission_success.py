@@ -34,6 +34,7 @@ class TruthSummary(NamedTuple):
     landing_error: float | None = None  # m, from where it meant to land
     docked: bool = False  # a free flyer, at the end
     docking_error: tuple[float, float] | None = None  # m, deg, from the docked pose at the end
+    robots_home: int | None = None  # of an arena; None: it has no robots
 
 
 def conditions(
@@ -113,6 +114,17 @@ def _conditions(
         count = len(passage.failsafes)
         says = f"at most {one.failsafes} failsafes taken"
         yield Condition(says, count <= one.failsafes, str(count))
+    if one.robots_home is not None:
+        yield _robots_home(one.robots_home, truth)
+
+
+def _robots_home(least: int, truth: TruthSummary | None) -> Condition:
+    says = f"at least {least} robots home"
+    if truth is None:
+        return Condition(says, None, "known only in simulation")
+    if truth.robots_home is None:
+        return Condition(says, met=False, figure="no robots in the world")
+    return Condition(says, truth.robots_home >= least, str(truth.robots_home))
 
 
 def _docked(one: Success, truth: TruthSummary | None) -> Condition:

@@ -58,12 +58,15 @@ class Success(MissionPart):
     failsafes: int | None = Field(
         default=None, ge=0, description="greatest number that may be taken"
     )
+    robots_home: int | None = Field(
+        default=None, ge=1, description="least number of ground robots over the goal's side"
+    )
 
     @model_validator(mode="after")
     def _asks_for_something(self) -> Self:
-        asked = (self.visit, self.done, self.docked, self.clearance, self.failsafes)
-        if asked == (None,) * len(asked):
-            wanted = "'visit', 'done', 'docked', 'clearance', 'failsafes'"
+        names = ("visit", "done", "docked", "clearance", "failsafes", "robots_home")
+        if all(getattr(self, name) is None for name in names):
+            wanted = ", ".join(f"'{name}'" for name in names)
             raise sentences(sentence(f"needs at least one of {wanted}"))
         goal = {"target", "standoff", "yaw_deg"} & self.model_fields_set
         if self.visit is None and self.docked is None:
