@@ -12,6 +12,7 @@ from missionkit.chart.checks.geofence_violations import outside
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.requirement_watch import RequirementResult, results
 from missionkit.engine.clock import Pace
 from missionkit.engine.flight_history import FlightHistory, passed
 from missionkit.engine.flight_loop import (
@@ -74,6 +75,7 @@ class Rehearsal(NamedTuple):
     conditions: tuple[Condition, ...] = ()  # of the mission's success
     flaws: tuple[str, ...] = ()  # what rules out a success, whatever the mission's conditions
     passage: FlightHistory = FlightHistory()
+    requirements: tuple[RequirementResult, ...] = ()
 
     @property
     def succeeded(self) -> bool:
@@ -302,7 +304,8 @@ def _graded(ready: Stage, flown: FlownFlight, seen: _Witness) -> Rehearsal:
     found = conditions(wanted, passage, truth)
     wrong = flaws(wanted, passage, truth, VEHICLES[ready.mission.vehicle.use])
     met = result.landed and all(it.met for it in found)
-    return Rehearsal(flown, result._replace(succeeded=met), found, wrong, passage)
+    came = results(ready.plan.chart.watch.requirements, flown.memory.chart.monitors)
+    return Rehearsal(flown, result._replace(succeeded=met), found, wrong, passage, came)
 
 
 def _docking(result: Grade) -> tuple[bool, tuple[float, float] | None]:

@@ -14,6 +14,7 @@ from missionkit.api.run_origin import keep_origin, origin_of, stamp
 from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
+from missionkit.chart.semantics.requirement_watch import results
 from missionkit.engine.flight_loop import Observer, Operator, keep_nothing
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import prepare
@@ -123,6 +124,7 @@ def fly(
             outcome=outcome_of(flown, log.passage, wanted),
             reason=reason_of(flown, log.passage, wanted, landing_requested=landing_requested),
             conditions=[it[:3] for it in conditions(wanted, log.passage, None)],
+            requirements=results(plan.chart.watch.requirements, flown.memory.chart.monitors),
             parameters=model.params,
             record_hash=book.digest,
         )

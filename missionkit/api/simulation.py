@@ -88,6 +88,7 @@ def rehearse(
             parameters=model.params,
             grade=result.grade.as_dict(),
             conditions=[it[:3] for it in result.conditions],
+            requirements=result.requirements,
             record_hash=log.digest,
         )
     )

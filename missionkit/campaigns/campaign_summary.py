@@ -17,6 +17,10 @@ from missionkit.campaigns.analysis import (
     conditions_of,
 )
 from missionkit.campaigns.markov_chain import Chain, absorbed, time_left
+from missionkit.campaigns.requirement_statistics import (
+    RequirementStatistics,
+    requirement_statistics,
+)
 from missionkit.campaigns.statistics import ConfidenceInterval
 from missionkit.recorder.run_folder import write_whole
 
@@ -65,6 +69,7 @@ def _variant(variant: Variant) -> dict[str, Any]:
         "success": _interval(variant.success),
         "requirement": None if decided is None else decided._asdict(),
         "conditions": conditions_of(variant),
+        "requirements": {it.name: _requirement(it) for it in requirement_statistics(variant.rows)},
         "metrics": {measure.name: _measure(measure) for measure in variant.measures},
         "chain": chain_told(variant.chain),
         "likeliest_failure": None
@@ -74,6 +79,18 @@ def _variant(variant: Variant) -> dict[str, Any]:
             "outcome": variant.failure.ending.outcome,
             "probability": variant.failure.probability,
         },
+    }
+
+
+def _requirement(it: RequirementStatistics) -> dict[str, Any]:
+    return {
+        "flights": it.flights,
+        "fulfilled": it.fulfilled,
+        "broken": it.broken,
+        "share": _interval(it.share),
+        "worst_robustness": it.worst,
+        "robustness_q05": it.low,
+        "worst_seed": it.seed,
     }
 
 

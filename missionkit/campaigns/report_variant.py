@@ -8,6 +8,7 @@ from html import escape
 from missionkit.campaigns import svg_plots
 from missionkit.campaigns.analysis import Measure, Variant, conditions_of
 from missionkit.campaigns.number_format import (
+    between,
     figure,
     number,
     percent,
@@ -16,6 +17,10 @@ from missionkit.campaigns.number_format import (
     title_of,
 )
 from missionkit.campaigns.report_chart import Drawable, chart_section
+from missionkit.campaigns.requirement_statistics import (
+    RequirementStatistics,
+    requirement_statistics,
+)
 
 
 def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str]:
@@ -28,6 +33,7 @@ def variant_section(variant: Variant, chart: Drawable, key: str) -> Iterator[str
     """
     yield from _endings(variant)
     yield from _conditions(variant)
+    yield from _requirements(variant)
     yield from _numbers(variant)
     if variant.chain.states:
         yield from chart_section(variant, chart, key)
@@ -61,6 +67,27 @@ def _conditions(variant: Variant) -> Iterator[str]:
             for name, it in conditions.items()
         ],
     )
+
+
+def _requirements(variant: Variant) -> Iterator[str]:
+    """Yield how often each requirement was fulfilled, and by how much."""
+    every = requirement_statistics(variant.rows)
+    if not every:
+        return
+    yield "<h3>Requirements</h3>"
+    yield (
+        '<p class="small soft">Robustness: how far the guard that decides stayed from breaking '
+        "the requirement, in the guard's own unit; below 0 it was broken.</p>"
+    )
+    heads = ("requirement", "+fulfilled", "+broken", "+of flights", "+share", "+worst robustness")
+    yield table((*heads, "+5 % below", "+seed of the worst"), [_requirement(it) for it in every])
+
+
+def _requirement(it: RequirementStatistics) -> tuple[str, ...]:
+    robustness = ("—" if value is None else f"{value:.3g}" for value in (it.worst, it.low))
+    counts = str(it.fulfilled), str(it.broken), str(it.flights)
+    share = f"{percent(it.share.value)}, {between(it.share, percent)}"
+    return escape(it.name), *counts, share, *robustness, str(it.seed)
 
 
 def _numbers(variant: Variant) -> Iterator[str]:

@@ -44,6 +44,7 @@ class Row(BaseModel):
     reason: str
     parameters: dict[str, Any] = {}  # of the mission, all of them
     conditions: dict[str, bool | None] = {}  # of success: whether it was met
+    requirements: dict[str, tuple[bool | None, float | None]] = {}  # fulfilled, robustness
     metrics: dict[str, float | None] = {}
     times: dict[str, float] = {}  # s in each state, those around the active one included
     transitions: dict[str, int] = {}  # "gps -> visual": how often

@@ -88,6 +88,7 @@ def _row(order: RunOrder, case: Case) -> Row:
         outcome=outcome(result),
         reason=reason(result),
         conditions={it.says: it.met for it in result.conditions},
+        requirements={it.name: (it.fulfilled, it.robustness) for it in result.requirements},
         parameters=dict(mission.params),
         metrics={"duration": result.flown.duration, **metrics(result.grade)},
         times=diary.times,

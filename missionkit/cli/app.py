@@ -12,7 +12,15 @@ from missionkit.cli.campaign_commands import campaign, report
 from missionkit.cli.command_options import reporting_errors
 from missionkit.cli.detector_commands import detector as detector_commands
 from missionkit.cli.flight_commands import run
-from missionkit.cli.mission_file_commands import explain, graph, new, plugins, schema, validate
+from missionkit.cli.mission_file_commands import (
+    check,
+    explain,
+    graph,
+    new,
+    plugins,
+    schema,
+    validate,
+)
 from missionkit.cli.option_errors import Commands
 from missionkit.errors import ExitCode
 from missionkit.version import __version__
@@ -33,7 +41,7 @@ app = typer.Typer(
 )
 
 _COMMANDS = (
-    *(run, validate, explain, plugins, schema, graph, new),
+    *(run, validate, check, explain, plugins, schema, graph, new),
     *(preflight, fence, sitl, campaign, report),
 )
 for _command in _COMMANDS:

@@ -32,6 +32,24 @@ def validate(
     )
 
 
+def check(
+    mission: MissionFile,
+    record: Annotated[
+        Path, typer.Argument(help="flight.mcap, or the folder of a run", metavar="RUN")
+    ],
+    settings: Settings = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """Check the requirements of a mission on the record of a flight."""
+    from missionkit.cli import check_command  # noqa: PLC0415
+
+    raise typer.Exit(
+        check_command.check(mission, record, settings or (), plugin or (), as_json=as_json)
+    )
+
+
 def explain(mission: MissionFile, settings: Settings = None, plugin: Plugins = None) -> None:
     """Say in plain sentences what a mission does, state by state."""
     from missionkit.cli import mission_commands  # noqa: PLC0415

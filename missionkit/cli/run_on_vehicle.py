@@ -16,6 +16,7 @@ from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.semantics.requirement_watch import results
 from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
@@ -112,6 +113,7 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
         outcome=outcome_of(flown, log.passage, mission.success),
         reason=reason_of(flown, log.passage, mission.success, landing_requested=landing_requested),
         conditions=[it[:3] for it in conditions(mission.success, log.passage, None)],
+        requirements=results(plan.chart.watch.requirements, flown.memory.chart.monitors),
         parameters=mission.params,
         record_hash=recorder.close(),
     )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.semantics.requirement_watch import STANDINGS
 from missionkit.cli.run_options import RunOptions
 from missionkit.errors import ExitCode, printable
 from missionkit.outcome import outcome, reason
@@ -42,6 +43,7 @@ def summed_up(
         parameters=mission.params,  # with --set
         grade=result.grade.as_dict(),
         conditions=[it[:3] for it in result.conditions],
+        requirements=result.requirements,
         record_hash=recorder.close(),
     )
 
@@ -92,10 +94,13 @@ def report(order: RunOptions, summary: Summary, folder: Path) -> None:
 
 
 def lines(summary: Summary) -> Iterator[str]:
-    """Yield each condition of success with its figure, and over a vehicle each problem."""
+    """Yield conditions of success and requirements; over a vehicle each problem too."""
     words = {True: "met", False: "not met", None: "not known"}
     for it in summary.conditions:
         yield f"  {words[it.met]}: {it.condition} ({it.figure})"
+    for each in summary.requirements:
+        figure = "" if each.robustness is None else f" (robustness {each.robustness:.3g})"
+        yield f"  {STANDINGS[each.fulfilled]}: requirement {each.requirement}{figure}"
     if not summary.grade:
         yield from (f"  problem at {problem}" for problem in summary.problems)
 

@@ -17,6 +17,7 @@ BUILT_IN_REASONS = (
 )
 WRITTEN = "failsafe "
 BROKEN = "invariant broken"
+REQUIRED = "requirement "
 
 
 Spans = Mapping[str, tuple[float, float]]
@@ -125,6 +126,8 @@ def failsafe_of(fired: Fired, chart: Chart, now: float) -> TakenFailsafe | None:
     reason = fired.reason
     if reason in BUILT_IN_REASONS or reason.startswith(BROKEN):
         return TakenFailsafe(now, reason, default=True)
+    if reason.startswith(REQUIRED) and any(it.reason == reason for it in chart.watch.requirements):
+        return TakenFailsafe(now, reason, default=False)
     if reason.startswith(WRITTEN) and any(way.text == reason for way in chart.failsafes):
         return TakenFailsafe(now, reason, default=False)
     source = chart.states.get(fired.source)

@@ -24,7 +24,7 @@ from missionkit.recorder import value_codec
 from missionkit.recorder.value_codec import NotReadableError
 
 CHECKPOINT_PREFIX = "missionkit checkpoint "
-HEADER = f"{CHECKPOINT_PREFIX}6"  # the version grows when a saved type is renamed, moved or changed
+HEADER = f"{CHECKPOINT_PREFIX}7"  # the version grows when a saved type is renamed, moved or changed
 JOURNAL_NAME = re.compile("[a-z]+")  # of a journal
 NEWEST, BEFORE_NEWEST = "checkpoint.json", "checkpoint-before.json"
 

@@ -55,6 +55,14 @@ class ConditionSummary(_Part):
     figure: str
 
 
+class RequirementSummary(_Part):
+    """One requirement, and what came of it."""
+
+    requirement: str
+    fulfilled: bool | None  # None: it cannot be told
+    robustness: float | None  # in the unit of the guard that decides
+
+
 class Spread(_Part):
     """How long something took over the run (ms)."""
 
@@ -90,6 +98,7 @@ class Summary(_Part):
     problems: tuple[str, ...]
     grade: dict[str, Any]
     conditions: tuple[ConditionSummary, ...] = ()
+    requirements: tuple[RequirementSummary, ...] = ()
     timing: Timing | None
     record_hash: str
 
@@ -110,6 +119,7 @@ def summarise(
     parameters: Mapping[str, Any] | None = None,
     grade: Mapping[str, Any] | None = None,
     conditions: Sequence[tuple[str, bool | None, str]] = (),
+    requirements: Sequence[tuple[str, bool | None, float | None]] = (),
     record_hash: str = "",
 ) -> Summary:
     """Sum up a run.
@@ -123,7 +133,8 @@ def summarise(
         faults: injected, as written on the command line.
         parameters: of the mission file, after `--set`.
         grade: the simulator's judgement from ground truth.
-        conditions: of success: the requirement, whether it was met, the figure.
+        conditions: of success: the condition, whether it was met, the figure.
+        requirements: name, whether it was fulfilled, robustness.
         record_hash: what closing the flight record returned.
     """
     return Summary(
@@ -147,6 +158,10 @@ def summarise(
         conditions=tuple(
             ConditionSummary(condition=says, met=met, figure=figure)
             for says, met, figure in conditions
+        ),
+        requirements=tuple(
+            RequirementSummary(requirement=name, fulfilled=fulfilled, robustness=robustness)
+            for name, fulfilled, robustness in requirements
         ),
         timing=timing_of(track.cycles),
         record_hash=record_hash,

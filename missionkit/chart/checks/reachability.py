@@ -65,6 +65,8 @@ def _following(chart: AnalysedChart, name: str) -> Iterator[str]:
         yield escape
     if chart.tree.flying(name):
         yield from (failsafe.model.to for failsafe in chart.failsafes if failsafe.may)
+        broken = (requirement.broken for requirement in chart.mission.requirements)
+        yield from (each.to for each in broken if each is not None)
 
 
 def traps(chart: AnalysedChart) -> Iterator[Problem]:

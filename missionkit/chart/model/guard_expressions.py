@@ -97,6 +97,14 @@ class Finished:
     place: Place
 
 
+@dataclass(frozen=True, slots=True)
+class Enter:
+    """Happens when a state is entered; in requirements only."""
+
+    state: str
+    place: Place
+
+
 COMPARISONS = ("equals", "below", "above", "at_least", "at_most")
 Expression = Use[Plugin] | Named | All | Any | Not | Hysteresis | VariableGuard | In | Finished
 

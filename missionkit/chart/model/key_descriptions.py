@@ -129,6 +129,8 @@ DESCRIPTIONS: Mapping[str, str] = {
     "raise": "event raised in the chart",
     "event": "its name",
     "after": "delay (s), or the variable that holds it",
+    "enter": "name of a state",
+    "Requirement.name": "shown in the record, in summaries and reports",
     "cancel": "delayed event that is not to come",
     "assign": "variables to change",
     "set": "new value",

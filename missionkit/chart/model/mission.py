@@ -35,6 +35,7 @@ from missionkit.chart.model.model_base import (
 )
 from missionkit.chart.model.placed_states import Placed, walk
 from missionkit.chart.model.plugin_references import PluginReference
+from missionkit.chart.model.requirements import Requirement
 from missionkit.chart.model.state_definitions import Begins, Failsafe, State
 from missionkit.chart.model.variables import Variable
 from missionkit.chart.text.located_data import LocatedTable, Text
@@ -97,6 +98,9 @@ class Mission(MissionPart):
     initial: Begins
     states: Annotated[dict[NodeName, State], Field(min_length=1)]
     success: Conditions = ()
+    requirements: Annotated[tuple[Requirement, ...], Field(strict=False)] = Field(
+        default=(), description="watched in flight, counted in campaigns, checked on records"
+    )
     dwell: Seconds = Field(default=2.0, description="least time between two transitions")
     settings: Settings = Settings()
 

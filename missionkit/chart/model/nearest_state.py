@@ -52,6 +52,9 @@ class Nearest:
         self._beside: defaultdict[str, set[str]] = defaultdict(set)
         for failsafe in mission.failsafes:
             self._into[failsafe.to].append(("", None))
+        for requirement in mission.requirements:
+            if requirement.broken is not None:
+                self._into[requirement.broken.to].append(("", None))
         for to in mission.initial.to:
             self._into[to].append(("", None))
         for placed in self.every.values():

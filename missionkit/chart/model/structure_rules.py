@@ -141,11 +141,21 @@ def _stood_for(tree: Tree, name: str) -> str:
 
 
 def _no_history(tree: Tree, mission: Mission) -> Iterator[Problem]:
-    """Check that failsafes and invariants lead to states, whose safety is known."""
+    """Check that failsafes, invariants and requirements lead to states, whose safety is known."""
     for failsafe in mission.failsafes:
         if tree[failsafe.to].state.history is not None:
             message = f"failsafe {failsafe.name!r}: {failsafe.to!r} is a history, not a state"
             yield Problem(failsafe.place("to"), message)
+    names: set[str] = set()
+    for requirement in mission.requirements:
+        if requirement.name in names:
+            message = f"requirement {requirement.name!r}: the name is already used"
+            yield Problem(requirement.place("name"), message)
+        names.add(requirement.name)
+        broken = requirement.broken
+        if broken is not None and tree[broken.to].state.history is not None:
+            message = f"requirement {requirement.name!r}: {broken.to!r} is a history, not a state"
+            yield Problem(broken.place("to"), message)
     for name, state, _ in tree.values():
         to = state.invariant.exit
         if to is not None and tree[to].state.history is not None:

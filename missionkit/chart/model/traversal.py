@@ -32,3 +32,5 @@ def guards_of(mission: Mission) -> Iterator[Expression]:
         yield from (way.when for way in state.transitions if way.when is not None)
         if state.invariant.holds is not None:
             yield state.invariant.holds
+    for requirement in mission.requirements:
+        yield from requirement.guards()

@@ -47,8 +47,17 @@ def _entrances(mission: Mission) -> Iterator[tuple[str, str, str]]:
             yield from ((to, "from", name) for to in way.targets)
         if state.invariant.exit is not None:
             yield state.invariant.exit, "by the broken invariant of", name
+    yield from _last_resorts(mission)
+
+
+def _last_resorts(mission: Mission) -> Iterator[tuple[str, str, str]]:
     for failsafe in mission.failsafes:
         yield failsafe.to, BY_FAILSAFE, failsafe.name
+    yield from (
+        (each.broken.to, "by the broken requirement", each.name)
+        for each in mission.requirements
+        if each.broken is not None
+    )
 
 
 def changes(mission: Mission) -> Clauses:
@@ -85,7 +94,8 @@ def path(name: str, way: Transition) -> str:
 
 def readers(mission: Mission) -> Clauses:
     """Return for each variable what compares it."""
-    return _gathered((name, who) for who, guard in _guards(mission) for name in _variables(guard))
+    every = (*_guards(mission), *_required(mission))
+    return _gathered((name, who) for who, guard in every for name in _variables(guard))
 
 
 def _variables(guard: ex.Expression) -> Iterator[str]:
@@ -104,6 +114,11 @@ def _guards(mission: Mission) -> Iterator[tuple[str, ex.Expression]]:
                 yield f"the transition {path(name, way)}", way.when
         if state.invariant.holds is not None:
             yield f"the invariant of {name}", state.invariant.holds
+
+
+def _required(mission: Mission) -> Iterator[tuple[str, ex.Expression]]:
+    for requirement in mission.requirements:
+        yield from ((f"the requirement {requirement.name}", it) for it in requirement.guards())
 
 
 def _gathered(pairs: Iterable[tuple[str, str]]) -> Clauses:

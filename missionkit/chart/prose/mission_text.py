@@ -11,6 +11,7 @@ from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.incoming_references import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value
+from missionkit.chart.prose.requirement_text import requirement_text
 from missionkit.chart.prose.state_text import (
     ExplainedChart,
     Sentences,
@@ -46,6 +47,9 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     yield from _guards(mission)
     yield from _failsafes(chart)
     yield from _states(chart)
+    if mission.requirements:
+        yield topic("Requirements, watched in flight; none is proved before it")
+        yield from (item(requirement_text(each)) for each in mission.requirements)
     if mission.success:
         yield topic("Success")
         wanted = "; ".join(_success(one) for one in mission.success)

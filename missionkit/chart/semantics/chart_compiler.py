@@ -6,6 +6,7 @@ from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Cancel, Log, Order, Raise
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.placed_states import Placed, around, firsts
+from missionkit.chart.model.requirements import Requirement
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.model.state_definitions import GROUP_KIND, Failsafe
 from missionkit.chart.model.state_definitions import Start as StartModel
@@ -21,8 +22,11 @@ from missionkit.chart.semantics.compiled_chart import (
     GuardFunction,
     Output,
     Shape,
+    Watch,
 )
 from missionkit.chart.semantics.guard_compiler import GuardCompiler
+from missionkit.chart.semantics.requirement_watch import PREFIX, WatchedRequirement
+from missionkit.chart.semantics.robustness import Formula, formula, leaves, opened_up
 from missionkit.errors import NO_PLACE
 from missionkit.plugin import Behavior
 from missionkit.plugin_containment import is_foreign
@@ -71,6 +75,7 @@ class _Compiler:
             slots=tuple(self.asker.slots),
             land=land,
             variables=self.mission.variables,
+            watch=self._watch(),
             configurations={},
             moves={},
         )
@@ -183,6 +188,51 @@ class _Compiler:
             )
             for to, hold in ((home, PLUGIN_FAILURE_TOLERANCE), (land, STUCK_FOR_GOOD))
             if to
+        )
+
+    def _watch(self) -> Watch:
+        every = self.mission.requirements
+        asked = {
+            self.leaf(leaf): leaf
+            for requirement in every
+            for moment in requirement.moments()
+            for leaf in leaves(opened_up(moment, self.mission.guards))
+        }
+        entries = [(name, it.state) for name, it in asked.items() if isinstance(it, ex.Enter)]
+        states = [(name, it.state) for name, it in asked.items() if isinstance(it, ex.In)]
+        guards = [
+            (name, self.asker.ask(it)) for name, it in asked.items() if not isinstance(it, ex.Enter)
+        ]
+        compiled = tuple(map(self._requirement, every))
+        return Watch(compiled, tuple(guards), tuple(entries), tuple(states))
+
+    def leaf(self, it: ex.Expression | ex.Enter) -> str:
+        """Return what the record calls the answer of a guard, or the entry of a state."""
+        return f"enter {it.state}" if isinstance(it, ex.Enter) else self.asker.name(it)
+
+    def _requirement(self, model: Requirement) -> WatchedRequirement:
+        def compiled(it: ex.Expression | ex.Enter | None) -> Formula | None:
+            if it is None:
+                return None
+            return formula(opened_up(it, self.mission.guards), self.leaf)
+
+        response, precedes = model.response, model.precedence is not None
+        called = None if response is None else response.when
+        wanted = model.never or model.always or model.existence or model.precedence
+        main = compiled(wanted if response is None else response.then)
+        assert main is not None  # noqa: S101 - a requirement has one pattern
+        return WatchedRequirement(
+            name=model.name,
+            label=f"{PREFIX}{model.name}",
+            pattern=model.pattern,
+            limit=model.limit,
+            wanted=main,
+            called=compiled(model.before if precedes else called),
+            during=compiled(model.while_),
+            opens=compiled(model.after),
+            closes=None if precedes else compiled(model.before),
+            to=None if model.broken is None else model.broken.to,
+            tolerated=0.0 if model.broken is None else model.broken.after,
         )
 
     def _next(self) -> int:

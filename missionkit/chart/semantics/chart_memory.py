@@ -9,6 +9,7 @@ from missionkit.chart.model.variables import Values
 from missionkit.chart.semantics import entry_exit_sets
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.chart.semantics.configuration import configuration
+from missionkit.chart.semantics.requirement_monitor import MonitorMemory
 from missionkit.messages import Action, Fired, Verdict
 
 EMPTY_MEMORY: Mapping[Any, Any] = {}
@@ -35,6 +36,7 @@ class ChartMemory(NamedTuple):
     started: bool = False  # the initial states' entry was carried out
     ended: bool = False  # a final state of the whole chart is active
     delayed: tuple[DelayedEvent, ...] = ()  # the next first
+    monitors: tuple[MonitorMemory, ...] = ()  # of the requirements, in the order of the file
 
     @property
     def state(self) -> str:
@@ -64,4 +66,6 @@ def begin(chart: Chart, now: float) -> ChartMemory:
     active = entry_exit_sets.beginning(chart).active
     variables = {name: each.initial for name, each in chart.variables.items()}
     pilot = configuration(chart, active).pilot
-    return ChartMemory(active, dict.fromkeys(active, now), windows, variables, pilot)
+    monitors = tuple(MonitorMemory() for _ in chart.watch.requirements)
+    entered = dict.fromkeys(active, now)
+    return ChartMemory(active, entered, windows, variables, pilot, monitors=monitors)

@@ -12,6 +12,7 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from missionkit.chart.model.variables import Value, Values, Variable
+from missionkit.chart.semantics.requirement_watch import WatchedRequirement
 from missionkit.messages import Estimate, Mode, Verdict
 from missionkit.plugin_containment import Containment
 from missionkit.plugin_protocols import BehaviorProtocol
@@ -175,6 +176,16 @@ class Configuration:
 
 
 @dataclass(frozen=True, slots=True)
+class Watch:
+    """The requirements of a chart, and the guards that they are made of."""
+
+    requirements: tuple[WatchedRequirement, ...] = ()
+    guards: tuple[tuple[str, GuardFunction], ...] = ()  # by the names of their answers
+    entries: tuple[tuple[str, str], ...] = ()  # name of the answer, state that is entered
+    states: tuple[tuple[str, str], ...] = ()  # name of the answer, state that is active
+
+
+@dataclass(frozen=True, slots=True)
 class Chart:
     """A compiled mission. Immutable but for its memos; shared by any number of flights."""
 
@@ -184,5 +195,6 @@ class Chart:
     slots: tuple[GuardMemory, ...]
     land: str  # the state an operator's abort leads to
     variables: Mapping[str, Variable]
+    watch: Watch
     configurations: dict[tuple[str, ...], Configuration]  # memo of `configuration.configuration`
     moves: dict[Any, Any]  # memo of `entry_exit_sets.move`

@@ -15,11 +15,11 @@ from missionkit.chart.semantics.compiled_chart import (
     GuardFunction,
     TimedTransition,
 )
+from missionkit.chart.semantics.time_tolerance import EPSILON
 from missionkit.messages import Mode
 
 MOST_CONFIGURATIONS = 4096  # configurations remembered
 SAFETY = {"land": 2, "return": 1}
-EPSILON = 1e-9  # s; ticks are multiples of the period, up to rounding
 
 
 def configuration(chart: Chart, active: tuple[str, ...]) -> Configuration:

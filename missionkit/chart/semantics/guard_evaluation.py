@@ -8,7 +8,7 @@ from missionkit.chart.semantics.compiled_chart import (
     Configuration,
     GuardContext,
 )
-from missionkit.chart.semantics.configuration import EPSILON
+from missionkit.chart.semantics.time_tolerance import EPSILON
 from missionkit.chart.semantics.verdict_validation import TRUTHS
 
 

@@ -26,8 +26,9 @@ from missionkit.chart.semantics.compiled_chart import (
     Output,
     TimedTransition,
 )
-from missionkit.chart.semantics.configuration import EPSILON, configuration
+from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.guard_evaluation import evaluated
+from missionkit.chart.semantics.time_tolerance import EPSILON
 from missionkit.messages import ABORT, Action, Fired, Verdict
 
 MOST_MICROSTEPS = 1000  # microsteps in one tick: more is a chart that does not come to rest
@@ -262,6 +263,7 @@ class Macrostep:
             (
                 *(move.active, entered, memory.windows, memory.variables, here.pilot),
                 *(history, held, violated, True, move.ended, memory.delayed),
+                memory.monitors,
             ),
         )
 

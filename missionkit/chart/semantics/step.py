@@ -20,15 +20,19 @@ from missionkit.chart.semantics.compiled_chart import (
     Configuration,
     GuardContext,
 )
-from missionkit.chart.semantics.configuration import EPSILON, SAFETY, configuration
+from missionkit.chart.semantics.configuration import SAFETY, configuration
+from missionkit.chart.semantics.guard_compiler import FALSE_VERDICT, TRUE_VERDICT
 from missionkit.chart.semantics.guard_evaluation import evaluated, ready
 from missionkit.chart.semantics.macrostep import Macrostep
+from missionkit.chart.semantics.requirement_watch import overdue, verdict, watched
+from missionkit.chart.semantics.time_tolerance import EPSILON
 from missionkit.messages import ABORT, Estimate, Verdict
 from missionkit.number_text import beside
 from missionkit.plugin_containment import Containment
 
 __all__ = ["ABORT", "ChartMemory", "Decision", "begin", "decide"]
 
+NOTHING: frozenset[str] = frozenset()
 _new = tuple.__new__  # quicker than the class's own
 
 
@@ -46,7 +50,7 @@ def decide(
     Returns:
         What to remember, and what was decided and why. Nothing passed in is changed.
     """
-    active, _, windows, variables, _, _, was_held, was_violated, started, ended, delayed = memory
+    active, _, windows, variables, _, _, was_held, was_violated, started, ended, *_ = memory
     here = chart.configurations.get(active) or configuration(chart, active)
     question = GuardContext(seen, windows, contain, active, variables)
     if chart.slots:
@@ -64,10 +68,19 @@ def decide(
         forced = forced or escape
     if chart.slots or held != was_held or violated != was_violated:
         memory = memory._replace(windows=windows, held=held, violated=violated)
-    due = bool(delayed) and delayed[0].due <= seen.now + EPSILON
+    escape = None
+    if flying and forced is None and memory.monitors:
+        forced = escape = _requirement(chart, memory, here, seen.now)
+    due = bool(memory.delayed) and memory.delayed[0].due <= seen.now + EPSILON
     if started and forced is None and not (moving or due or seen.events):
-        return memory, _new(Decision, (question.answers, (), (), False, (), problems))
-    return Macrostep(chart, memory, question, problems).run(forced, rested=not moving)
+        decision = _new(Decision, (question.answers, (), (), False, (), problems))
+    else:
+        memory, decision = Macrostep(chart, memory, question, problems).run(
+            forced, rested=not moving
+        )
+    if not chart.watch.requirements:
+        return memory, decision
+    return _watched(chart, memory, decision, question, "" if escape is None else escape.text)
 
 
 def _advanced(chart: Chart, question: GuardContext) -> tuple[Any, ...]:
@@ -157,6 +170,64 @@ def _invariants(
         if state.violated_to is not None and overdue and escape is None:
             escape = _escape(state, state.violated_to)
     return violated, escape, tuple(problems)
+
+
+def _requirement(
+    chart: Chart, memory: ChartMemory, here: Configuration, now: float
+) -> CompiledTransition | None:
+    """Return where the first broken requirement leads, if that is no less safe than here."""
+    for each, monitor in zip(chart.watch.requirements, memory.monitors, strict=True):
+        if each.to is None or not overdue(each, monitor, now):
+            continue
+        rank = SAFETY.get(chart.states[each.to].kind.name, 0)
+        if rank > here.safety or (rank == here.safety == 0 and each.to not in memory.active):
+            return CompiledTransition(-1, (each.to,), each.reason, reads=(each.label,))
+    return None
+
+
+def _watched(
+    chart: Chart, memory: ChartMemory, decision: Decision, question: GuardContext, taken: str
+) -> tuple[ChartMemory, Decision]:
+    """Let the requirements see the end of the tick; they join the answers.
+
+    Args:
+        chart: compiled.
+        memory: after the tick.
+        decision: of the tick.
+        question: of the tick, as the guards saw it.
+        taken: the reason of the requirement that has led away in this tick.
+    """
+    now, watch, entered = question.seen.now, chart.watch, NOTHING
+    if decision.moves:
+        question = _afterwards(memory, decision, question)
+        entered = frozenset([entry.name for move in decision.moves for entry in move.entries])
+    answers = question.answers  # of a tick without a move those of the decision
+    for _, ask in watch.guards:
+        ask(question)
+    for name, state in watch.entries:
+        answers[name] = TRUE_VERDICT if state in entered else FALSE_VERDICT
+    every = zip(watch.requirements, memory.monitors, strict=True)
+    monitors = tuple([watched(each, monitor, answers, now) for each, monitor in every])
+    if taken:
+        monitors = tuple(
+            monitor._replace(acted=True) if each.reason == taken else monitor
+            for each, monitor in zip(watch.requirements, monitors, strict=True)
+        )
+    for each, monitor in zip(watch.requirements, monitors, strict=True):
+        answers[each.label] = verdict(each, monitor, now)
+    if monitors != memory.monitors:
+        memory = memory._replace(monitors=monitors)
+    if answers is not decision.answers:
+        decision = decision._replace(answers={**decision.answers, **answers})
+    return memory, decision
+
+
+def _afterwards(memory: ChartMemory, decision: Decision, question: GuardContext) -> GuardContext:
+    """Return what guards are asked at the end of a tick in which the chart has moved."""
+    seen = question.seen
+    done, goal = (False, None) if decision.entered else (seen.done, seen.goal)
+    seen = seen.standing(memory.state, memory.entered_at, done=done, goal=goal)
+    return GuardContext(seen, memory.windows, question.contain, memory.active, memory.variables)
 
 
 def _escape(state: CompiledState, to: str) -> CompiledTransition:

@@ -14,8 +14,12 @@ from missionkit.chart.semantics.compiled_chart import (
     Shape,
 )
 from missionkit.chart.semantics.configuration import configuration
+from missionkit.chart.semantics.requirement_monitor import MonitorMemory
+from missionkit.chart.semantics.requirement_watch import across_gap
 from missionkit.engine.resume.checkpoint_policy import StartsAgain
 from missionkit.plugin_containment import PluginError, reporting_faults
+
+RESTARTING = "guards, behaviours and histories restart"
 
 
 def fitted(
@@ -38,7 +42,8 @@ def fitted(
     if not changed:
         numbers = {failsafe.number for failsafe in chart.failsafes}
         held = {number: since for number, since in saved.held.items() if number in numbers}
-        return saved._replace(held=held, windows=_windows(chart, fresh, saved, gap)), True, ()
+        kept = saved._replace(held=held, windows=_windows(chart, fresh, saved, gap))
+        return kept._replace(monitors=_monitors(chart, saved, now, gap)), True, ()
     if not stands(chart, saved):
         lost = f"the chart no longer has {', '.join(saved.active)}: it restarts"
         return fresh._replace(variables=_values(chart, saved)), False, (lost,)
@@ -51,7 +56,8 @@ def fitted(
         ended=saved.ended,
         delayed=saved.delayed,
     )
-    return kept, True, ("guards, behaviours and histories restart",)
+    restarting = "guards, behaviours, histories and requirements restart"
+    return kept, True, (restarting if chart.watch.requirements else RESTARTING,)
 
 
 def stands(chart: Chart, saved: ChartMemory) -> bool:
@@ -82,6 +88,15 @@ def _windows(chart: Chart, fresh: ChartMemory, saved: ChartMemory, gap: float) -
         new if old is StartsAgain.BEGIN else _resumed(slot, new, old, gap)
         for slot, new, old in slots
     )
+
+
+def _monitors(
+    chart: Chart, saved: ChartMemory, now: float, gap: float
+) -> tuple[MonitorMemory, ...]:
+    if gap <= 0.0:
+        return saved.monitors
+    every = zip(chart.watch.requirements, saved.monitors, strict=True)
+    return tuple(across_gap(each, monitor, now) for each, monitor in every)
 
 
 def _resumed(slot: GuardMemory, new: Any, old: Any, gap: float) -> Any:
