@@ -52,6 +52,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.docking
 	$(BIN)/python -m studies.placement
 	$(BIN)/python -m studies.tracking
+	$(BIN)/python -m studies.shadow
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults
