@@ -16,8 +16,7 @@ def assumptions(mission: Mission, world: World) -> Iterator[tuple[str, str]]:
     yield "wind", numbers(world.wind)
     yield "airframe", numbers(world.quadrotor)
     yield "inner autopilot", numbers(world.autopilot)
-    for name, sensor in world.sensors:
-        yield name, numbers(sensor)
+    yield from _sensors(world)
     yield "battery", numbers(world.battery)
     yield "camera", numbers(mission.camera)
     for use in mission.perception:
@@ -31,6 +30,12 @@ def assumptions(mission: Mission, world: World) -> Iterator[tuple[str, str]]:
     for name, state, _ in mission.walk():
         if state.behavior is not None and (text := numbers(state.behavior.plugin)):
             yield f"state {name}", text
+
+
+def _sensors(world: World) -> Iterator[tuple[str, str]]:
+    for name, sensor in world.sensors:
+        if sensor is not None:
+            yield name, numbers(sensor)
 
 
 def numbers(model: BaseModel) -> str:

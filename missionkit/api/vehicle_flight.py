@@ -30,6 +30,7 @@ from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import become_fit
 from missionkit.vehicle.telemetry.required_inputs import (
+    EXTERNAL_INPUT,
     FIX_INPUT,
     FLOW_INPUT,
     IMAGE_INPUT,
@@ -86,13 +87,15 @@ def vehicle_of(
 
 
 def relied_on(mission: Mission) -> frozenset[str]:
-    """Return what a mission relies on: a fix, optical flow or images, and scans of obstacles."""
+    """Return what a mission relies on: where it is, and scans of obstacles."""
     navigation = mission.navigation.plugin
     by = FIX_INPUT
     if isinstance(navigation, FlowKalman) or getattr(navigation, "flow", False):
         by = FLOW_INPUT
     elif isinstance(navigation, UdVisionEkf):
         by = IMAGE_INPUT
+    elif getattr(navigation, "external_pose", False):
+        by = EXTERNAL_INPUT
     return frozenset({by} | ({SCAN_INPUT} if mission.avoid is not None else set()))
 
 

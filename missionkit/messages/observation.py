@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.geometry import Vec3
+from missionkit.geometry import Quat, Vec3
 from missionkit.messages.vision import BoxDetection
 
 Image = npt.NDArray[np.uint8]  # (height, width) grey or (height, width, 3) BGR
@@ -68,6 +68,16 @@ class Range(NamedTuple):
 
     at: float  # s
     distance: float  # m, along the body's z
+
+
+class ExternalPose(NamedTuple):
+    """Pose of the vehicle as something outside measures it, such as motion capture."""
+
+    at: float  # s, when it was valid, which is before it arrived
+    position: Vec3  # (3,), m, NED
+    attitude: Quat  # (4,), body to world
+    position_sd: float  # m, each axis
+    angle_sd: float  # rad, about each axis
 
 
 class AnchorRange(NamedTuple):
@@ -167,4 +177,5 @@ class Observation:
     range: Range | None = None
     ranges: tuple[AnchorRange, ...] = ()
     features: tuple[Features, ...] = ()
+    external_pose: ExternalPose | None = None
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record

@@ -1,4 +1,4 @@
-"""Sensors outside the kernels: satellite fix, barometer, magnetometer, battery gauge.
+"""Sensors outside the kernels: fix, external pose, barometer, magnetometer, battery gauge.
 
 Each is given the true state (see `kernel_layout`) and draws from its own stream.
 """
@@ -6,16 +6,18 @@ Each is given the true state (see `kernel_layout`) and draws from its own stream
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 
-from missionkit.geometry import Vec3, conjugate, norm, rotate, vec
-from missionkit.messages import Baro, Battery, Gnss, Magnetometer
+from missionkit.geometry import Vec3, conjugate, exp, multiply, norm, normalised, rotate, vec
+from missionkit.messages import Baro, Battery, ExternalPose, Gnss, Magnetometer
 from missionkit.sim.kernel_layout import RATE, gauss_markov
 from missionkit.sim.random_blocks import Normals
 from missionkit.sim.vehicle_parameters import (
     BaroModel,
     BatteryModel,
+    ExternalPoseModel,
     GnssModel,
     MagnetometerModel,
 )
@@ -70,6 +72,38 @@ class GnssSensor:
         position = x[:3] + self._drift + self._white * noise[:3] + offset
         velocity = x[3:6] + self._velocity_sd * noise[3:6]
         return Gnss(at, position, velocity, self._sd, self._velocity_sd)
+
+
+class ExternalPoseSensor:
+    """Pose with white noise, from a system outside the vehicle."""
+
+    def __init__(self, model: ExternalPoseModel, rng: np.random.Generator) -> None:
+        self.beat = Beat(model.rate)
+        self._model = model
+        self._noise = Normals(rng, 6, 200)
+        self._waiting: deque[ExternalPose] = deque()
+
+    def expose(self, at: float, x: Vec3, *, lost: bool) -> None:
+        """Measure the pose at `at` (s), which arrives later; nothing while `lost`.
+
+        Args:
+            at: s.
+            x: (13,) true state.
+            lost: by a fault.
+        """
+        model, noise = self._model, self._noise.take(1)[0]
+        position = x[:3] + model.position_sd * noise[:3]
+        attitude = normalised(multiply(x[6:10], exp(model.angle_sd * noise[3:])))
+        sds = model.position_sd, model.angle_sd
+        if not lost:
+            self._waiting.append(ExternalPose(at, position, attitude, *sds))
+
+    def deliver(self, now: float) -> ExternalPose | None:
+        """Return the newest pose that has arrived by `now` (s), if any; older ones are lost."""
+        newest: ExternalPose | None = None
+        while self._waiting and self._waiting[0].at + self._model.latency <= now + 1e-9:
+            newest = self._waiting.popleft()
+        return newest
 
 
 class BaroSensor:

@@ -33,7 +33,14 @@ from missionkit.sim.plant import Plant
 from missionkit.sim.position_control import velocity_for
 from missionkit.sim.random_blocks import Normals, streams
 from missionkit.sim.sensor_inbox import Inbox
-from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
+from missionkit.sim.sensors import (
+    BaroSensor,
+    BatteryGauge,
+    Beat,
+    ExternalPoseSensor,
+    GnssSensor,
+    MagnetometerSensor,
+)
 from missionkit.sim.simulated_port import STRETCH, SimulatedPort
 from missionkit.sim.world import World
 
@@ -76,6 +83,10 @@ class SimulatedVehicle(SimulatedPort):
         self._mag = MagnetometerSensor(world.sensors.magnetometer, rngs["magnetometer"])
         self._flow = FlowSensor(world.sensors.flow, rngs["flow"])
         self._range = RangeSensor(world.sensors.range, rngs["range"])
+        outside = world.sensors.external_pose
+        self._outside = None
+        if outside is not None:
+            self._outside = ExternalPoseSensor(outside, rngs["external_pose"])
         self._gauge = BatteryGauge(world.battery)
         self._scan = Beat(world.sensors.scan.rate)
         self._heartbeat = Beat(5.0)
@@ -164,6 +175,7 @@ class SimulatedVehicle(SimulatedPort):
             cycle=self._cycle,
             flow=box.flow,
             range=box.range,
+            external_pose=None if self._outside is None else self._outside.deliver(self.now),
         )
 
     @property
@@ -227,6 +239,8 @@ class SimulatedVehicle(SimulatedPort):
         if self._range.beat.due(step):
             seen = self._range.measure(now, x)
             box.range = None if self._mishaps.active("range_lost", now) else seen
+        if self._outside is not None and self._outside.beat.due(step):
+            self._outside.expose(now, x, lost=self._mishaps.active("external_pose_lost", now))
         if self._scan.due(step):
             box.scan = self._look_around(now)
         if step == self._feed.next_step:

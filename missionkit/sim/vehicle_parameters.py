@@ -189,6 +189,15 @@ class RangeModel(ParameterModel):
     most: Metres = Field(default=12.0, gt=0, description="nothing above this distance")
 
 
+class ExternalPoseModel(ParameterModel):
+    """Motion capture, or another system outside that measures the vehicle's pose: white noise."""
+
+    rate: SensorRate = 20.0
+    latency: Seconds = Field(default=0.02, le=0.4)
+    position_sd: Metres = Field(default=0.002, ge=0, description="white, per axis")
+    angle_sd: Number = Field(default=0.005, ge=0, description="rad, white, per axis")
+
+
 class Sensors(ParameterModel):
     """All sensors except the camera, which the mission file describes."""
 
@@ -199,6 +208,9 @@ class Sensors(ParameterModel):
     scan: ScanModel = ScanModel()
     flow: FlowModel = FlowModel()
     range: RangeModel = RangeModel()
+    external_pose: ExternalPoseModel | None = Field(
+        default=None, description="none: no such system"
+    )
 
 
 class BatteryModel(ParameterModel):

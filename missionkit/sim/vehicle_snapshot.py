@@ -25,7 +25,14 @@ from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.plant import Plant
 from missionkit.sim.random_blocks import Normals
 from missionkit.sim.robot_boxes import BoxSpotter
-from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
+from missionkit.sim.sensors import (
+    BaroSensor,
+    BatteryGauge,
+    Beat,
+    ExternalPoseSensor,
+    GnssSensor,
+    MagnetometerSensor,
+)
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 Snapshot = Mapping[str, Any]
@@ -33,7 +40,7 @@ Snapshot = Mapping[str, Any]
 PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_mishaps", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
-        *("_flow", "_range"),
+        *("_flow", "_range", "_outside"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle"),
     ),
     FreeFlyer: (
@@ -52,6 +59,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     MagnetometerSensor: ("beat", "_noise"),
     FlowSensor: ("beat", "_noise", "_lost", "_before", "_since"),
     RangeSensor: ("beat", "_noise"),
+    ExternalPoseSensor: ("beat", "_noise", "_waiting"),
     BatteryGauge: ("beat", "sag"),
     Beat: ("_next",),
 }

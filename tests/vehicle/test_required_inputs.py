@@ -46,6 +46,7 @@ def test_a_missing_input_is_reported_each_time():
     [
         ("", {"fix", "scan"}),
         ("navigation: {use: flow_kalman}", {"flow", "scan"}),
+        ("navigation: {use: visual_inertial_ekf, external_pose: true}", {"external pose", "scan"}),
         ("navigation: {use: ud_vision_ekf}", {"image", "scan"}),
         ("navigation: {use: visual_inertial_ekf, flow: true}", {"flow", "scan"}),
     ],

@@ -13,6 +13,7 @@ from missionkit.estimation.error_state_ekf.consistency import NisAverage, averag
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.replay_buffer import ReplayResult
 from missionkit.estimation.error_state_ekf.state_layout import (
+    EXTERNAL,
     FIX,
     FIX_VELOCITY,
     FLOW,
@@ -37,7 +38,9 @@ AGREEING = 10
 """How many refused fixes in a row have to agree before anything is made of them."""
 
 
-POSITIONING = {FIX: 3, FIX_VELOCITY: 3, SIGHT: 3, FLOW: 2, RANGE: 1}
+PLACING = (FIX, SIGHT, EXTERNAL)
+"""Measurements that say where the vehicle is."""
+POSITIONING = {FIX: 3, FIX_VELOCITY: 3, SIGHT: 3, FLOW: 2, RANGE: 1, EXTERNAL: 3}
 """Components of the measurements that say where the vehicle is, or how fast over ground."""
 
 
@@ -159,11 +162,11 @@ def divergence(
         return f"the position is only known to {sd:.0f} m"
     if not any(monitor.refused):
         return ""
-    astray = refused_for(monitor, (FIX, SIGHT), now)
+    astray = refused_for(monitor, PLACING, now)
     if astray > s.reset_after and (jump := lasting_jump(monitor)) is not None:
         return f"GNSS jumped {jump:.0f} m"
-    if refused_for(monitor, (FIX, FIX_VELOCITY, SIGHT), now) > s.blind_after:
-        return "every fix and sighting was rejected"
+    if refused_for(monitor, (*PLACING, FIX_VELOCITY), now) > s.blind_after:
+        return "every fix, sighting and external pose was rejected"
     return "every position was rejected" if astray > s.stray_after else ""
 
 
@@ -202,7 +205,7 @@ def placed(monitor: InnovationMonitor, now: float, s: VisualInertialEkf) -> bool
         now: s.
         s: settings of the filter.
     """
-    latest = max(monitor.accepted_at[FIX], monitor.accepted_at[SIGHT])
+    latest = max(monitor.accepted_at[kind] for kind in PLACING)
     return s.flow or now - latest <= PLACED_FOR
 
 

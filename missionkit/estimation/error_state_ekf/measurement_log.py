@@ -11,8 +11,8 @@ from missionkit.estimation.error_state_ekf import state_layout
 from missionkit.estimation.error_state_ekf.initialization import RestSamples
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.state_layout import LARGEST_MEASUREMENT
-from missionkit.geometry import Mat, Transform, Vec3, rotate, vec
-from missionkit.messages import Imu, Observation, Sighting
+from missionkit.geometry import Mat, Transform, Vec3, log, norm, rotate, vec
+from missionkit.messages import ExternalPose, Imu, Observation, Sighting
 
 LEAST_SD, MOST_SD = 1e-3, 900.0
 """Bounds of a plausible sensor accuracy (m, m/s); squared, below LARGEST_MEASUREMENT."""
@@ -75,7 +75,20 @@ def observed(observation: Observation, settings: VisualInertialEkf) -> list[Vec3
         noise = np.square(settings.mag_sd)
         north = math.radians(settings.declination_deg)
         rows.append(row(state_layout.HEADING, mag.at, mag.field, noise, extra=north))
+    if settings.external_pose and observation.external_pose is not None:
+        rows += posed(observation.external_pose)
     return rows + ground(observation, settings) if settings.flow else rows
+
+
+def posed(pose: ExternalPose) -> list[Vec3]:
+    """Return the log rows of a pose measured from outside; an attitude that is none is refused."""
+    length = norm(pose.attitude)
+    turn = log(pose.attitude / length) if 0.9 < length < 1.1 else np.array(UNKNOWN_PLACE)
+    place, angle = _variance(pose.position_sd), _variance(pose.angle_sd)
+    return [
+        row(state_layout.EXTERNAL, pose.at, pose.position, place),
+        row(state_layout.EXTERNAL_TURN, pose.at, turn, angle),
+    ]
 
 
 def ground(observation: Observation, settings: VisualInertialEkf) -> list[Vec3]:

@@ -13,6 +13,8 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     D_ANGLE,
     D_GYRO_BIAS,
     D_LANDMARKS,
+    EXTERNAL,
+    EXTERNAL_TURN,
     EXTRA,
     FIX,
     FIX_VELOCITY,
@@ -27,7 +29,15 @@ from missionkit.estimation.error_state_ekf.state_layout import (
     STILL,
     Z,
 )
-from missionkit.estimation.linear_algebra import rotate, to_matrix, wrap
+from missionkit.estimation.linear_algebra import (
+    conjugate,
+    exp,
+    log,
+    multiply,
+    rotate,
+    to_matrix,
+    wrap,
+)
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 
@@ -131,10 +141,27 @@ def predict_range(x: Vec3, row: Vec3, H: Mat) -> float:
 
 
 @compiled
+def predict_turn(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> None:
+    """Fill H and r of an attitude q_m = Exp(z): r = Log(q* ⊗ q_m), ∂h = δθ.
+
+    Args:
+        x: (n + 1,) state.
+        row: (21,) row of the measurement log, with the rotation vector (3,), rad.
+        H: (3, n) Jacobian over the error state, written.
+        r: (3,) residual (rad), written.
+    """
+    turn = log(multiply(conjugate(x[6:10]), exp(row[Z : Z + 3])))
+    for i in range(3):
+        H[i, D_ANGLE + i] = 1.0
+        r[i] = turn[i]
+
+
+@compiled
 def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
     """Fill the Jacobian H (3, n) and innovation r = z - h(x) (3,); return how many rows are used.
 
-    Fix: h = p. Velocity, standing still: h = v. Height: h = -p_z. The others: their own functions.
+    Fix, external position: h = p. Velocity, standing still: h = v. Height: h = -p_z. The others:
+    their own functions.
 
     Args:
         x: (16 + 3 m,) state.
@@ -143,8 +170,8 @@ def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
         r: (3,); as many are written.
     """
     kind = int(row[KIND])
-    if kind in {FIX, FIX_VELOCITY, STILL}:
-        part = 0 if kind == FIX else 3
+    if kind in {FIX, EXTERNAL, FIX_VELOCITY, STILL}:
+        part = 0 if kind in {FIX, EXTERNAL} else 3
         for i in range(3):
             H[i, part + i] = 1.0
             r[i] = row[Z + i] - x[part + i]
@@ -162,5 +189,8 @@ def predict(x: Vec3, row: Vec3, H: Mat, r: Vec3) -> int:
     if kind == FLOW:
         predict_flow(x, row, H, r)
         return 2
-    predict_sight(x, row, H, r)
+    if kind == EXTERNAL_TURN:
+        predict_turn(x, row, H, r)
+    else:
+        predict_sight(x, row, H, r)
     return 3

@@ -15,9 +15,10 @@ class VisualInertialEkf(Plugin):
 
     Inertial samples carry the state forward; satellite fixes, barometer, magnetometer and
     sightings of the targets' markers correct it, and with `flow` also optical flow and range finder
-    over flat ground, each at the time it was measured. A target
-    begins where the mission file says and is corrected together with the vehicle. The defaults
-    suit a consumer drone whose inertial unit gives 100 samples a second.
+    over flat ground, with `external_pose` also poses that motion capture measures, each at the
+    time it was measured. A target begins where the mission file says and is corrected together
+    with the vehicle. The defaults suit a consumer drone whose inertial unit gives 100 samples a
+    second.
 
         ẋ = (v, R(q) (a_m - b_a) + g, ½ q ⊗ (ω_m - b_g), 0, 0),   x += K (z - h(x))
 
@@ -49,6 +50,9 @@ class VisualInertialEkf(Plugin):
     flow_sd: Number = Field(default=0.045, gt=0, description="rad/s, of a sample")
     flow_quality: Fraction = Field(default=0.3, description="flow below it is not used")
     range_sd: Metres = Field(default=0.05, gt=0)
+    external_pose: bool = Field(
+        default=False, description="use poses measured from outside, such as motion capture"
+    )
     declination_deg: Degrees = 0.0
     gate: Fraction = Field(default=0.9999, gt=0, lt=1, description="share of good data accepted")
 

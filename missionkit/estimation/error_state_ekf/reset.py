@@ -25,7 +25,7 @@ from missionkit.estimation.error_state_ekf.innovation_monitor import (
 )
 from missionkit.estimation.error_state_ekf.measurement_log import row
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
-from missionkit.estimation.error_state_ekf.state_layout import FIX, FIX_VELOCITY, SIGHT
+from missionkit.estimation.error_state_ekf.state_layout import EXTERNAL, FIX, FIX_VELOCITY, SIGHT
 from missionkit.geometry import Mat, Vec3, norm
 
 ZERO_COVARIANCE = np.zeros((3, 3))
@@ -77,7 +77,7 @@ def forget_vehicle(
         parked: the vehicle stands disarmed on the ground.
     """
     doubted = (FIX,) if parked else (FIX, FIX_VELOCITY)
-    seen_ago = now - monitor.accepted_at[SIGHT]
+    seen_ago = now - max(monitor.accepted_at[SIGHT], monitor.accepted_at[EXTERNAL])
     sd = math.sqrt(float(fixes[0][state_layout.NOISE : state_layout.EXTRA : 4].sum()))
     if (
         refused_for(monitor, doubted, now) < settings.reset_after

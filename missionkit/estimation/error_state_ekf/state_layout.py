@@ -26,9 +26,9 @@ AT, KIND, INDEX, Z, NOISE, EXTRA, OUTCOME, NIS, RESIDUAL = 0, 1, 2, 3, 6, 15, 16
 LOG_WIDTH = 21
 
 FORGET_VEHICLE, FORGET_TARGET, FIX, FIX_VELOCITY, HEIGHT, HEADING, SIGHT = range(7)
-FLOW, RANGE, STILL = range(7, 10)
+FLOW, RANGE, STILL, EXTERNAL, EXTERNAL_TURN = range(7, 12)
 """Kinds. The two that forget make room in the covariance for what follows at the same time."""
-KINDS = 10
+KINDS = 12
 
 PENDING, ACCEPTED, REJECTED = 0, 1, 2
 """Outcomes. A measurement is pending until inertial samples reach its time."""

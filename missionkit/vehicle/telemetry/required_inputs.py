@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping
 from missionkit.messages import Observation
 
 FIX_INPUT, SCAN_INPUT, FLOW_INPUT, IMAGE_INPUT = "fix", "scan", "flow", "image"
+EXTERNAL_INPUT = "external pose"
 MISSING_AFTER = 3.0  # s
 SAYS: Mapping[str, str] = {
     FIX_INPUT: "no usable satellite fix: the mission navigates by it",
     SCAN_INPUT: "no usable OBSTACLE_DISTANCE: the mission's avoidance sees nothing",
     FLOW_INPUT: "no usable optical flow: the mission navigates by it",
+    EXTERNAL_INPUT: "no external pose: MAVLink brings none, only the simulator does",
     IMAGE_INPUT: "no camera image: the mission navigates by them",
 }
 
@@ -35,6 +37,7 @@ class Reliance:
             SCAN_INPUT: seen.scan,
             FLOW_INPUT: seen.flow,
             IMAGE_INPUT: seen.frame,
+            EXTERNAL_INPUT: seen.external_pose,
         }
         new = []
         for name in self._inputs:
