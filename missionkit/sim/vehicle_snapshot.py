@@ -20,6 +20,7 @@ from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.free_flyer.feature_camera import FeatureCamera
 from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
 from missionkit.sim.free_flyer.free_flyer import FreeFlyer
+from missionkit.sim.herd_grading import HerdTrack
 from missionkit.sim.lens_model import Sensor
 from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.plant import Plant
@@ -72,8 +73,13 @@ def taken(vehicle: SimulatedVehicle | FreeFlyer) -> Snapshot:
 
 
 def restore(vehicle: SimulatedVehicle | FreeFlyer, state: Snapshot) -> None:
-    """Put a new vehicle, of the same world, camera, seed and faults, into a saved state."""
+    """Put a new vehicle, of the same world, camera, seed and faults, into a saved state.
+
+    The record of its ground robots begins there.
+    """
     _put(vehicle, state)
+    if isinstance(vehicle, SimulatedVehicle):
+        vehicle.herd = HerdTrack()
 
 
 def _state(value: Any) -> Any:

@@ -143,6 +143,28 @@ def test_a_tower_that_touches_the_vehicle_is_a_crash(built):
     assert graded(flown.vehicle).herd is None
 
 
+def test_a_flying_vehicle_touches_a_robot_on_top_and_climbs_away(built):
+    flown = built(robots=placed((-1.0, 0.5, 0)))
+    flown.rise(1.0)
+    vehicle = flown.vehicle
+    for _ in range(200):
+        state, truth = vehicle.robots[0], vehicle.truth
+        away = state[:2] - truth.position[:2]
+        turn = state[of.HEADING]
+        climb = 0.5 if np.hypot(*away) < 0.1 else 0.0
+        north, east = 0.33 * np.array((np.cos(turn), np.sin(turn))) + 1.2 * away
+        if state[of.TOUCHES] > 0:
+            break
+        flown.fly((north, east, climb), 0.05)
+    flown.fly((0.0, 0.0, -0.5), 3.0)
+    herd = graded(vehicle).herd
+    assert (herd.touches, herd.bumps) == (1, 0)
+    assert not vehicle.truth.crashed
+    assert vehicle.truth.position[2] < -0.8
+    spun = vehicle.herd.states[:, 0, of.SPIN_LEFT] > 0.0
+    assert np.ptp(vehicle.herd.times[spun]) < 0.25 * ROBOT.spin_time
+
+
 def test_without_robots_no_paths_are_driven(built):
     flown = built()
     flown.wait(0.2)

@@ -57,6 +57,7 @@ def test_a_restored_vehicle_flies_on_bit_by_bit(camera, at):
     other = built(camera)
     restore(other, value_codec.read(saved))
     other.track.restore(rows)
+    assert not len(other.herd.times)
     assert flown(other, at, 180) == flown(vehicle, at, 180)
     assert plain(other.track.rows) == plain(vehicle.track.rows)
 
