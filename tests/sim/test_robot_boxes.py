@@ -7,10 +7,10 @@ import pytest
 
 from missionkit.geometry import Transform, from_euler, vec
 from missionkit.perception.camera_section import Camera, Mount
-from missionkit.perception.ground_plane import ROBOT_DIAMETER, ViewNoise, on_ground
+from missionkit.perception.ground_plane import ViewNoise, on_ground
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.robot_boxes import BoxSpotter
-from missionkit.sim.robot_look import RobotLook
+from missionkit.sim.robot_look import ROBOT, RobotLook
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import World
 
@@ -23,7 +23,7 @@ ROBOTS = (RobotLook(3.3, -1.8, 0.0, 150), RobotLook(2.6, -2.2, 1.0, 95))
 
 
 def grounded(box):
-    found = on_ground(box, LENS, BODY, 0.0, ViewNoise(), ROBOT_DIAMETER)
+    found = on_ground(box, LENS, BODY, 0.0, ViewNoise(), ROBOT.diameter)
     assert found is not None
     return found
 
