@@ -53,6 +53,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.placement
 	$(BIN)/python -m studies.tracking
 	$(BIN)/python -m studies.shadow
+	$(BIN)/python -m studies.detection
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults
