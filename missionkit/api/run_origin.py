@@ -8,7 +8,9 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, TypeAdapter, ValidationError
 
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
@@ -26,7 +28,7 @@ class Origin(NamedTuple):
     mission: str
     settings: tuple[str, ...]
     plugins: tuple[str, ...]
-    seed: int
+    seed: Annotated[int, Field(ge=0)]
     faults: tuple[str, ...]
     parameters: Mapping[str, Any]
     targets: tuple[str, ...]
@@ -109,9 +111,10 @@ def found_origin(folder: Path) -> Origin:
         raise UsageError(f"{path}: cannot be used: not UTF-8 text") from error
     except (ValueError, NotReadableError) as error:
         raise UsageError(f"{path}: cannot be used: {error}") from error
-    if not isinstance(origin, Origin):
-        raise UsageError(f"{path}: cannot be used: it does not describe a run")
-    return origin
+    try:
+        return TypeAdapter(Origin).validate_python(origin, strict=True)
+    except ValidationError as error:
+        raise UsageError(f"{path}: cannot be used: it does not describe a run") from error
 
 
 def check_same(before: Origin, now: Origin, folder: Path, *, force: bool) -> None:

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from missionkit.chart.text.regular_file import read_bytes
 from missionkit.errors import UsageError
 from missionkit.recorder import value_codec
 from missionkit.recorder.value_codec import NotReadableError
@@ -172,7 +173,7 @@ def load(folder: Path) -> Loaded:
     for name in (NEWEST, BEFORE_NEWEST):
         path = folder / name
         try:
-            saved = opened(path.read_text(encoding="utf-8"))
+            saved = opened(read_bytes(path).decode())
             journals = {name: _rows(folder, name, it) for name, it in saved.journals.items()}
         except FileNotFoundError as error:
             if error.filename != str(path):
@@ -191,8 +192,7 @@ def _rows(folder: Path, name: str, stretch: Stretch) -> Rows:
         NotReadableError: they are not those that were written.
     """
     path, count, width = _journal(folder, name), stretch.rows, stretch.width
-    with path.open("rb") as stream:
-        data = stream.read(np.dtype("<f8").itemsize * count * width)
+    data = read_bytes(path, np.dtype("<f8").itemsize * count * width)
     if _sum(data).hexdigest() != stretch.digest:
         raise NotReadableError(f"{path.name}, which it builds on, was truncated or changed")
     return np.frombuffer(data, "<f8").reshape(count, width).astype(np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from missionkit.api.run_origin import found_origin, keep_origin
 from missionkit.cli import run_in_simulator as command
 from missionkit.recorder import checkpoint
 from missionkit.recorder.checkpoint import BEFORE_NEWEST, NEWEST, load
@@ -160,6 +162,26 @@ def test_a_checkpoint_that_holds_something_else_is_refused(call, killed):
         2,
         f"{folder / NEWEST}: this is not the checkpoint of a flight\n",
     )
+
+
+def test_a_pipe_in_place_of_a_checkpoint_is_not_waited_for(call, killed):
+    folder = killed()
+    (folder / BEFORE_NEWEST).unlink()
+    (folder / "checkpoint-ticks.rows").unlink()
+    os.mkfifo(folder / "checkpoint-ticks.rows")
+    os.mkfifo(folder / BEFORE_NEWEST)
+    result = call("run", "--resume", str(folder))
+    assert result.exit_code == 2
+    assert result.stderr.count("it is a pipe, not a file") == 2
+
+
+@pytest.mark.parametrize("odd", [{"seed": -1}, {"mission": None}, {"faults": 5}, {"texts": "x"}])
+def test_an_origin_that_describes_no_run_is_refused(call, killed, odd):
+    folder = killed()
+    keep_origin(folder, found_origin(folder)._replace(**odd))
+    result = call("run", "--resume", str(folder))
+    says = f"{folder / 'origin.json'}: cannot be used: it does not describe a run\n"
+    assert (result.exit_code, result.stderr) == (2, says)
 
 
 @pytest.mark.parametrize(

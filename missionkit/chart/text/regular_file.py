@@ -30,8 +30,8 @@ def irregular(path: Path) -> str:
         return ""
 
 
-def read_bytes(path: Path, most: int) -> bytes:
-    """Return what a regular file holds, at most `most` bytes, without ever waiting.
+def read_bytes(path: Path, most: int = -1) -> bytes:
+    """Return what a regular file holds, at most `most` bytes if given, without ever waiting.
 
     Raises:
         OSError: it cannot be opened or is not a file; the message says which.
