@@ -38,7 +38,7 @@ class Answers(NamedTuple):
     """What one detector found in the pictures of a group."""
 
     right: Mat  # scores of robots found
-    wrong: Mat  # scores of what is no robot
+    wrong: Mat  # scores of false detections
     robots: int
     pictures: int
     times: Mat  # s of processor time, of each picture; none for a fusion
@@ -49,7 +49,7 @@ class Answers(NamedTuple):
         return float((self.right >= least).sum()) / max(self.robots, 1)
 
     def false(self, least: float) -> float:
-        """Return what is found and no robot, a picture."""
+        """Return false detections a picture."""
         return float((self.wrong >= least).sum()) / self.pictures
 
     def precision(self, least: float) -> float:

@@ -31,7 +31,7 @@ def train(given: TrainingOptions, out: Path) -> None:
     """Train a detector, test it, and write its file.
 
     Raises:
-        UsageError: there is no such kind, the file's name is wrong or it cannot be written, or
+        UsageError: the kind is unknown, the file's name is wrong or it cannot be written, or
             there is too little to train with.
         FileError: a world cannot be used.
     """

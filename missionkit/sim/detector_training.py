@@ -69,7 +69,7 @@ def haar_cascade(order: Order, report: Report) -> str:
 
     Args:
         order: what to train.
-        report: is told how it goes, in lines.
+        report: receives progress, a line at a time.
 
     Raises:
         ValueError: the pictures show no robot, or nothing that could be taken for one.
@@ -88,7 +88,7 @@ def robot_templates(order: Order, report: Report) -> str:
 
     Args:
         order: what to train.
-        report: is told how it goes, in lines.
+        report: receives progress, a line at a time.
 
     Raises:
         ValueError: the pictures show no robot.

@@ -70,12 +70,19 @@ def robot_views(domain: Domain, count: int, seed: int) -> Iterator[RobotView]:
         seed: of all chance.
     """
     rng = np.random.default_rng(seed)
+    shown: World | None = None
+    renderers: dict[float, Renderer] = {}  # of one floor, by focal length: they have a memory
     for number in range(count):
         world = domain.worlds[number * len(domain.worlds) // count]
-        yield _view(domain, world, rng)
+        if world is not shown:
+            shown = world
+            renderers.clear()
+        yield _view(domain, world, rng, renderers)
 
 
-def _view(domain: Domain, world: World, rng: np.random.Generator) -> RobotView:
+def _view(
+    domain: Domain, world: World, rng: np.random.Generator, renderers: dict[float, Renderer]
+) -> RobotView:
     camera = _camera(round(rng.uniform(*domain.focal), -1), domain.distortion)
     north, east = rng.uniform(-AROUND, AROUND, 2) + np.array(world.middle)
     height = rng.uniform(*domain.height)
@@ -83,7 +90,10 @@ def _view(domain: Domain, world: World, rng: np.random.Generator) -> RobotView:
     turn = from_euler(roll, pitch, rng.uniform(-math.pi, math.pi))
     body = Transform(turn, vec(north, east, -height))
     robots = _robots(domain, body, rng)
-    image = _renderer(world.ground.texture, world, camera).render(
+    focal = float(camera.matrix[0, 0])
+    if focal not in renderers:
+        renderers[focal] = Renderer(world, camera, np.random.default_rng(0))
+    image = renderers[focal].render(
         body,
         rng.normal(0.0, domain.speed, 3) * (1.0, 1.0, 0.3),
         rng.normal(0.0, 0.2, 3),
@@ -113,19 +123,6 @@ def _robots(domain: Domain, body: Transform, rng: np.random.Generator) -> tuple[
 def _camera(focal: float, distortion: tuple[float, float, float, float, float]) -> CameraModel:
     mount = Mount(position=(0.0, 0.0, 0.0), tilt_deg=90.0)
     return Camera(width=320, height=240, focal=focal, distortion=distortion, mount=mount).model()
-
-
-_drawn: dict[tuple[str, float, bytes], Renderer] = {}
-
-
-def _renderer(name: str, world: World, camera: CameraModel) -> Renderer:
-    """Return a renderer, kept for the cameras of one floor."""
-    key = (name, float(camera.matrix[0, 0]), camera.distortion.tobytes())
-    if key not in _drawn:
-        for other in [it for it in _drawn if it[0] != name]:
-            del _drawn[other]
-        _drawn[key] = Renderer(world, camera, np.random.default_rng(0))
-    return _drawn[key]
 
 
 def _lit(domain: Domain, image: Image, rng: np.random.Generator) -> Image:

@@ -49,6 +49,7 @@ def test_pictures_are_a_function_of_the_seed(views):
     again = next(robot_views(PLAIN._replace(robots=3), 16, seed=91))
     same = next(robot_views(PLAIN._replace(robots=3), 16, seed=91))
     assert again.robots == same.robots
+    np.testing.assert_array_equal(again.image, same.image)
     assert not np.array_equal(again.image, views[0].image)
 
 

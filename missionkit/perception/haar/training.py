@@ -114,7 +114,7 @@ def trained(
         pool: features to choose from.
         plan: how much is trained with.
         seed: of all chance.
-        report: is told of each stage, in a line.
+        report: receives a line for each stage.
     """
     from missionkit.perception.haar.kernels import values  # noqa: PLC0415 compiles
 
