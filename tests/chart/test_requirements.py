@@ -161,3 +161,34 @@ def test_named_guards_are_opened_for_their_margins():
     )
     walk = Walk(chart_of(f"{CHART}  - {{name: it, always: both}}\n", head=head))
     assert shown(walk).margin == pytest.approx(1.0)
+
+
+RESTLESS = """\
+initial: p
+dwell: 0
+states:
+  p: {kind: custom, transitions: [{to: q, when: a}]}
+  q: {kind: custom, transitions: [{to: r, when: a}]}
+  r: {kind: custom, transitions: [{to: p, when: a}]}
+  land: {kind: land}
+requirements:
+  - {name: it, never: {not: {in: p}}}
+  - {name: entry, never: {enter: q}}
+"""
+
+
+def test_what_was_undone_did_not_happen():
+    walk = Walk(RESTLESS)
+    walk.tick()
+    answers = walk.tick("a").answers
+    assert walk.contain.take()
+    assert answers["in p"].holds
+    assert (answers["requirement it"].holds, answers["requirement entry"].holds) == (None, None)
+
+
+def test_what_healed_before_its_time_bound_leads_nowhere_afterwards():
+    walk = walk_of("always: {not: b}, within: 0.3, broken: {to: safe, after: 0.2}")
+    walk.tick()
+    walk.tick("b")
+    walk.run(1.0)
+    assert (shown(walk).holds, walk.trace) == (False, [])

@@ -118,6 +118,7 @@ class Macrostep:
         self.question.contain.note(f"the chart does not come to rest within one tick: ... {way}")
         self.memory, self.here, self.orders, self.problems, self.pilot_entered = before
         del self.moves[taken[0] :], self.fired[taken[1] :]
+        self._refresh()
 
     def _situation(self) -> tuple[object, ...]:
         """Return all that decides how a tick goes on: seen twice, it goes round in a circle."""

@@ -100,8 +100,9 @@ def _sample(each: WatchedRequirement, answers: Answers) -> Sample:
 
 def _broken(each: WatchedRequirement, memory: MonitorMemory, sample: Sample) -> bool:
     """Say whether a requirement is broken now; what must hold all the time may be whole again."""
-    if each.pattern in {"never", "always"} and not memory.closed:
-        return sample.wanted.high[0] < 0 and sample.during.low[0] > 0
+    if each.pattern in {"never", "always"}:
+        failing = sample.wanted.high[0] < 0 and sample.during.low[0] > 0
+        return failing and not memory.closed
     return standing(each.pattern, memory).high[0] < 0
 
 
