@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.apparent_size import TOWER_WIDTH
+from missionkit.estimation.target_tracking.apparent_size import size_with_tower
 from missionkit.geometry import (
     Mat,
     Transform,
@@ -143,7 +143,12 @@ class Watcher:
             if not (_in_image(pixel) and rng.random() < s.found):
                 continue
             offset = math.dist(place, body.translation[:2])
-            side = _size(offset, height, tower) * FOCAL * ROBOT.diameter / height
+            side = (
+                size_with_tower(offset, height, tower, ROBOT.diameter)
+                * FOCAL
+                * ROBOT.diameter
+                / height
+            )
             side *= 1.0 + s.size * rng.standard_normal()
             centre = pixel + s.pixel * rng.standard_normal(2)
             boxes.append(BoxDetection(name, centre, (side, side), float(rng.uniform(0.6, 0.9))))
@@ -152,15 +157,6 @@ class Watcher:
             centre = rng.uniform((0.0, 0.0), (319.0, 239.0))
             boxes.append(BoxDetection(name, centre, (side, side), float(rng.uniform(0.3, 0.7))))
         return boxes
-
-
-def _size(offset: float, height: float, tower: float) -> float:
-    """Return how large a robot's box is, in its own diameters: its tower leans outwards."""
-    if tower <= 0.0:
-        return 1.0
-    clear = max(height - tower, 0.05)
-    top = (offset + 0.5 * TOWER_WIDTH) * height / clear - offset
-    return min(max(1.0, 0.5 + top / ROBOT.diameter), 4.0)
 
 
 def _pixels(places: Mat, body: Transform, lens: CameraModel) -> Mat:

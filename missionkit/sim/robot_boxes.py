@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.apparent_size import LARGEST, TOWER_WIDTH
+from missionkit.estimation.target_tracking.apparent_size import size_with_tower
 from missionkit.geometry import Transform, Vec3, conjugate, rotate, vec
 from missionkit.messages import BoxDetection, CameraModel
 from missionkit.sim.marker_visibility import exposed, lens_of, project
@@ -95,10 +95,6 @@ class BoxSpotter:
 
 def _reach(eye: Transform, robot: RobotLook) -> float:
     """Return how large a robot's box is, in its own diameters: its tower leans outwards."""
-    if robot.tower <= 0.0:
-        return 1.0
     north, east, down = eye.translation.tolist()
     offset = math.hypot(robot.north - north, robot.east - east)
-    clear = max(-down - robot.tower, 0.05)
-    top = (offset + 0.5 * TOWER_WIDTH) * -down / clear - offset
-    return float(min(max(1.0, 0.5 + top / ROBOT.diameter), LARGEST))
+    return size_with_tower(offset, -down, robot.tower, ROBOT.diameter)

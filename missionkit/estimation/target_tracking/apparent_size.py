@@ -31,9 +31,22 @@ def sizes_of_obstacles(offset: float, height: float, diameter: float) -> Vec3:
         height: m, of the camera above the ground.
         diameter: m, of the robot.
     """
-    clear = np.maximum(height - TOWERS, 0.05)
-    top = (offset + 0.5 * TOWER_WIDTH) * height / clear - offset
-    return np.minimum(np.maximum(1.0, 0.5 + top / diameter), LARGEST)
+    return np.array([size_with_tower(offset, height, it, diameter) for it in TOWERS.tolist()])
+
+
+def size_with_tower(offset: float, height: float, tower: float, diameter: float) -> float:
+    """Return the size of the box around a robot with one tower.
+
+    Args:
+        offset: m, horizontally from the camera.
+        height: m, of the camera above the ground.
+        tower: m, height of its top; 0: none.
+        diameter: m, of the robot.
+    """
+    if tower <= 0.0:
+        return 1.0
+    top = (offset + 0.5 * TOWER_WIDTH) * height / max(height - tower, 0.05) - offset
+    return min(max(1.0, 0.5 + top / diameter), LARGEST)
 
 
 def size_evidence(size: float, offset: float, height: float, diameter: float) -> float:
