@@ -128,7 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     run = partial(_of, pictures=chosen.pictures, first=chosen.first)
     answers = in_parallel(run, list(GROUPS), chosen.workers)
-    results = dict(zip(GROUPS, answers, strict=True))
+    results: Results = dict(zip(GROUPS, answers, strict=True))
     words = f"--pictures {chosen.pictures} --first {chosen.first}"
     write(results, chosen.out, f"python -m studies.detection {words}", chosen.first + 50)
     print(verdict(results))  # noqa: T201
