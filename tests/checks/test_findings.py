@@ -45,7 +45,7 @@ def test_every_code_is_in_the_reference():
         for path in FOLDER.glob("*.txt")
         for code in re.findall(r": (?:error|warning)\[([a-z-]+)\]: ", path.read_text())
     }
-    assert table == shown | {"too-many-to-compare"}
+    assert table == shown | {"too-many-to-compare", "unproven"}
 
 
 def test_every_file_has_its_findings():

@@ -14,6 +14,8 @@ from missionkit.chart.checks import (
     implausible_goals,
     landing_guarantee,
     livelocks,
+    never_fires,
+    oscillations,
     parallel_conflicts,
     plugin_requirements,
     reachability,
@@ -22,20 +24,20 @@ from missionkit.chart.checks import (
     stopping_distance,
     success_conditions,
 )
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.search import Exploration, explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.errors import Problem
+from missionkit.errors import Level, Problem
 
 CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     shadowed_transitions.problems_of,
     shadowed_transitions.failsafes,
     parallel_conflicts.overlaps,
-    reachability.unreachable,
     reachability.traps,
-    livelocks.livelocks,
-    livelocks.oscillations,
+    oscillations.problems_of,
     delayed_events.problems_of,
     hysteresis.problems_of,
     plugin_requirements.problems_of,
@@ -44,6 +46,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     standoffs.problems_of,
     success_conditions.problems_of,
 )
+NEVER_FIRES = frozenset(("never-true", "shadowed-transition", "contradictory-timers"))
 
 
 def findings(
@@ -64,6 +67,7 @@ def findings(
     catalogue = catalogue.flying(mission.vehicle.use)
     chart = AnalysedChart(fulfilled(mission, catalogue), catalogue)
     found = [problem for check in CHECKS for problem in check(chart)]
+    found += _explored(chart, found)
     if catalogue.vehicle.over_ground:
         found += implausible_goals.problems_of(chart)
     found += default_failsafes.problems_of(mission, catalogue)
@@ -72,6 +76,29 @@ def findings(
     if sight is not None:
         found += stopping_distance.problems_of(chart, sight)
     return sorted(_told_once(found), key=_order)
+
+
+def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem]:
+    """Yield what the exploration of the chart finds besides what is known already."""
+    explored_chart = ExploredChart(chart)
+    explored = explore(explored_chart)
+    if not explored.complete:
+        yield _unproven(chart, explored)
+    yield from livelocks.problems_of(explored_chart, explored)
+    yield from reachability.unreachable(chart, explored)
+    places = {problem.place for problem in told if problem.code in NEVER_FIRES}
+    yield from never_fires.problems_of(explored_chart, explored, places)
+
+
+def _unproven(chart: AnalysedChart, explored: Exploration) -> Problem:
+    return Problem(
+        chart.mission.place("states"),
+        f"the chart can do more than was explored ({explored.ticks} ticks): it is not proven that "
+        "every transition can fire and that no tick goes on without end",
+        Level.WARNING,
+        "unproven",
+        "use fewer parallel regions, or fewer values of variables",
+    )
 
 
 def _told_once(problems: Iterable[Problem]) -> Iterator[Problem]:

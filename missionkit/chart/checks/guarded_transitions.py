@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -76,6 +76,13 @@ def _quoted(names: tuple[str, ...]) -> str:
 def shortened(words: str) -> str:
     """Return a text short enough for a message."""
     return words if len(words) <= 80 else f"{words[:77]}..."
+
+
+def circle_text(circle: Sequence[GuardedTransition]) -> str:
+    """Return the labels of transitions that lead round in a circle: "both ... and ..."."""
+    reported = " and ".join(way.label for way in circle[:3])
+    more = f" and {len(circle) - 3} more" if len(circle) > 3 else ""
+    return f"{'both ' if len(circle) == 2 else ''}{reported}{more}"
 
 
 class Guarded(NamedTuple):

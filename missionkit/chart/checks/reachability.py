@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from missionkit.chart.checks.exploration.search import Exploration
 from missionkit.chart.checks.guard_regions import NEVER_DONE
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered
@@ -14,9 +15,13 @@ from missionkit.guards.state_progress import DONE_QUANTITY, TIME_IN_STATE
 from missionkit.messages.region import ONLY_FALSE, Box
 
 
-def unreachable(chart: AnalysedChart) -> Iterator[Problem]:
+def unreachable(chart: AnalysedChart, explored: Exploration) -> Iterator[Problem]:
     """Yield every state that nothing leads to, the outermost of several."""
     reached = reachable(chart)
+    if explored.complete:
+        home = (chart.tree.of_kind("return"), chart.tree.of_kind("land"))
+        pilot = [name for to in home if to for name in chart.tree.entered(to)]
+        reached &= explored.reached.keys() | set(pilot)
     tree = chart.tree
     for name, (_, state, parent) in tree.states.items():
         place = tree.place(name)
@@ -39,7 +44,8 @@ def _no_way(chart: AnalysedChart, name: str, reached: set[str]) -> str:
                 continue
             if source not in reached:
                 return f"only {source!r} leads to it, which cannot be reached either"
-            return f"{way.reason} in {source!r}, which leads to it, can never hold"
+            never = "hold" if not way.may else "fire"
+            return f"{way.reason} in {source!r}, which leads to it, can never {never}"
     return "no transition, failsafe or invariant leads to it"
 
 

@@ -83,6 +83,14 @@ class StateTree:
             self._entered[name] = frozenset(self._entering(name))
         return self._entered[name]
 
+    def entered_from(self, source: str, to: str) -> frozenset[str]:
+        """Return every state that a transition enters; those around both ends stay active."""
+        beyond = self.around(to)
+        for outer in self.around(source):
+            if outer in beyond and not self.states[outer].state.parallel:
+                return frozenset(name for name in self.entered(to) if outer in self.around(name))
+        return self.entered(to)
+
     def _entering(self, name: str) -> set[str]:
         found: set[str] = set()
         waiting = [name]

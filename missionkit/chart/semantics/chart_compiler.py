@@ -43,15 +43,27 @@ def compile_mission(mission: Mission, catalogue: Catalogue) -> Chart:
     them needs it, a hover state.
     """
     mission = fulfilled(mission, catalogue)
-    return _Compiler(mission, catalogue.flying(mission.vehicle.use)).chart()
+    asker = GuardCompiler(dict(mission.guards))
+    return compile_with(asker, mission, catalogue.flying(mission.vehicle.use))
+
+
+def compile_with(asker: GuardCompiler, mission: Mission, catalogue: Catalogue) -> Chart:
+    """Compile a mission whose contracts are carried out already.
+
+    Args:
+        asker: compiles its guards.
+        mission: to compile.
+        catalogue: of the vehicle that flies it.
+    """
+    return _Compiler(mission, catalogue, asker).chart()
 
 
 class _Compiler:
-    def __init__(self, mission: Mission, catalogue: Catalogue) -> None:
+    def __init__(self, mission: Mission, catalogue: Catalogue, asker: GuardCompiler) -> None:
         self.mission = mission
         self.catalogue = catalogue
         self.placed = {placed.name: placed for placed in mission.walk()}
-        self.asker = GuardCompiler(dict(mission.guards))
+        self.asker = asker
         self.with_history = {
             placed.parent for placed in self.placed.values() if placed.state.history is not None
         }

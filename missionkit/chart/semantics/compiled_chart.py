@@ -25,7 +25,7 @@ ROOT_STATE = ""  # the name of the state around all others, which is never left
 class GuardContext:
     """Inputs and answers of the guards in one tick."""
 
-    __slots__ = ("active", "answers", "contain", "seen", "variables", "windows")
+    __slots__ = ("active", "answers", "contain", "frugal", "seen", "variables", "windows")
 
     def __init__(
         self,
@@ -34,7 +34,10 @@ class GuardContext:
         contain: Containment,
         active: tuple[str, ...] = (),
         variables: Values = NO_VALUES,
+        *,
+        frugal: bool = False,
     ) -> None:
+        self.frugal = frugal  # ask no guard that the selection does not need
         self.seen = seen
         self.windows = windows
         self.contain = contain

@@ -61,7 +61,7 @@ class GuardCompiler:
                 return self._remembered(name, lambda: self._latch(name, expression))
             case ex.VariableGuard() | ex.In() | ex.Finished():
                 name = self.name(expression)
-                return self._remembered(name, lambda: _answered(name, of_chart(expression)))
+                return self._remembered(name, lambda: answered(name, of_chart(expression)))
 
     def check(self, expression: ex.Expression) -> Check | None:
         """Return what to ask if `expression` is one guard of the package that remembers nothing."""
@@ -104,19 +104,19 @@ class GuardCompiler:
         expression = self._named[name]
         if isinstance(expression, ex.Use):
             return self._plugin(name, expression.plugin)
-        return _answered(name, self.ask(expression))
+        return answered(name, self.ask(expression))
 
     def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
         foreign = is_foreign(plugin)
         if isinstance(plugin, CompositeGuardProtocol):  # it has all that a window guard has
-            return _answered(name, self._composite(name, plugin, foreign=foreign))
+            return answered(name, self._composite(name, plugin, foreign=foreign))
         if isinstance(plugin, WindowGuardProtocol):
             advance = _advancing(name, plugin, foreign=foreign)
             slot = self._slot(GuardMemory(name, plugin.begin, advance, plugin.resumed))
-            return _answered(name, _window(name, plugin, slot, foreign=foreign))
+            return answered(name, _window(name, plugin, slot, foreign=foreign))
         if not foreign:
             return _trusting(name, cast(GuardProtocol, plugin))
-        return _answered(name, _simple(name, cast(GuardProtocol, plugin)))
+        return answered(name, _simple(name, cast(GuardProtocol, plugin)))
 
     def _composite(
         self, name: str, guard: CompositeGuardProtocol, *, foreign: bool
@@ -152,15 +152,15 @@ class GuardCompiler:
             margin = sign * (verdict.value - threshold)
             return Verdict(on, verdict.why, verdict.value, threshold, margin)
 
-        return _answered(name, ask)
+        return answered(name, ask)
 
     def _slot(self, slot: GuardMemory) -> int:
         self.slots.append(slot)
         return len(self.slots) - 1
 
 
-def _answered(name: str, ask: GuardFunction) -> GuardFunction:
-    """Ask once a tick and keep the answer for the record."""
+def answered(name: str, ask: GuardFunction) -> GuardFunction:
+    """Return a closure that asks once a tick and keeps the answer for the record."""
 
     def once(question: GuardContext) -> Verdict:
         known = question.answers.get(name)

@@ -132,7 +132,7 @@ class Macrostep:
         if self.memory.ended:
             return False
         self._refresh()
-        return evaluated(self.here, self.memory, self.question, {})
+        return self.question.frugal or evaluated(self.here, self.memory, self.question, {})
 
     def _heard(self) -> Sequence[CompiledTransition]:
         """Return what the next event that concerns anything leads to: internal ones first."""

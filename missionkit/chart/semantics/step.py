@@ -37,7 +37,12 @@ _new = tuple.__new__  # quicker than the class's own
 
 
 def decide(
-    chart: Chart, memory: ChartMemory, seen: Estimate, contain: Containment
+    chart: Chart,
+    memory: ChartMemory,
+    seen: Estimate,
+    contain: Containment,
+    *,
+    frugal: bool = False,
 ) -> tuple[ChartMemory, Decision]:
     """Advance the guards' windows, ask every guard, and take what is to be taken.
 
@@ -46,13 +51,15 @@ def decide(
         memory: as returned by the last step.
         seen: the estimate at this tick, with the events that came since the last.
         contain: calls the guards; one that raises is unknown and noted.
+        frugal: ask no guard that the selection does not need, as the checks before flight do;
+            nothing is noted then of how long guards have held.
 
     Returns:
         What to remember, and what was decided and why. Nothing passed in is changed.
     """
     active, _, windows, variables, _, _, was_held, was_violated, started, ended, *_ = memory
     here = chart.configurations.get(active) or configuration(chart, active)
-    question = GuardContext(seen, windows, contain, active, variables)
+    question = GuardContext(seen, windows, contain, active, variables, frugal=frugal)
     if chart.slots:
         windows = _advanced(chart, question)
     held: dict[int, float] = {}
@@ -60,13 +67,13 @@ def decide(
     flying = _flying(seen, here)
     if ended or seen.events or flying:
         forced = _forced(chart, memory, here, question, held, flying=flying)
-    moving = not ended and evaluated(here, memory, question, held)
+    moving = not ended and (frugal or evaluated(here, memory, question, held))
     violated = was_violated
     problems: tuple[str, ...] = ()
     if here.promising:
         violated, escape, problems = _invariants(here, memory, question)
         forced = forced or escape
-    if chart.slots or held != was_held or violated != was_violated:
+    if not frugal and (chart.slots or held != was_held or violated != was_violated):
         memory = memory._replace(windows=windows, held=held, violated=violated)
     escape = None
     if flying and forced is None and memory.monitors:
@@ -136,6 +143,8 @@ def _failsafe(
         safer = rank > here.safety or (rank == here.safety == 0 and not obeyed)
         if chosen is None and safer:
             chosen = failsafe
+            if question.frugal:
+                break
     return chosen
 
 

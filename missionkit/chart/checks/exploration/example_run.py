@@ -1,0 +1,52 @@
+"""A run of a chart in words: the shortest way to where something is wrong."""
+
+from __future__ import annotations
+
+from missionkit.chart.checks.counterexample_text import example
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.search import Node, Step
+
+STEPS_SHOWN = 6
+
+
+def run_text(chart: ExploredChart, node: Node, last: Step, to: str) -> str:
+    """Return a run in words: "0 s up; 2 s 'done': go; 7 s failsafe battery: home".
+
+    Args:
+        chart: that was explored.
+        node: to which the run leads before its last step.
+        last: its last step.
+        to: the state that this leads to.
+    """
+    ways = [(last, to)]
+    while node.before is not None and node.step is not None:
+        ways.append((node.step, node.memory.state))
+        node = node.before
+    now = 0.0
+    shown: list[str] = []
+    for step, state in reversed(ways):
+        now += step.seconds
+        if step.taken or not shown:
+            cause = _cause(chart, step)
+            shown.append(f"{now:g} s {cause}{': ' if cause else ''}{state}")
+    return "; ".join(_shortened(shown))
+
+
+def _shortened(shown: list[str]) -> list[str]:
+    if len(shown) <= STEPS_SHOWN:
+        return shown
+    return [*shown[:2], "...", *shown[3 - STEPS_SHOWN :]]
+
+
+def _cause(chart: ExploredChart, step: Step) -> str:
+    if not step.taken:
+        return ""
+    first = step.taken[0]
+    if first in chart.failsafes:
+        return chart.failsafes[first]
+    way = chart.ways[first]
+    if way.model.event is not None:
+        return f"event {step.event or way.model.event[0]!r}"
+    read = {quantity for box in way.truth.may for quantity in box}
+    boxes = tuple({q: span for q, span in box.items() if q in read} for box in step.boxes)
+    return example(boxes) or way.reason

@@ -1,0 +1,334 @@
+"""Guards answered by choice: each leaf guard says whatever the situation so far leaves open.
+
+A path through one tick is a list of choices. What was chosen is kept as boxes of the quantities
+that the guards read, so that no path contradicts itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple
+
+from typing_extensions import override
+
+from missionkit.chart.checks.guard_regions import GuardRegion, RegionReader
+from missionkit.chart.checks.interval_boxes import EVERYWHERE, intersection, remains
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction
+from missionkit.chart.semantics.guard_compiler import (
+    FALSE_VERDICT,
+    TRUE_VERDICT,
+    GuardCompiler,
+    answered,
+)
+from missionkit.errors import NO_PLACE
+from missionkit.guards.state_progress import Done, Elapsed
+from missionkit.messages import Verdict
+from missionkit.messages.region import Box, Boxes, Interval, Quantity
+from missionkit.plugin import Plugin
+
+UNKNOWN_VERDICT = Verdict.unknown("not known")
+LONG_AGO = -1e9  # s
+
+
+class Answer(StrEnum):
+    """What a guard may answer; two of them where its user does not tell them apart."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
+    UNKNOWN = "unknown"
+    NOT_TRUE = "fails or unknown"
+    NOT_FALSE = "holds or unknown"
+
+
+VERDICTS = {
+    Answer.HOLDS: TRUE_VERDICT,
+    Answer.FAILS: FALSE_VERDICT,
+    Answer.UNKNOWN: UNKNOWN_VERDICT,
+    Answer.NOT_TRUE: FALSE_VERDICT,
+    Answer.NOT_FALSE: TRUE_VERDICT,
+}
+ASKED_IF_TRUE = (Answer.NOT_TRUE, Answer.HOLDS)
+ASKED_IF_FALSE = (Answer.FAILS, Answer.NOT_FALSE)
+ASKED_FOR_BOTH = (Answer.FAILS, Answer.HOLDS, Answer.UNKNOWN)
+
+
+@dataclass(slots=True)
+class Leaf:
+    """A guard that reads something outside the chart."""
+
+    name: str
+    truth: GuardRegion
+    at_entry: GuardRegion  # its truth in the tick in which the commanding state is entered
+    soonest: float  # s after entry at which it may hold
+    options: tuple[Answer, ...] = ()
+
+    def used(self, *, if_true: bool) -> None:
+        """Note that something asks whether it is true, or whether it is false."""
+        wanted = ASKED_IF_TRUE if if_true else ASKED_IF_FALSE
+        self.options = wanted if self.options in {(), wanted} else ASKED_FOR_BOTH
+
+
+class Choice(NamedTuple):
+    """One choice: which option of how many."""
+
+    taken: int
+    options: int
+
+
+class Situation:
+    """One path through one tick: what was chosen so far, and what that says of the quantities."""
+
+    def __init__(self, oracle: Oracle, plan: Sequence[Choice], age: float) -> None:
+        self.oracle = oracle
+        self.plan = plan
+        self.choices: list[Choice] = []
+        self.known = oracle.nothing
+        self.age = age  # s that the commanding state has lasted at most
+        self.ages: dict[str, float] = {}  # s that each state has lasted at most
+        self.answers: list[tuple[Leaf, Answer]] = []
+        self.fresh = False  # the commanding state was entered in this tick
+
+    def pick(self, count: int) -> int:
+        """Return the number of an option: as planned, beyond that the first."""
+        at = len(self.choices)
+        taken = self.plan[at].taken if at < len(self.plan) else 0
+        self.choices.append(Choice(taken, count))
+        return taken
+
+    def following(self) -> list[Choice] | None:
+        """Return the plan of the next path, None if this was the last."""
+        plan = self.choices
+        while plan and plan[-1].taken + 1 == plan[-1].options:
+            plan.pop()
+        if not plan:
+            return None
+        plan[-1] = Choice(plan[-1].taken + 1, plan[-1].options)
+        return plan
+
+    def enter(self) -> None:
+        """Forget what is known only of the state that commanded before."""
+        self.fresh = True
+        self.answers = []
+        self.known = self.known.after("entry", lambda: _kept(self.known.boxes) or EVERYWHERE)
+
+    def take(self, leaf: Leaf) -> Verdict:
+        """Choose what a leaf answers, among what the situation leaves open."""
+        for asked, answer in self.answers:
+            if asked is leaf:
+                return VERDICTS[answer]
+        possible = [(each, known) for each in leaf.options if (known := self._after(leaf, each))]
+        at = self.pick(len(possible)) if len(possible) > 1 else 0
+        option, known = possible[at] if possible else (leaf.options[0], self.known)
+        self.known = known
+        self.answers.append((leaf, option))
+        return VERDICTS[option]
+
+    def _after(self, leaf: Leaf, option: Answer) -> Knowledge | None:
+        age = 0.0 if self.fresh else self.age
+        if option is Answer.HOLDS and age < leaf.soonest:
+            return None
+        truth = leaf.at_entry if self.fresh else leaf.truth
+        step = f"{option} {leaf.name}"
+        known = self.known.after(step, lambda: self._noted(_left(self.known.boxes, truth, option)))
+        return known if known.boxes else None
+
+    def _noted(self, boxes: Boxes) -> Boxes:
+        self.oracle.work += sum(map(len, boxes))
+        return boxes
+
+
+class Knowledge:
+    """What some choices say of the quantities; what follows from one more is worked out once."""
+
+    __slots__ = ("_after", "boxes")
+
+    def __init__(self, boxes: Boxes) -> None:
+        self.boxes = boxes
+        self._after: dict[str, Knowledge] = {}
+
+    def after(self, choice: str, work: Callable[[], Boxes]) -> Knowledge:
+        """Return what is known after one more choice."""
+        known = self._after.get(choice)
+        if known is None:
+            known = self._after[choice] = Knowledge(work())
+        return known
+
+
+def _left(boxes: Boxes, truth: GuardRegion, option: Answer) -> Boxes:
+    """Return what an answer leaves of the boxes."""
+    if option is Answer.HOLDS:
+        return intersection(boxes, truth.may, sure=False)
+    if option is Answer.FAILS:
+        return intersection(boxes, truth.may_not, sure=False)
+    true = () if option is Answer.NOT_FALSE else truth.surely
+    false = () if option is Answer.NOT_TRUE else truth.surely_not
+    left = remains(boxes, (*true, *false))
+    return boxes if left is None else left
+
+
+def _kept(boxes: Boxes) -> Boxes:
+    """Return what is known of the world outside, which entering a state does not change."""
+    return tuple(
+        {quantity: span for quantity, span in box.items() if _stays(quantity)} for box in boxes
+    )
+
+
+def _possible_at_entry(boxes: Boxes) -> Boxes:
+    """Return what of the boxes is possible in the tick of entry."""
+    return tuple(
+        {quantity: span for quantity, span in box.items() if span is None or _stays(quantity)}
+        for box in boxes
+        if all(span is None or _enters(quantity, span) for quantity, span in box.items())
+    )
+
+
+def _stays(quantity: Quantity) -> bool:
+    return quantity.at_entry == "kept"
+
+
+def _enters(quantity: Quantity, span: Interval) -> bool:
+    if quantity.at_entry == "zero":
+        return span.low <= 0.0 and not (span.low_open and span.low == 0.0)
+    return _stays(quantity)
+
+
+class Oracle:
+    """Answers the leaf guards of one chart.
+
+    Args:
+        pinned: where the quantities lie whatever is chosen.
+    """
+
+    def __init__(self, pinned: Boxes = EVERYWHERE) -> None:
+        self.nothing = Knowledge(pinned)
+        self.situation = Situation(self, (), 0.0)
+        self.leaves: dict[str, Leaf] = {}
+        self.work = 0  # intervals worked out so far
+
+    def answer(self, leaf: Leaf, question: GuardContext) -> Verdict:
+        """Return what a leaf says in the situation at hand."""
+        situation = self.situation
+        if question.seen.goal is None and not situation.fresh:
+            situation.enter()
+        return situation.take(leaf)
+
+
+class OracleCompiler(GuardCompiler):
+    """Compiles guards as the engine does, but for leaves, which an oracle answers.
+
+    Variables that nothing assigns are leaves too: they stand for a choice before the flight.
+    """
+
+    def __init__(
+        self,
+        named: dict[str, ex.Expression],
+        reader: RegionReader,
+        oracle: Oracle,
+        constants: Iterable[str],
+    ) -> None:
+        super().__init__(named)
+        self._constants = frozenset(constants)
+        self._uses: set[tuple[str, bool]] = set()  # of named guards
+        self._reader = reader
+        self._oracle = oracle
+
+    @override
+    def check(self, expression: ex.Expression) -> None:
+        return None
+
+    @override
+    def ask(self, expression: ex.Expression) -> GuardFunction:
+        match expression:
+            case ex.All(parts=parts):
+                return _until(tuple(map(self.ask, parts)), decisive=False)
+            case ex.Any(parts=parts):
+                return _until(tuple(map(self.ask, parts)), decisive=True)
+            case ex.VariableGuard(name=variable) if variable in self._constants:
+                name = self.name(expression)
+                return self._remembered(name, lambda: self._leaf(name, expression))
+            case _:
+                return super().ask(expression)
+
+    @override
+    def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
+        if isinstance(plugin, Elapsed):
+            return super()._plugin(name, plugin)
+        asked = self._leaf(name, ex.Use(str(plugin.kind), plugin, NO_PLACE))
+        if not isinstance(plugin, Done):
+            return asked
+        return answered(
+            name, lambda question: asked(question) if question.seen.done else FALSE_VERDICT
+        )
+
+    @override
+    def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
+        return self._leaf(name, latch)
+
+    def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
+        truth = self._reader.truth(guard)
+        at_entry = GuardRegion(*map(_possible_at_entry, truth))
+        leaf = Leaf(name, truth, at_entry, lasting(truth.may))
+        self._oracle.leaves[name] = leaf
+        answer = self._oracle.answer
+        return answered(name, lambda question: answer(leaf, question))
+
+    def use(self, guard: ex.Expression, *, if_true: bool) -> None:
+        """Note what a transition or failsafe wants to know of the leaves of its guard."""
+        match guard:
+            case ex.Named(name=name):
+                if (name, if_true) in self._uses:
+                    return
+                self._uses.add((name, if_true))
+                named = self._named[name]
+                if isinstance(named, ex.Use | ex.Hysteresis):
+                    self._used(self.name(guard), if_true=if_true)
+                else:
+                    self.use(named, if_true=if_true)
+            case ex.All(parts=parts) | ex.Any(parts=parts):
+                for part in parts:
+                    self.use(part, if_true=if_true)
+            case ex.Not(part=part):
+                self.use(part, if_true=not if_true)
+            case _:
+                self._used(self.name(guard), if_true=if_true)
+
+    def use_the_rest(self) -> None:
+        """Note that the leaves that nothing in the file uses are asked whether they are true."""
+        for leaf in self._oracle.leaves.values():
+            leaf.options = leaf.options or ASKED_IF_TRUE
+
+    def _used(self, name: str, *, if_true: bool) -> None:
+        if name in self._oracle.leaves:
+            self._oracle.leaves[name].used(if_true=if_true)
+
+
+def _until(parts: tuple[GuardFunction, ...], *, decisive: bool) -> GuardFunction:
+    """Return Kleene's and (False decides) or or (True decides), asking no more than it needs."""
+
+    def ask(question: GuardContext) -> Verdict:
+        settled = Verdict(holds=not decisive)
+        for part in parts:
+            verdict = part(question)
+            if verdict.holds is decisive:
+                return verdict
+            if verdict.holds is None:
+                settled = verdict
+        return settled
+
+    return ask
+
+
+def lasting(boxes: Iterable[Box]) -> float:
+    """Return the least time (s) after entry that what begins at zero then needs."""
+    least = [
+        max((span.low for quantity, span in box.items() if span and _clock(quantity)), default=0.0)
+        for box in boxes
+    ]
+    return max(min(least, default=0.0), 0.0)
+
+
+def _clock(quantity: Quantity) -> bool:
+    return quantity.at_entry == "zero" and quantity.unit == "s"

@@ -1,0 +1,288 @@
+"""Search through everything that a chart can do, the shortest runs first."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, cast
+
+from missionkit.chart.checks.exploration import clocks
+from missionkit.chart.checks.exploration.clocks import ENTERED, Age, Ages
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Oracle, Situation
+from missionkit.chart.checks.interval_boxes import EVERYWHERE
+from missionkit.chart.semantics.chart_memory import ChartMemory, begin
+from missionkit.chart.semantics.configuration import configuration
+from missionkit.chart.semantics.entry_exit_sets import Move
+from missionkit.chart.semantics.step import decide
+from missionkit.messages import ABORT, Estimate, Goal, VehicleStatus
+from missionkit.messages.region import Boxes
+from missionkit.plugin_containment import Containment
+
+MOST_TICKS = 25_000  # ticks tried in one chart
+MOST_AGES = 6  # intervals of the clocks kept apart, for one situation of the chart
+MOST_INTERVALS = 400_000  # of quantities, worked out on the way
+MICROSTEPS = 8  # that take as long as a tick
+NOWHERE = cast("Any", ())
+GOAL = Goal(NOWHERE, None, 0.0)
+SEEN = Estimate(0.0, NOWHERE, NOWHERE, NOWHERE, NOWHERE, NOWHERE)
+IN_AIR = VehicleStatus(0.0, armed=True, in_air=True, ready=True, mode="")
+
+
+class Step(NamedTuple):
+    """How one node of the search leads to another."""
+
+    seconds: float  # that pass before it, at least
+    event: str  # from outside; empty if none
+    taken: tuple[int, ...]  # numbers of the transitions
+    boxes: Boxes  # where the quantities may lie
+
+
+class Node(NamedTuple):
+    """One situation of the chart between two ticks."""
+
+    memory: ChartMemory
+    ages: Ages
+    before: Node | None
+    step: Step | None
+
+
+class Circle(NamedTuple):
+    """A tick that does not come to rest."""
+
+    node: Node
+    step: Step  # how it begins
+    taken: tuple[int, ...]  # the transitions that are taken again and again
+
+
+class Tick(NamedTuple):
+    """One path through one tick."""
+
+    memory: ChartMemory
+    moves: Sequence[Move]
+    step: Step
+    circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
+
+
+class Exploration(NamedTuple):
+    """What a chart can do."""
+
+    nodes: Sequence[Node]
+    taken: Mapping[int, Node]  # transition -> the first node in which it is taken
+    reached: Mapping[str, Node]
+    left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
+    circles: Sequence[Circle]
+    complete: bool  # nothing else can happen
+    ticks: int
+
+
+class LongAgo:
+    """Since when a guard has held: chosen when it is asked for."""
+
+    def __init__(self, oracle: Oracle, source: str, hold: float) -> None:
+        self.oracle = oracle
+        self.source = source
+        self.hold = hold
+        self.since: float | None = None
+
+    def __rsub__(self, now: float) -> float:
+        if self.since is None:
+            situation = self.oracle.situation
+            able = not self.source or situation.ages.get(self.source, math.inf) >= self.hold
+            self.since = LONG_AGO if able and situation.pick(2) else now
+        return now - self.since
+
+
+class Search:
+    """Explores one chart."""
+
+    def __init__(self, chart: ExploredChart, most: int = MOST_TICKS) -> None:
+        self.chart = chart
+        self.most = most
+        self.ticks = 0
+        self.nodes: list[Node] = []
+        self.waiting: deque[Node] = deque()
+        self.known: dict[Any, list[Ages]] = {}
+        self.taken: dict[int, Node] = {}
+        self.reached: dict[str, Node] = {}
+        self.left: dict[str, dict[int, float]] = {}
+        self.circles: list[Circle] = []
+        self.complete = True
+
+    def run(self) -> Exploration:
+        """Return everything that can happen, or what was found up to the bound."""
+        first = begin(self.chart.chart, 0.0)
+        self._add(Node(first, self._ages(first.active), None, None))
+        while self.waiting:
+            if self._exhausted():
+                self.complete = False
+                break
+            self._follow(self.waiting.popleft())
+        return Exploration(
+            *(self.nodes, self.taken, self.reached, self.left),
+            *(self.circles, self.complete, self.ticks),
+        )
+
+    def _exhausted(self) -> bool:
+        return self.ticks >= self.most or self.chart.oracle.work >= MOST_INTERVALS
+
+    def _ages(self, active: Sequence[str]) -> dict[str, Age]:
+        return {name: ENTERED for name in active if self.chart.limits[name]}
+
+    def _add(self, node: Node) -> None:
+        """Keep a node unless the same is known for all its ages already."""
+        memory, limits = node.memory, self.chart.limits
+        cell = tuple([clocks.following(age.low, limits[name]) for name, age in node.ages.items()])
+        key = (
+            *(memory.active, memory.started, memory.ended, cell),
+            tuple(memory.history.items()),
+            self.chart.capped(memory.variables),
+            tuple([each.event for each in memory.delayed]),
+        )
+        known = self.known.setdefault(key, [])
+        if any(clocks.inside(node.ages, each) for each in known):
+            return
+        if len(known) >= MOST_AGES:
+            node = node._replace(ages=clocks.widened(node.ages, limits))
+        known.append(node.ages)
+        self.nodes.append(node)
+        self.waiting.append(node)
+        for name in memory.active:
+            self.reached.setdefault(name, node)
+
+    def _follow(self, node: Node) -> None:
+        """Add every node that one tick or time leads to."""
+        limits = self.chart.limits
+        ages = clocks.resting(node.ages, limits) if node.memory.started else dict(node.ages)
+        rests = False
+        if node.memory.started and (node.step is None or node.step.taken):
+            situation = Situation(self.chart.oracle, (), 0.0)
+            self._note(node, ages, self._tick(node, situation, ABORT))
+        for event in ("", *self._events(node.memory)):
+            for tick in self._paths(node, ages, event):
+                rests = self._note(node, ages, tick) or rests
+        if not rests:
+            return
+        for seconds, later in clocks.passed(node.ages, limits):
+            self._add(Node(node.memory, later, node, Step(seconds, "", (), EVERYWHERE)))
+
+    def _note(self, node: Node, ages: Ages, tick: Tick) -> bool:
+        """Add what a path leads to; say whether nothing happens on it."""
+        for number in tick.step.taken:
+            self.taken.setdefault(number, node)
+        if tick.circle:
+            self.circles.append(Circle(node, tick.step, tick.circle))
+            for active, _ in self.chart.moves.noted:
+                self.reached.update(dict.fromkeys(active, node) | self.reached)
+        if not tick.moves:
+            return not tick.step.event
+        kept = set(node.memory.active)
+        for move in tick.moves:
+            kept &= set(move.kept)
+            for name in move.active:
+                self.reached.setdefault(name, node)
+        self._note_left(node, tick, kept)
+        later = {
+            name: ages[name] if name in kept else ENTERED
+            for name in tick.memory.active
+            if self.chart.limits[name]
+        }
+        for part in clocks.split(later, self.chart.limits):
+            self._add(Node(tick.memory, part, node, tick.step))
+        return False
+
+    def _note_left(self, node: Node, tick: Tick, kept: set[str]) -> None:
+        """Note what ended each state that is not active any more, and how old it was."""
+        for name, age in node.ages.items():
+            if name not in kept:
+                left = self.left.setdefault(name, {})
+                for number in tick.step.taken[:1]:
+                    left[number] = max(age.low, left.get(number, 0.0))
+
+    def _events(self, memory: ChartMemory) -> Iterator[str]:
+        here = configuration(self.chart.chart, memory.active)
+        if memory.started:
+            yield from self.chart.from_outside(way[0] for ways in here.heard for way in ways)
+
+    def _paths(self, node: Node, ages: Ages, event: str) -> Iterator[Tick]:
+        plan: Sequence[Choice] | None = ()
+        while plan is not None and not self._exhausted():
+            situation = Situation(self.chart.oracle, plan, self._age(node.memory, ages))
+            situation.ages = {name: age.high for name, age in ages.items()}
+            yield self._tick(node, situation, event)
+            plan = situation.following()
+
+    def _age(self, memory: ChartMemory, ages: Ages) -> float:
+        return ages[memory.state].high if memory.state in ages else math.inf
+
+    def _tick(self, node: Node, situation: Situation, event: str) -> Tick:
+        """Take one path through a tick by the engine's own selection."""
+        self.ticks += 1
+        chart, oracle = self.chart.chart, self.chart.oracle
+        oracle.situation = situation
+        here = configuration(chart, node.memory.active)
+        memory = self._prepared(node, situation)
+        in_air = not here.flying and memory.started and situation.pick(2) == 1
+        seen = SEEN._replace(
+            state=memory.state,
+            entered_at=memory.entered[memory.state],
+            done=self.chart.may_be_done(memory.state) and memory.started,
+            goal=GOAL,
+            events=(event,) if event else (),
+            status=IN_AIR if in_air else None,
+        )
+        self.chart.moves.noted.clear()
+        contain = Containment()
+        after, decision = decide(chart, memory, seen, contain, frugal=True)
+        self.ticks += len(self.chart.moves.noted) // MICROSTEPS
+        numbers = [_numbers(key) for key in self.chart.moves.noted]
+        taken = tuple([number for each in numbers for number in each if number > 0])
+        circle = _period(numbers) if contain.failures else ()
+        step = Step(0.0, event, taken, situation.known.boxes)
+        return Tick(after, decision.moves, step, circle)
+
+    def _prepared(self, node: Node, situation: Situation) -> ChartMemory:
+        """Return the memory of a node, as of now, with what is left open chosen when asked for."""
+        memory = node.memory
+        here = configuration(self.chart.chart, memory.active)
+        entered = {
+            name: -node.ages[name].low if name in node.ages else LONG_AGO for name in memory.active
+        }
+        timed = (*here.timed, *(each for each in self.chart.chart.failsafes if each.hold))
+        held = {each.number: LongAgo(self.chart.oracle, each.source, each.hold) for each in timed}
+        violated = {state.name: LONG_AGO for state in here.promising}
+        prepared = memory._replace(
+            entered=entered, held=cast("Any", held), violated=violated, windows=()
+        )
+        if not memory.delayed:
+            return prepared
+        due = situation.pick(len(memory.delayed) + 1)
+        delayed = [
+            each._replace(due=LONG_AGO if at < due else -LONG_AGO)
+            for at, each in enumerate(memory.delayed)
+        ]
+        return prepared._replace(delayed=tuple(delayed))
+
+
+def _numbers(key: Any) -> tuple[int, ...]:
+    """Return the transitions of a microstep, by its key in the memo of moves."""
+    chosen = key[1]
+    return (chosen,) if isinstance(chosen, int) else tuple([each[0] for each in chosen])
+
+
+def _period(steps: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
+    """Return what is taken between the last microstep and the same one before it."""
+    last = steps[-1]
+    back = next((n for n in range(2, len(steps) + 1) if steps[-n] == last), len(steps))
+    return tuple([number for step in steps[-back:-1] or steps[-1:] for number in step])
+
+
+def explore(chart: ExploredChart, most: int = MOST_TICKS) -> Exploration:
+    """Return everything that a chart can do.
+
+    Args:
+        chart: to explore.
+        most: ticks to try.
+    """
+    return Search(chart, most).run()

@@ -1,0 +1,89 @@
+"""Transitions that the exploration of the chart never takes, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.search import Exploration
+from missionkit.chart.checks.guarded_transitions import GuardedTransition
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.errors import Level, Place, Problem
+
+VALUES_SHOWN = 4  # values of a variable in a message
+
+
+def problems_of(
+    chart: ExploredChart, explored: Exploration, told: Collection[Place]
+) -> Iterator[Problem]:
+    """Yield every transition of a state that can be reached, but that never fires.
+
+    Args:
+        chart: that was explored.
+        explored: what it can do.
+        told: places of transitions that are known to be wrong already.
+    """
+    if not explored.complete:
+        return
+    restless = {chart.ways[number].source for each in explored.circles for number in each.taken}
+    for number, way in chart.ways.items():
+        if number in explored.taken or not way.written or way.source not in explored.reached:
+            continue
+        if way.source in restless or {
+            way.place,
+            way.model.place("when"),
+            way.model.place("after"),
+        } & set(told):
+            continue
+        yield Problem(
+            way.place,
+            f"state {way.source!r}: {way.label} can never fire: {_why(chart, explored, way)}",
+            Level.ERROR,
+            "never-fires",
+            "change what leads out before it, or remove it",
+        )
+
+
+def _why(chart: ExploredChart, explored: Exploration, way: GuardedTransition) -> str:
+    here = [node for node in explored.nodes if way.source in node.memory.active]
+    waits = max(way.dwell, way.model.after or 0.0)
+    ages = [node.ages[way.source].low for node in here if way.source in node.ages]
+    if ages and max(ages) < waits:
+        return _left_before(chart, explored, way, waits)
+    for name in _variables(chart, way):
+        values = sorted({node.memory.variables[name] for node in here}, key=str)
+        if values and len(values) <= VALUES_SHOWN:
+            listed = " or ".join(map(str, values))
+            return f"{name} is only ever {listed} in {way.source!r}"
+        if values:
+            return f"{name} never has such a value in {way.source!r}"
+    if way.model.event is not None:
+        return "when that event can come, something before it is taken"
+    return "whenever it is ready, something before it is taken"
+
+
+def _left_before(
+    chart: ExploredChart, explored: Exploration, way: GuardedTransition, waits: float
+) -> str:
+    ends = explored.left.get(way.source, {})
+    own = {number: age for number, age in ends.items() if number in chart.ways}
+    if not own:
+        return f"{way.source!r} never lasts {waits:g} s"
+    number = max(own, key=lambda each: own[each])
+    by = chart.ways[number]
+    if by.source != way.source:
+        return f"it needs {waits:g} s, but {by.label} ends {by.source!r} around it before"
+    return f"it needs {waits:g} s, but {by.label} ends {way.source!r} after {own[number]:g} s"
+
+
+def _variables(chart: ExploredChart, way: GuardedTransition) -> Iterator[str]:
+    """Yield the variables that the guard of a transition compares."""
+    waiting = [] if way.model.when is None else [way.model.when]
+    named: set[str] = set()
+    while waiting:
+        for part in ex.parts_of(waiting.pop()):
+            if isinstance(part, ex.Named) and part.name not in named:
+                named.add(part.name)
+                waiting.append(chart.analysed.mission.guards[part.name])
+            elif isinstance(part, ex.VariableGuard):
+                yield part.name
