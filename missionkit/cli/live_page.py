@@ -11,7 +11,7 @@ from rich.text import Text
 
 from missionkit.errors import printable
 from missionkit.geometry import norm
-from missionkit.messages import Cycle, Estimate, Fired, Record, Verdict
+from missionkit.messages import TRACKED, Cycle, Estimate, Fired, Record, Verdict
 from missionkit.recorder.problem_log import Noted
 
 TICK_BUDGET = 0.050  # s, P1 section 9.1
@@ -137,7 +137,7 @@ def _motion(seen: Estimate, *, over_ground: bool) -> Text:
 
 def _targets(seen: Estimate) -> Text:
     text = _line()
-    for target in seen.targets.values():
+    for target in (it for name, it in seen.targets.items() if name != TRACKED):
         ago = "not seen yet" if target.seen_at is None else f"{seen.now - target.seen_at:.1f} s ago"
         gap = norm(target.position - seen.position)
         text.append(f"{target.name} ", style="dim")

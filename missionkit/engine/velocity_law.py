@@ -17,7 +17,15 @@ from missionkit.engine.ground_floor import above_floor
 from missionkit.engine.obstacle_brake import braked
 from missionkit.engine.step_validation import push_fault
 from missionkit.geometry import Vec3
-from missionkit.messages import Command, Estimate, Guidance, Mode, Setpoint, Step
+from missionkit.messages import (
+    Command,
+    Estimate,
+    Guidance,
+    Mode,
+    Setpoint,
+    Step,
+    names_a_track,
+)
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import PotentialField
 from missionkit.plugin_containment import Containment, is_foreign
@@ -127,7 +135,10 @@ class VelocityLaw(NamedTuple):
 
 
 def _vouched(seen: Estimate) -> Vec3 | None:
-    """Return the vehicle's velocity (3,), m/s, NED, while a target in view vouches for it."""
-    looks = (target.seen_at for target in seen.targets.values())
+    """Return the vehicle's velocity (3,), m/s, NED, while a target in view vouches for it.
+
+    A target that is tracked does not: it moves, and corrects nothing.
+    """
+    looks = (it.seen_at for name, it in seen.targets.items() if not names_a_track(name))
     fresh = any(at is not None and seen.now - at <= IN_VIEW for at in looks)
     return seen.velocity if fresh and not seen.health.diverged else None

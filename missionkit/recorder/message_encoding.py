@@ -12,6 +12,7 @@ import numpy as np
 
 from missionkit.geometry import IDENTITY, Quat, Transform, Vec3, from_euler, from_matrix, norm, vec
 from missionkit.messages import (
+    TRACKED,
     AnySetpoint,
     AttitudeSetpoint,
     CameraModel,
@@ -133,7 +134,8 @@ def transition(at: str, fired: Fired) -> str:
 
 def estimate(at: str, seen: Estimate) -> str:
     """Return velocity, height, heading and the estimates of the targets."""
-    targets = ",".join([_target(it) for it in seen.targets.values()])
+    own = (it for name, it in seen.targets.items() if name != TRACKED)
+    targets = ",".join(map(_target, own))
     range_ = "" if seen.range is None else f',"range":{float(seen.range.distance)}'
     return (
         f'{{"timestamp":{at},"velocity":{json_fragments.vector(seen.velocity)},'

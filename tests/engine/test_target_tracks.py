@@ -6,14 +6,18 @@ import math
 
 import numpy as np
 import pytest
+from samples import calm
 
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
+from missionkit.control.controller import Control
 from missionkit.engine import target_tracks
+from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.engine.resume.checkpoint_policy import keepable
 from missionkit.engine.sense import sense
 from missionkit.engine.target_tracks import TrackingMemory, chosen, fault_of, with_chosen
+from missionkit.engine.velocity_law import VelocityLaw
 from missionkit.estimation.navigator import NavState
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
 from missionkit.geometry import IDENTITY, Transform, vec
@@ -24,12 +28,14 @@ from missionkit.messages import (
     GroundFrame,
     Health,
     Look,
+    Mode,
     Observation,
+    Step,
     Target,
 )
 from missionkit.plugin import BoxDetector
 from missionkit.plugin_containment import Containment
-from missionkit.recorder import value_codec
+from missionkit.recorder import message_encoding, value_codec
 
 HERE = np.zeros(3)
 DT = 0.05
@@ -234,3 +240,21 @@ def test_a_tracker_whose_memory_cannot_be_saved_restarts_on_resume():
     kept, lost = keepable(plan.chart, memory, value_codec.is_plain)
     assert kept.senses.tracking is None
     assert lost == ("the memory of the tracker cannot be saved: it will restart on resume",)
+
+
+def test_a_tracked_target_in_view_does_not_vouch_for_the_velocity():
+    """It moves, so it corrects nothing that the autopilot could learn from."""
+    pole = Target("pole", np.zeros(3), 0.1, None, None, 10.0)
+    seen = with_chosen(named(robot(2, 1.0, seen_at=10.0)), TrackingMemory(None, "robot_2"))
+    for targets, vouched in ((seen, False), ({**seen, "pole": pole}, True)):
+        law = VelocityLaw(Control())
+        acting = BehaviorState(law.begin())
+        answer = law.command(acting, Mode.GPS, Step(), calm(targets=targets), Containment())
+        assert (answer.command.own_velocity is not None) is vouched
+
+
+def test_the_record_names_each_tracked_target_once():
+    seen = with_chosen(NEAR_AND_FAR, TrackingMemory(None, "robot_2"))
+    text = message_encoding.estimate("0", calm(targets=seen))
+    assert text.count('"name":"robot_2"') == 1
+    assert text.count('"name":') == 3
