@@ -33,8 +33,8 @@ def draw(path: Path, results: Mapping[str, Mapping[str, Answers]], seed: int) ->
     """
     it = results["other floors"]["haar"]
     subtitle = (
-        f"320 x 240 px, 1.5 to 3 m; on floors never seen Haar finds {100 * it.recall(LEAST):.1f} % "
-        f"of {it.robots} robots with {it.false(LEAST):.3f} false a picture"
+        f"320 x 240 px, 1.5 to 3 m; floors never seen: {100 * it.recall(LEAST):.1f} % of "
+        f"{it.robots} robots by Haar, {it.false(LEAST):.3f} false; green found, red missed"
     )
     with page(path, 1200, 1000, "Ground robots found from above", subtitle) as figure:
         grid = figure.add_gridspec(
@@ -93,7 +93,7 @@ def _groups(axes: Axes, results: Mapping[str, Mapping[str, Answers]]) -> None:
 def _example(axes: Axes, name: str, view: RobotView) -> None:
     """Draw a picture: green what is found, red what is missed."""
     axes.imshow(view.image, cmap="gray", vmin=0, vmax=float(np.percentile(view.image, 99.5)))
-    axes.set_title(f"{name}: green found, red missed", fontsize=10)
+    axes.set_title(name, fontsize=10)
     boxes = Haar().boxes(Frame(0.0, view.image), view.camera, Prior(view.body, None))
     for box in boxes:
         corner = box.centre - 0.5 * np.array(box.size)
