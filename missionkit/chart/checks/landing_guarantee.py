@@ -20,12 +20,17 @@ from missionkit.chart.checks.plugin_requirements import SEEING
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.chart.semantics.chart_compiler import PLUGIN_FAILURE_TOLERANCE
+from missionkit.chart.semantics.chart_compiler import (
+    PLUGIN_FAILURE_TOLERANCE,
+    STUCK_FOR_GOOD,
+)
+from missionkit.chart.semantics.configuration import SAFETY
 from missionkit.errors import Level, Problem
 from missionkit.guards.converged import ON_TARGET
 from missionkit.guards.state_progress import TIME_IN_STATE
 from missionkit.messages.region import ONLY_TRUE, Box, Boxes, Quantity
 
+BY_POSITION = ("go_to", "ddp_go_to", "follow_path")  # behaviours that need to know where it is
 STATES_SHOWN = 5  # states in a message
 
 
@@ -75,6 +80,75 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             f"unsafe-{danger.name}",
             danger.remedy,
         )
+
+
+def returns(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield an error for each danger that leads to a state of kind return that never lands.
+
+    On the way home the danger stays: a return that leads back to the mission comes home again, and
+    one that flies by the position is of no use when that is lost.
+    """
+    for danger in losses(chart):
+        home = {
+            escape.state: escape for escape in _played(chart, danger) if escape.seconds is not None
+        }
+        options = _options(chart, danger, list(home))
+        for name in chart.tree.states:
+            if chart.tree.safe(name) == SAFETY["return"]:
+                options[name] = _from_return(chart, danger, name)
+        landed = _bounds(options, [name for name in chart.tree.states if _lands(chart, name)])
+        lost = [name for name in home if name not in landed and chart.tree.place(name).file]
+        if lost:
+            yield _never_lands(chart, danger, lost, home[lost[0]], options)
+
+
+def _never_lands(
+    chart: AnalysedChart,
+    danger: Loss,
+    lost: Sequence[str],
+    escape: Escape,
+    options: Mapping[str, Sequence[Option]],
+) -> Problem:
+    named = ", ".join(repr(name) for name in lost[:STATES_SHOWN])
+    ahead = [out.to for option in options[escape.state] for out in option]
+    to = next((name for name in ahead if chart.tree.safe(name) == SAFETY["return"]), ahead[0])
+    by_position = danger.name == "position" and _by_position(chart, to)
+    why = "which flies by the position" if by_position else "which does not come to land"
+    remedy = "to: the state of kind land" if by_position else f"lead from {to!r} to land when done"
+    mission = chart.mission
+    return Problem(
+        mission.place("failsafes" if mission.failsafes else "states"),
+        f"{danger.says}: in {named} {escape.first or 'what acts'} leads to {to!r}, {why}",
+        Level.ERROR,
+        f"unsafe-{danger.name}",
+        remedy,
+    )
+
+
+def _from_return(chart: AnalysedChart, danger: Loss, name: str) -> list[Option]:
+    """Return the ways on from a state of kind return; its behaviour is taken to finish."""
+    if danger.name == "position" and _by_position(chart, name):
+        return []
+    failsafes = (out for out in _failsafes(chart, danger) if _lands(chart, out.to))
+    inner = (way for each in _inside(chart, name) for way in chart.ways[each])
+    ways = [way for way in (*inner, *chart.out_of(name)) if way.written and way.may]
+    outs = [tuple(Out(to, 0.0, way.label) for to in way.model.targets) for way in ways]
+    found = [_to_leaves(chart, each) for each in outs if each]
+    return [*((out,) for out in failsafes), *found]
+
+
+def _inside(chart: AnalysedChart, name: str) -> Iterator[str]:
+    yield from (each for each in chart.tree.states if name in chart.tree.around(each))
+
+
+def _by_position(chart: AnalysedChart, name: str) -> bool:
+    behavior = chart.tree.states[name].state.behavior
+    return behavior is not None and behavior.kind in BY_POSITION
+
+
+def _lands(chart: AnalysedChart, name: str) -> bool:
+    around = (name, *chart.tree.around(name))
+    return any(chart.tree.safe(each) == SAFETY["land"] for each in around)
 
 
 def _because(chart: AnalysedChart, danger: Loss, escape: Escape) -> str:
@@ -193,6 +267,9 @@ def _failsafes(chart: AnalysedChart, danger: Loss) -> Iterator[Out]:
         to = chart.tree.of_kind("return") or chart.tree.of_kind("land")
         if to is not None:
             yield Out(to, PLUGIN_FAILURE_TOLERANCE, "failsafe 'plug-in failed'")
+        land = chart.tree.of_kind("land")
+        if land is not None:
+            yield Out(land, STUCK_FOR_GOOD, "failsafe 'plug-in failed'")
 
 
 def _sure(chart: AnalysedChart, name: str, danger: Box) -> dict[str, list[Out]]:
