@@ -23,6 +23,7 @@ def problems_of(
         explored: what it can do.
         told: places of transitions that are known to be wrong already.
     """
+    yield from _after_the_end(chart, told)
     if not explored.complete:
         return
     restless = {chart.ways[number].source for each in explored.circles for number in each.taken}
@@ -42,6 +43,22 @@ def problems_of(
             "never-fires",
             "change what leads out before it, or remove it",
         )
+
+
+def _after_the_end(chart: ExploredChart, told: Collection[Place]) -> Iterator[Problem]:
+    """Yield every timer that is longer than the whole mission may last."""
+    limit = chart.analysed.mission.settings.time_limit
+    for way in chart.ways.values():
+        after = way.model.after or 0.0
+        if way.written and after >= limit and way.place not in told:
+            yield Problem(
+                way.model.place("after"),
+                f"state {way.source!r}: {way.label} can never fire: the mission lands at its time "
+                f"limit of {limit:g} s",
+                Level.ERROR,
+                "never-fires",
+                f"make it less than {limit:g} s, or raise 'settings: {{time_limit}}'",
+            )
 
 
 def _why(chart: ExploredChart, explored: Exploration, way: GuardedTransition) -> str:
