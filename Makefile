@@ -54,6 +54,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.tracking
 	$(BIN)/python -m studies.shadow
 	$(BIN)/python -m studies.detection
+	$(BIN)/python -m studies.herding
 	$(BIN)/python -m studies.envelope
 	$(BIN)/python -m studies.over_the_wire
 	$(BIN)/python -m studies.faults

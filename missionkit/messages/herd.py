@@ -20,6 +20,15 @@ class Arena(NamedTuple):
     goal: float = 0.0  # rad, clockwise from north: direction of the goal line from the centre
 
 
+class HerdState(NamedTuple):
+    """What a robot may be doing."""
+
+    position: tuple[float, float]  # m, north and east
+    heading: float  # rad, clockwise from north
+    spin_left: float  # s
+    reversal_in: float  # s
+
+
 class HerdRobot(NamedTuple):
     """What is known of one ground robot."""
 
@@ -31,6 +40,8 @@ class HerdRobot(NamedTuple):
     position_sd: float = 0.0  # m, one axis
     heading_sd: float = 0.0  # rad
     in_view: bool = True
+    states: tuple[HerdState, ...] = ()  # equally likely; none: what the above says
+    found: float = 1.0  # chance that it is near its position at all
 
 
 class HerdObstacle(NamedTuple):

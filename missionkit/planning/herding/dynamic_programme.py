@@ -20,8 +20,10 @@ from missionkit.units import Fraction, Metres, MetresPerSecond, MetresPerSecond2
 if TYPE_CHECKING:
     from missionkit.planning.herding.gain import Outlook, Timing
 
+Turn = tuple[float, float, int]  # value, delay (s), touches
 TOUCHES = 3  # most, one after the other
 DELAYS = np.arange(0.0, 11.0, 1.0)  # s
+FEW_DELAYS = DELAYS[::2]  # for a robot of which not much is known
 CERTAIN = 0.3  # m, a robot better known than this is taken for where it is
 ANY_CLOCK = (7.5, 2.5, 12.5, 17.5)  # s, until a reversal of which nothing is known
 KNOWN_POINTS = (
@@ -68,25 +70,23 @@ class DynamicProgramme(Plugin):
 
     def choose(self, view: HerdView) -> HerdChoice:
         """Return the robot that is next."""
-        from missionkit.planning.herding.gain import best_turn  # noqa: PLC0415 - compiles kernels
+        from missionkit.planning.herding.gain import best_on_arrival, best_turn  # noqa: PLC0415
 
         if view.time_left <= 0.0:
             return HerdChoice(None, "wait")
         timing, known = self._timing(), self._outlook(view.arena)
         vehicle = np.array(to_arena(view.arena, view.position[:2]))
-        turns: dict[str, tuple[float, float, int]] = {}
-        for robot in view.robots:
-            states, weights = _states(view.arena, robot)
-            turns[robot.name] = best_turn(
-                states,
-                self._found(robot) * weights,
-                vehicle,
-                DELAYS,
-                view.time_left,
-                TOUCHES if self.turns == "front_and_top" else 0,
-                timing,
-                known,
-            )
+        touches = TOUCHES if self.turns == "front_and_top" else 0
+
+        rest = view.time_left, touches, timing, known
+        turns: dict[str, Turn] = {}
+        for it in view.robots:
+            states, weights = _states(view.arena, it)
+            if it.in_view or not it.states:
+                weights *= self._found(it)
+                turns[it.name] = best_turn(states, weights, vehicle, DELAYS, *rest)
+            else:
+                turns[it.name] = best_on_arrival(states, it.found, vehicle, FEW_DELAYS, *rest)
         return self._chosen(view, turns)
 
     def prepare(self, arena: Arena) -> None:
@@ -115,7 +115,7 @@ class DynamicProgramme(Plugin):
         prices = (self.bump_price, self.touch_price if self.turns == "front_and_top" else math.inf)
         return Outlook(value_table(self.length, half, prices, robot), half, robot)
 
-    def _chosen(self, view: HerdView, turns: Mapping[str, tuple[float, float, int]]) -> HerdChoice:
+    def _chosen(self, view: HerdView, turns: Mapping[str, Turn]) -> HerdChoice:
         values = {name: turn[0] for name, turn in turns.items() if math.isfinite(turn[0])}
         best = max(values, key=values.__getitem__, default="")
         if values.get(best, 0.0) <= 0.0:
@@ -137,6 +137,12 @@ def _states(arena: Arena, robot: HerdRobot) -> tuple[Mat, Mat]:
 
     The points of an unscented transform, over the heading alone of a robot whose place is known.
     """
+    if robot.states:
+        rows = [
+            (*to_arena(arena, it.position), it.heading - arena.goal, it.spin_left, it.reversal_in)
+            for it in robot.states
+        ]
+        return np.array(rows), np.full(len(rows), 1.0 / len(rows))
     x, y = to_arena(arena, robot.position)
     heading, variance = robot.heading - arena.goal, robot.heading_sd**2 + RANDOM_TURN
     known = robot.position_sd <= CERTAIN

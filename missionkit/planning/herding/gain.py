@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from missionkit.geometry import Mat
 from missionkit.ground_robot import GroundRobot
 from missionkit.jit import compiled
@@ -197,6 +199,43 @@ def best_turn(
             if found > best:
                 best, best_delay, best_way = found, delay, way
     return best, best_delay, best_way
+
+
+@compiled
+def best_on_arrival(
+    samples: Mat,
+    share: float,
+    vehicle: Mat,
+    delays: Mat,
+    time_left: float,
+    touches: int,
+    timing: Timing,
+    known: Outlook,
+) -> tuple[float, float, int]:
+    """Return the value of a flight to a robot whose state is known on arrival, as `best_turn` does.
+
+    Args:
+        samples: (n, SIZE), states that it may be in, equally likely.
+        share: chance that it is near there at all; else the flight was in vain.
+        vehicle: (2,), m, arena axes.
+        delays: (d,), s, of the begin of the descent after the earliest.
+        time_left: s, of the mission.
+        touches: most touches on top.
+        timing: of the vehicle.
+        known: the table, the arena and the robots.
+    """
+    away = math.hypot(samples[0, X] - vehicle[0], samples[0, Y] - vehicle[1])
+    vain = -timing.price * travel_time(away, timing.speed, timing.acceleration)
+    one = np.ones(1)
+    total, best, delay, way = 0.0, -math.inf, 0.0, 0
+    for i in range(len(samples)):
+        found = best_turn(
+            samples[i : i + 1], one, vehicle, delays, time_left, touches, timing, known
+        )
+        total += max(found[0], vain) / len(samples)
+        if found[0] > best:
+            best, delay, way = found
+    return share * total + (1.0 - share) * vain, delay, way
 
 
 @compiled

@@ -1,0 +1,86 @@
+"""The kinematic study of herding: its model of landings and touches, and a small page."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from missionkit.ground_robot import GroundRobot
+from missionkit.planning.herding import robot_forecast as fc
+from missionkit.sim import ground_robots as gr
+from studies import herding, herding_run
+from studies import herding_kernels as hk
+from studies.herding_run import start
+
+ROBOT = GroundRobot()
+
+
+def scene_of(east, action, *, lead=0.5, obstacle=None):
+    """Return a run in which robot 0 drives north, the vehicle 1 m ahead and `east` of it."""
+    scene = start(0)
+    scene.truth[:, :2] = 100.0 + 5.0 * np.arange(len(scene.truth))[:, None]
+    scene.fate[1:10] = fc.LOST
+    scene.truth[0] = gr.placed(np.zeros((1, 2)), np.zeros(1), np.full(1, 19.0), ROBOT, obstacles=0)
+    scene.vehicle[:2] = 1.0, east
+    if obstacle is not None:
+        scene.truth[-1, :2], scene.truth[-1, gr.HEADING] = obstacle, math.pi / 2.0
+    facts = hk.Facts(lead=lead)
+    order = hk.Order(action, 0)
+    rng = np.random.default_rng(0)
+    now = 0.0
+    while now < 12.0 and not scene.counts.any():
+        now = hk.fly(scene, order, facts, ROBOT, (now, now + 0.05), rng)
+    return scene, now
+
+
+def test_a_landing_in_front_is_a_bump_and_turns_it_round():
+    scene, now = scene_of(0.5, hk.FRONT)
+    assert scene.counts.tolist() == [1.0, 0.0, 0.0, 0.0, 0.0]
+    assert scene.caused[0] == ROBOT.spin_time
+    assert 1.5 < now < 5.0
+
+
+def test_a_landing_that_leads_too_little_is_a_touch_on_top():
+    scene, _ = scene_of(0.5, hk.FRONT, lead=0.3)
+    assert scene.counts[[hk.BUMPS, hk.MISTAKES]].tolist() == [0.0, 1.0]
+    assert scene.caused[0] == 0.25 * ROBOT.spin_time
+
+
+def test_a_touch():
+    scene, _ = scene_of(0.5, hk.TOP)
+    assert scene.counts[hk.TOUCHES] == 1.0
+
+
+def test_it_keeps_out_of_an_obstacle_robots_way():
+    """The tower drives across the place of the landing."""
+    scene, now = scene_of(0.5, hk.FRONT, obstacle=(1.5, -2.0))
+    assert scene.counts[hk.HITS] == 0.0
+    assert now > 6.0
+    scene, now = scene_of(0.5, hk.FRONT, obstacle=(1.0, 0.55))
+    assert scene.counts[hk.HITS] == 1.0  # it began inside
+
+
+def test_the_page_of_a_few_short_runs(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(herding_run, "LENGTH", 40.0)
+    herding.main(
+        ["--seeds", "2", "--near", "1", "--few", "1", "--workers", "1", "--out", str(tmp_path)]
+    )
+    text = (tmp_path / "herding.md").read_text()
+    assert "$" not in text
+    assert text.count("\n| ") == 2 + len(herding.HEADLINE) + len(herding.SENSITIVITY)
+    assert {it.name for it in tmp_path.iterdir()} == {
+        "herding.md",
+        "herding.png",
+        "herding_run.png",
+    }
+    assert herding.FRONT.name in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("row", [herding.FRONT, herding.NEAR_BOTH])
+def test_a_run_is_the_same_twice(row):
+    one, two = (herding.run(3, row.policy, row.facts) for _ in range(2))
+    assert one == two
+    assert one.home + one.removed + one.remained == 10
+    assert one.home >= 5
