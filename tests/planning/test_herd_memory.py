@@ -1,0 +1,95 @@
+"""What is remembered of robots out of view: places, clocks and who is who."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from missionkit.ground_robot import GroundRobot
+from missionkit.messages.herd import Arena
+from missionkit.planning.herding.herd_memory import Seen, at_start
+from missionkit.sim import ground_robots as gr
+
+ROBOT = GroundRobot()
+ARENA = Arena()
+NAMES = {0: "a", 1: "b"}
+FAR = (9.0, 9.0)
+
+
+def herd(clocks):
+    """Return two robots of the simulator, back to back in the middle, and the memory of them."""
+    places, headings = np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([0.0, math.pi])
+    truth = gr.placed(places, headings, np.array(clocks), ROBOT, obstacles=0)
+    return truth, at_start(2, ARENA)
+
+
+def passed(truth, memory, seconds, watched=()):
+    """Let time pass in steps of 0.5 s, some robots in view all the time, the others out of it."""
+    offsets = gr.random_offsets(np.random.default_rng(1), len(truth), 600.0, ROBOT)
+    spun = np.zeros(len(truth))
+    for _ in range(round(seconds / 0.5)):
+        gr.advance(truth, offsets, ROBOT, 0.5)
+        memory.advance(0.5)
+        spun = np.where(truth[:, gr.SPIN_LEFT] > 0.0, spun + 0.5, 0.0)
+        seen = [Seen(f"track {i}", tuple(truth[i, :3]), float(spun[i])) for i in watched]
+        memory.look(seen, FAR, 0.1)
+
+
+def test_a_reversal_that_is_seen_tells_the_clock():
+    truth, memory = herd([7.0, 7.0])
+    assert memory.clock(0) is None
+    passed(truth, memory, 12.0, watched=[0])
+    assert memory.clock(0) == pytest.approx(truth[0, gr.REVERSAL_IN], abs=0.6)
+    assert memory.clock(1) is None
+
+
+def test_a_robot_out_of_view_is_where_its_clock_brings_it():
+    truth, memory = herd([7.0, 18.0])
+    passed(truth, memory, 12.0, watched=[0])
+    passed(truth, memory, 20.0)
+    robot = memory.robots(ARENA, NAMES, 2.0)[0]
+    assert (robot.name, robot.in_view) == ("a", False)
+    assert math.dist(robot.position, truth[0, :2]) < 2.0
+    assert robot.found > 0.7
+
+
+def test_where_a_robot_is_found_tells_its_clock():
+    """It came back: so it reversed, and how far it is tells when."""
+    truth, memory = herd([6.0, 18.0])
+    passed(truth, memory, 16.0)
+    assert memory.clock(0) is None
+    passed(truth, memory, 1.0, watched=[0])
+    off = memory.particles[0, :, 4] - truth[0, gr.REVERSAL_IN]
+    assert memory.who == {"track 0": 0}
+    assert np.abs((off + 10.0) % 20.0 - 10.0).mean() < 1.5
+
+
+def test_an_empty_view_removes_a_robot_from_there():
+    _, memory = herd([18.0, 18.0])
+    memory.advance(0.5)
+    (first, _) = memory.robots(ARENA, NAMES, 2.0)
+    assert first.found > 0.9
+    memory.look([], first.position, 3.0)
+    found = {it.name: it for it in memory.robots(ARENA, NAMES, 2.0)}
+    assert "a" not in found or found["a"].found < 0.5
+
+
+def test_a_new_track_is_the_robot_that_agrees_with_it():
+    truth, memory = herd([18.0, 18.0])
+    passed(truth, memory, 5.0)
+    memory.look([Seen(7, tuple(truth[1, :3])), Seen(8, tuple(truth[0, :3]))], FAR, 0.1)
+    assert memory.who == {7: 1, 8: 0}
+    memory.look([Seen(9, tuple(truth[1, :3]))], FAR, 0.1)
+    assert memory.who == {9: 1}
+
+
+def test_a_bump_leaves_the_clock_alone():
+    truth, memory = herd([7.0, 7.0])
+    passed(truth, memory, 12.0, watched=[0])
+    before = memory.clock(0)
+    state = tuple(truth[0, :3])
+    memory.look([Seen("track 0", state, 0.5, ROBOT.spin_time)], FAR, 0.1)
+    assert memory.clock(0) == before
+    assert memory.particles[0, :, 3] == pytest.approx(ROBOT.spin_time - 0.5)
