@@ -4,6 +4,7 @@ from missionkit.behaviors.ddp_go_to import DdpGoTo
 from missionkit.behaviors.docking import DOCKING
 from missionkit.behaviors.follow_path import FollowPath
 from missionkit.behaviors.go_to import GoTo
+from missionkit.behaviors.herd import Herd
 from missionkit.behaviors.hold import Hold
 from missionkit.behaviors.inject import Inject
 from missionkit.behaviors.land import Land
@@ -19,6 +20,7 @@ BEHAVIORS = (
     DdpGoTo,
     FollowPath,
     GoTo,
+    Herd,
     Hold,
     Inject,
     Land,

@@ -1,0 +1,89 @@
+"""Choosing the next robot of a herd and waiting above it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from playing import at, play
+
+from missionkit.behaviors import Herd
+from missionkit.geometry import vec
+from missionkit.messages import Target
+
+LEAVING = math.radians(135.0)
+
+
+def robot(name, north, east, heading, *, obstacle=0.0, spin=0.0):
+    classes, modes = {"obstacle": obstacle}, {"spin": spin}
+    return Target(
+        name,
+        vec(north, east, 0.0),
+        0.02,
+        None,
+        None,
+        9.9,
+        None,
+        heading,
+        0.05,
+        modes,
+        classes,
+        1.0,
+        14.5,
+    )
+
+
+def stepped(behavior, *robots, place=(7.9, 8.9), ticks=1):
+    targets = {it.name: it for it in robots}
+    if robots:
+        targets["tracked"] = robots[-1]
+    seen = [at(10.0 + 0.05 * k, *place, -2.5, yaw=0.7, targets=targets) for k in range(ticks)]
+    return play(behavior, seen)[-1]
+
+
+def test_the_policys_choice_becomes_the_tracked_one():
+    home, leaves = robot("robot_1", 3.0, 5.0, 0.0), robot("robot_2", 8.0, 9.0, LEAVING)
+    step = stepped(Herd(), leaves, home)
+    assert step.chosen == "robot_2"
+    assert step.done
+    np.testing.assert_allclose(step.guidance.position, (8.0, 9.0, -2.5))
+    assert "robot_2: +" in step.note
+    assert ", robot_1: " in step.note
+
+
+def test_it_flies_there_first():
+    step = stepped(Herd(), robot("robot_2", 8.0, 9.0, LEAVING), place=(7.0, 8.0))
+    assert (step.chosen, step.done) == ("robot_2", False)
+
+
+@pytest.mark.parametrize(
+    "it",
+    [
+        robot("robot_2", 8.0, 9.0, LEAVING, obstacle=0.9),
+        robot("robot_2", 8.0, 9.0, None),
+        robot("trunk", 8.0, 9.0, LEAVING),
+    ],
+)
+def test_what_is_no_robot_of_the_herd_is_not_chosen(it):
+    step = stepped(Herd(), it)
+    assert (step.chosen, step.guidance, step.done) == (None, None, False)
+    assert step.note == "no robot can be turned"
+
+
+def test_it_stays_above_a_robot_that_is_not_worth_a_landing_yet():
+    step = stepped(Herd(), robot("robot_1", 8.0, 5.0, 0.0), place=(8.4, 5.0))
+    assert (step.chosen, step.done) == ("robot_1", False)
+    assert "wait" in step.note
+
+
+def test_the_papers_policy():
+    near, far = robot("robot_1", 8.0, 0.0, math.pi), robot("robot_2", 2.0, 0.0, math.pi)
+    assert stepped(Herd(policy="nearest_to_goal"), far, near).chosen == "robot_1"
+
+
+def test_the_arena_may_lie_anywhere():
+    leaves = robot("robot_1", 2.0, 3.0, 0.0)
+    turned = Herd(policy="nearest_to_goal", goal_deg=90.0)
+    assert stepped(turned, leaves).chosen is None  # 90 deg off is not beyond it
+    assert stepped(Herd(policy="nearest_to_goal", goal_deg=180.0), leaves).chosen == "robot_1"
