@@ -10,9 +10,9 @@ import pytest
 from missionkit.ground_robot import GroundRobot
 from missionkit.planning.herding import robot_forecast as fc
 from missionkit.sim import ground_robots as gr
-from studies import herding, herding_run
+from studies import herding, herding_figure
 from studies import herding_kernels as hk
-from studies.herding_run import start
+from studies.herding_run import Run, start
 
 ROBOT = GroundRobot()
 
@@ -62,20 +62,17 @@ def test_it_keeps_out_of_an_obstacle_robots_way():
     assert scene.counts[hk.HITS] == 1.0  # it began inside
 
 
-def test_the_page_of_a_few_short_runs(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(herding_run, "LENGTH", 40.0)
-    herding.main(
-        ["--seeds", "2", "--near", "1", "--few", "1", "--workers", "1", "--out", str(tmp_path)]
-    )
-    text = (tmp_path / "herding.md").read_text()
+def test_the_page(tmp_path):
+    runs = [Run(8, 1, 1, 30, 0, 1, 2, hit=False), Run(6, 3, 1, 28, 0, 0, 2, hit=True)]
+    headline = {row.name: runs for row in herding.HEADLINE}
+    more = {row.name: runs[:1] for row in (*herding.SENSITIVITY, herding.ABLATION)}
+    text = herding.page(headline, more, 7, "the command")
     assert "$" not in text
+    assert "50.0 % [9.5, 90.5]" in text
+    assert "1 of 2" in text
     assert text.count("\n| ") == 2 + len(herding.HEADLINE) + len(herding.SENSITIVITY)
-    assert {it.name for it in tmp_path.iterdir()} == {
-        "herding.md",
-        "herding.png",
-        "herding_run.png",
-    }
-    assert herding.FRONT.name in capsys.readouterr().out
+    herding_figure.draw(tmp_path / "a.png", {herding.FRONT.name: runs})
+    assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("row", [herding.FRONT, herding.NEAR_BOTH])

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
-from missionkit.estimation.target_tracking.ground_robot import GroundRobot
 from missionkit.geometry import Mat, Vec3
+from missionkit.ground_robot import GroundRobot
 from missionkit.sim.ground_robots import EAST, HEADING, NORTH, OUT
 from missionkit.sim.world import World
 
