@@ -57,6 +57,22 @@ def test_a_thousand_states(catalogue):
     assert codes(chain(1000), catalogue) == []
 
 
+def test_a_hundred_regions_stay_unproven(catalogue):
+    regions = "".join(
+        f"      r{at}:\n        initial: a{at}\n        states:\n"
+        f"          a{at}: {{kind: logic, transitions: [{{to: b{at}, event: e{at}}}]}}\n"
+        f"          b{at}: {{kind: logic}}\n"
+        for at in range(100)
+    )
+    text = (
+        f"{HEAD}initial: work\nstates:\n  work:\n    kind: custom\n    parallel: true\n"
+        f"    transitions: [{{to: land, after: 9}}]\n    states:\n{regions}{END}"
+    )
+    found = codes(text, catalogue)
+    assert "unproven" in found
+    assert not {"never-fires", "unreachable-state"} & set(found)
+
+
 def test_guards_built_on_guards_do_not_explode(catalogue):
     named = "".join(
         f"  g{at}: {{any: [{{all: [g{at - 1}, a{at}]}}, {{not: {{all: [g{at - 1}, b{at}]}}}}]}}\n"

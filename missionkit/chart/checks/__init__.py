@@ -26,7 +26,7 @@ from missionkit.chart.checks import (
     success_conditions,
 )
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Exploration, explore
+from missionkit.chart.checks.exploration.search import explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import fulfilled
@@ -86,18 +86,18 @@ def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem
     explored_chart = ExploredChart(chart)
     explored = explore(explored_chart)
     if not explored.complete:
-        yield _unproven(chart, explored)
+        yield _unproven(chart)
     yield from livelocks.problems_of(explored_chart, explored)
     yield from reachability.unreachable(chart, explored)
     places = {problem.place for problem in told if problem.code in NEVER_FIRES}
     yield from never_fires.problems_of(explored_chart, explored, places)
 
 
-def _unproven(chart: AnalysedChart, explored: Exploration) -> Problem:
+def _unproven(chart: AnalysedChart) -> Problem:
     return Problem(
         chart.mission.place("states"),
-        f"the chart can do more than was explored ({explored.ticks} ticks): it is not proven that "
-        "every transition can fire and that no tick goes on without end",
+        "the chart can do more than was explored: it is not proven that every transition can fire "
+        "and that no tick goes on without end",
         Level.WARNING,
         "unproven",
         "use fewer parallel regions, or fewer values of variables",

@@ -24,6 +24,7 @@ MOST_TICKS = 25_000  # ticks tried in one chart
 MOST_AGES = 6  # intervals of the clocks kept apart, for one situation of the chart
 MOST_INTERVALS = 400_000  # of quantities, worked out on the way
 MICROSTEPS = 8  # that take as long as a tick
+STATES = 8  # that make a tick take as long again
 NOWHERE = cast("Any", ())
 GOAL = Goal(NOWHERE, None, 0.0)
 SEEN = Estimate(0.0, NOWHERE, NOWHERE, NOWHERE, NOWHERE, NOWHERE)
@@ -74,7 +75,7 @@ class Exploration(NamedTuple):
     left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
     circles: Sequence[Circle]
     complete: bool  # nothing else can happen
-    ticks: int
+    ticks: int  # tried, those of large charts count more
 
 
 class LongAgo:
@@ -218,7 +219,7 @@ class Search:
 
     def _tick(self, node: Node, situation: Situation, event: str) -> Tick:
         """Take one path through a tick by the engine's own selection."""
-        self.ticks += 1
+        self.ticks += 1 + len(node.memory.active) // STATES
         chart, oracle = self.chart.chart, self.chart.oracle
         oracle.situation = situation
         here = configuration(chart, node.memory.active)
