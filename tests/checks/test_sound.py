@@ -136,7 +136,7 @@ def test_transitions_reported_dead_never_fire(ways, dwell, seen):
         if problem.code == "unreachable-state":
             assert problem.message.split("'")[1] not in entered, text
         late = problem.code == "contradictory-timers" and problem.level == "error"
-        if late or problem.code in {"never-true", "shadowed-transition"}:
+        if late or problem.code in {"never-true", "never-fires", "shadowed-transition"}:
             assert named[problem.place.line] not in taken, f"{problem}\n{text}"
     codes = {problem.code for problem in found}
     counts = any("assign" in form for _, form, _, _ in ways)
