@@ -190,6 +190,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "herding_policies.dynamic_programme.bump_price": "chances to come home that a bump must gain",
     "herding_policies.dynamic_programme.touch_price": "the same of a touch",
     "herding_policies.dynamic_programme.time_price": "chances that a second of flight must gain",
+    "herding_policies.dynamic_programme.stay": "by which another robot must be better to change",
     "herding_policies.nearest_to_goal.off_deg": "off the goal's direction: not towards it",
     "planners.potential_field.gain_xy": "η of the repulsion, level (m⁴/s)",
     "planners.potential_field.gain_z": "η of the repulsion, vertical (m⁴/s)",

@@ -59,7 +59,13 @@ class Outlook(NamedTuple):
 
 @compiled
 def travel_time(distance: float, speed: float, acceleration: float) -> float:
-    """Return how long (s) a flight over a distance (m) takes, from rest to rest."""
+    """Return how long (s) a flight takes, from rest to rest.
+
+    Args:
+        distance: m.
+        speed: m/s, largest.
+        acceleration: m/s², largest.
+    """
     if distance < speed * speed / acceleration:
         return 2.0 * math.sqrt(distance / acceleration)
     return distance / speed + speed / acceleration

@@ -53,7 +53,15 @@ def uniform(seeds: Seeds) -> float:
 
 @compiled
 def move(P: Mat, dt: float, half: float, robot: GroundRobot, seeds: Seeds) -> None:
-    """Move all particles by `dt` (s), less than 5 s, in place."""
+    """Move all particles in place.
+
+    Args:
+        P: of all robots.
+        dt: s, less than 5.
+        half: m, of the arena's side.
+        robot: how it drives.
+        seeds: of the generator.
+    """
     largest = 2.0 * robot.turn_offset * robot.turn_time / robot.wheel_base
     every = robot.turn_every
     for r in range(P.shape[0]):
@@ -92,7 +100,14 @@ def _alike(it: Mat, seen: Mat) -> float:
 
 @compiled
 def found(P: Mat, seen: Mat, robot: GroundRobot, seeds: Seeds) -> None:
-    """Condition a robot's particles (n, SIZE) on being found again at a sighting, in place."""
+    """Condition a robot's particles (n, SIZE) on being found again, in place.
+
+    Args:
+        P: of one robot.
+        seen: (3,), m, m, rad, where it is found.
+        robot: how it drives.
+        seeds: of the generator.
+    """
     kept, weights = P.copy(), np.zeros(len(P))
     for i in range(len(P)):
         weights[i] = 0.0 if kept[i, GONE] > 0.0 else _alike(kept[i], seen)
@@ -207,7 +222,14 @@ def densest(P: Mat, sight: float) -> tuple[int, float]:
 
 @compiled
 def near(P: Mat, which: int, sight: float, most: int) -> Mat:
-    """Return up to `most` particles (m, SIZE) spread over those within sight of one, it first."""
+    """Return one particle and up to `most` (m, SIZE) spread over those within sight of it.
+
+    Args:
+        P: of one robot.
+        which: of the particles.
+        sight: m.
+        most: how many.
+    """
     count = 0
     chosen = np.zeros(len(P), dtype=np.int64)
     for j in range(len(P)):

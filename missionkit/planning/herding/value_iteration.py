@@ -116,7 +116,15 @@ def _shifted(later: Table, found: Table, way: tuple[float, float, float], half: 
 
 @compiled
 def interpolated(V: Table, x: float, y: float, heading: float, half: float) -> float:
-    """Return V (h, x, y) between its nodes, at a place (m) and heading (rad) in the arena."""
+    """Return V between its nodes.
+
+    Args:
+        V: (h, x, y), of one step.
+        x: m, place in the arena.
+        y: m.
+        heading: rad.
+        half: m, of the arena's side.
+    """
     headings, cells = V.shape[0], V.shape[1]
     u = (x + half) / (2.0 * half) * (cells - 1)
     v = (y + half) / (2.0 * half) * (cells - 1)
