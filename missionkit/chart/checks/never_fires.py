@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Exploration
+from missionkit.chart.checks.exploration.search import Exploration, Node
 from missionkit.chart.checks.guarded_transitions import GuardedTransition
+from missionkit.chart.checks.interval_boxes import covered
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.errors import Level, Place, Problem
 
@@ -67,6 +68,11 @@ def _why(chart: ExploredChart, explored: Exploration, way: GuardedTransition) ->
     ages = [node.ages[way.source].low for node in here if way.source in node.ages]
     if ages and max(ages) < waits:
         return _left_before(chart, explored, way, waits)
+    return _never_so(chart, way, here) or _before(chart, way)
+
+
+def _never_so(chart: ExploredChart, way: GuardedTransition, here: Sequence[Node]) -> str:
+    """Return which part of a guard never holds in any node where its source is active."""
     for name in _variables(chart, way):
         values = sorted({node.memory.variables[name] for node in here}, key=str)
         if values and len(values) <= VALUES_SHOWN:
@@ -74,6 +80,18 @@ def _why(chart: ExploredChart, explored: Exploration, way: GuardedTransition) ->
             return f"{name} is only ever {listed} in {way.source!r}"
         if values:
             return f"{name} never has such a value in {way.source!r}"
+    others = [part.state for part in _parts(chart, way) if isinstance(part, ex.In)]
+    for other in others:
+        if not any(other in node.memory.active for node in here):
+            return f"{other!r} is never active together with {way.source!r}"
+    return ""
+
+
+def _before(chart: ExploredChart, way: GuardedTransition) -> str:
+    """Return what is taken before a transition that may be ready."""
+    for failsafe in chart.analysed.failsafes:
+        if failsafe.surely and covered(way.truth.may, failsafe.surely):
+            return f"failsafe {failsafe.model.name!r} acts before"
     if way.model.event is not None:
         return "when that event can come, something before it is taken"
     return "whenever it is ready, something before it is taken"
@@ -93,14 +111,17 @@ def _left_before(
     return f"it needs {waits:g} s, but {by.label} ends {way.source!r} after {own[number]:g} s"
 
 
-def _variables(chart: ExploredChart, way: GuardedTransition) -> Iterator[str]:
-    """Yield the variables that the guard of a transition compares."""
+def _variables(chart: ExploredChart, way: GuardedTransition) -> list[str]:
+    return [part.name for part in _parts(chart, way) if isinstance(part, ex.VariableGuard)]
+
+
+def _parts(chart: ExploredChart, way: GuardedTransition) -> Iterator[ex.Expression]:
+    """Yield every guard inside that of a transition, named ones looked into once."""
     waiting = [] if way.model.when is None else [way.model.when]
     named: set[str] = set()
     while waiting:
         for part in ex.parts_of(waiting.pop()):
+            yield part
             if isinstance(part, ex.Named) and part.name not in named:
                 named.add(part.name)
                 waiting.append(chart.analysed.mission.guards[part.name])
-            elif isinstance(part, ex.VariableGuard):
-                yield part.name
