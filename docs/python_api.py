@@ -292,6 +292,20 @@ EXAMPLES = {
         >>> Nothing(target="place").target
         'place'
     """,
+    "BoxDetector": """
+        >>> class Bright(missionkit.BoxDetector):
+        ...     "Finds the brightest point."
+        ...
+        ...     kind = "bright"
+        ...
+        ...     def boxes(self, frame, camera, prior):
+        ...         at = np.array(np.unravel_index(frame.image.argmax(), frame.image.shape))
+        ...         return (missionkit.BoxDetection("bright", at[::-1], (3.0, 3.0), 1.0),)
+        >>> import numpy as np
+        >>> frame = missionkit.Frame(at=2.0, image=np.eye(40, dtype=np.uint8)[:, ::-1])
+        >>> Bright().boxes(frame, None, None)[0].centre.tolist()
+        [39, 0]
+    """,
     "Prior": """
         >>> missionkit.Prior(body=None, target=seen.targets["place"]).target.name
         'place'
@@ -339,6 +353,22 @@ EXAMPLES = {
         >>> square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
         >>> missionkit.Detection("DICT_6X6_250", 23, square, area=81.0).id
         23
+    """,
+    "GroundFrame": """
+        >>> missionkit.GroundFrame(at=2.0, detections=()).ground
+        0.0
+    """,
+    "GroundDetection": """
+        >>> import numpy as np
+        >>> place, spread = np.array([4.0, 1.0]), 0.01 * np.eye(2)
+        >>> found = missionkit.GroundDetection("blob", place, spread, 0.9, 1.0, 2.0, 2.5)
+        >>> found.position.tolist(), found.score
+        ([4.0, 1.0], 0.9)
+    """,
+    "BoxDetection": """
+        >>> import numpy as np
+        >>> missionkit.BoxDetection("blob", np.array([160.0, 120.0]), (30.0, 28.0), 0.9).kind
+        ''
     """,
     "Frame": """
         >>> import numpy as np
