@@ -11,6 +11,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import FileError
 
 FLYING = "    transitions: [{to: home, after: 9}]\n  home"
+LANDS = "failsafes: [{name: lost, when: estimate_bad, to: land}]\n"
 CHAIN = "use: markov_steady_state, states: [far, near], of: near"
 POLICY = """\
   go-home:
@@ -26,7 +27,7 @@ POLICY = """\
 
 def codes(guards, transitions):
     text = MINIMAL.replace(FLYING, f"    transitions: {transitions}\n  home")
-    mission = parse(f"{text}guards:\n{guards}", "m.yaml", builtin())
+    mission = parse(f"{text}{LANDS}guards:\n{guards}", "m.yaml", builtin())
     return [(it.code, it.message) for it in findings(mission, builtin())]
 
 

@@ -83,10 +83,11 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
 
 
 def returns(chart: AnalysedChart) -> Iterator[Problem]:
-    """Yield an error for each danger that leads to a state of kind return that never lands.
+    """Yield a problem for each danger that leads to a state of kind return that never lands.
 
     On the way home the danger stays: a return that leads back to the mission comes home again, and
-    one that flies by the position is of no use when that is lost.
+    one that flies by the position is of no use when that is lost. It is an error if a failsafe
+    leads there; if no failsafe acts at all, a warning.
     """
     for danger in losses(chart):
         home = {
@@ -113,13 +114,18 @@ def _never_lands(
     ahead = [out.to for option in options[escape.state] for out in option]
     to = next((name for name in ahead if chart.tree.safe(name) == SAFETY["return"]), ahead[0])
     by_position = danger.name == "position" and _by_position(chart, to)
-    why = "which flies by the position" if by_position else "which does not come to land"
-    remedy = "to: the state of kind land" if by_position else f"lead from {to!r} to land when done"
+    why = "flies by the position" if by_position else "does not come to land"
+    remedy = f"lead from {to!r} to land when done"
+    by_failsafe = escape.first.startswith("failsafe ")
+    first = escape.first or "what acts"
+    leads = f"{first} leads to {to!r}, which" if by_failsafe else f"{first} is taken, but {to!r}"
+    if by_position:
+        remedy = "let it lead to the state of kind land" if by_failsafe else danger.remedy
     mission = chart.mission
     return Problem(
         mission.place("failsafes" if mission.failsafes else "states"),
-        f"{danger.says}: in {named} {escape.first or 'what acts'} leads to {to!r}, {why}",
-        Level.ERROR,
+        f"{danger.says}: in {named} {leads} {why}",
+        Level.ERROR if by_failsafe or not by_position else Level.WARNING,
         f"unsafe-{danger.name}",
         remedy,
     )
