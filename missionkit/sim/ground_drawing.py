@@ -47,7 +47,7 @@ class Band(NamedTuple):
     detail: Sheet | None
 
 
-@functools.cache
+@functools.lru_cache(maxsize=16)
 def bands(name: str, diagonal: int) -> tuple[Band, ...]:
     """Return the bands of a ground texture, near to far, for a canvas's diagonal (px)."""
     ground, white = textures.ground_patches(name), textures.WHITE_LINE
