@@ -56,8 +56,8 @@ def _after_the_end(chart: ExploredChart, told: Collection[Place]) -> Iterator[Pr
                 way.model.place("after"),
                 f"state {way.source!r}: {way.label} can never fire: the mission lands at its time "
                 f"limit of {limit:g} s",
-                Level.ERROR,
-                "never-fires",
+                Level.WARNING,
+                "beyond-time-limit",
                 f"make it less than {limit:g} s, or raise 'settings: {{time_limit}}'",
             )
 
