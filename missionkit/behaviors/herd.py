@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 from typing_extensions import override
@@ -16,11 +17,16 @@ from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
 from missionkit.plugin import Behavior
 from missionkit.plugin_protocols import HerdingPolicyProtocol
-from missionkit.units import Degrees, Metres, MetresPerSecond, Seconds
+from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Seconds
+
+if TYPE_CHECKING:
+    from missionkit.planning.herding.remembered_herd import RememberedHerd, Sight
 
 ROBOT = GroundRobot()
 OBSTACLE, SPIN = "obstacle", "spin"
 EVERY = 0.5  # s, between two decisions
+FRESH = 0.3  # s; a track is in view if it was seen so lately
+CLEAR = 0.6  # of the height, under which it flies nowhere but up
 
 
 class Herding(NamedTuple):
@@ -29,15 +35,23 @@ class Herding(NamedTuple):
     yaw: float  # rad, where the nose points
     decided_at: float = -math.inf  # s
     choice: HerdChoice = HerdChoice(None, "wait")
+    known: RememberedHerd | None = None
+    robots: tuple[HerdRobot, ...] = ()  # what the last choice was made from
+    met: str | None = None  # the robot that was to be met last
+    met_at: float = 0.0  # s, when that began
 
 
 class Herd(Behavior):
     """Choose the robot that is next by a herding policy and stay above it until it is to be turned.
 
-    Of the tracked robots those count whose heading is known and that are likelier targets than
-    obstacle robots. The choice becomes the mission's `tracked`; done `within` of it, once the
+    Robots out of view are remembered, from the start on: `robots` of them on a circle of 1 m in the
+    middle of the arena, heading out. Those in view are tracked ones whose heading is known and that
+    are likelier targets than obstacle robots. It flies to the choice, or to where that is
+    expected; once it is in view it becomes the mission's `tracked`; done `within` of it, when the
     policy says that the descent begins. While none is worth a landing it stays above the one that
-    comes next to it, and says what each is worth.
+    comes next to it, and says what each is worth. From near the ground it climbs straight up first.
+
+    A state inside, that meets the robot, pauses it and keeps its memory.
 
     The arena is a square of `side` around `north`, `east`, its goal line in the direction
     `goal_deg`; the mission ends at `length`. `policy` is a herding policy of missionkit, with
@@ -51,9 +65,15 @@ class Herd(Behavior):
     turns: Literal["front", "front_and_top"] = Field(
         default="front", description="how robots are turned"
     )
+    robots: int = Field(default=10, ge=1, le=20, description="in the arena at the start")
     height: Metres = Field(default=2.5, gt=0, description="above the ground")
     speed: MetresPerSecond = Field(default=2.13, gt=0)
     within: Metres = Field(default=0.5, gt=0)
+    land: Seconds = Field(default=4.2, gt=0, description="from the choice's start to the bump")
+    climb: Seconds = Field(default=2.5, gt=0, description="back up")
+    view: Fraction = Field(
+        default=0.75, description="radius of what the camera shows, of the height"
+    )
     side: Metres = Field(default=20.0, gt=0, description="of the arena")
     north: Metres = Field(default=0.0, description="of its centre")
     east: Metres = Field(default=0.0, description="of its centre")
@@ -68,42 +88,89 @@ class Herd(Behavior):
     def step(self, seen: Estimate, memory: Any) -> Step:
         on: Herding = memory or self.begin(seen)  # None: begin failed
         if seen.now - on.decided_at >= EVERY:
-            choice = self._policy().choose(self._view(seen, on.choice.robot))
-            on = on._replace(decided_at=seen.now, choice=choice)
-        values = on.choice.values
-        name = on.choice.robot or max(values, key=values.__getitem__, default="")
-        robot = seen.targets.get(name)
-        if robot is None:
+            on = self._decided(seen, on)
+        name = _best(on.choice)
+        it = next((it for it in on.robots if it.name == name), None)
+        if it is None:
             return Step(note="no robot can be turned", memory=on)
-        return self._above(seen, robot, on)
+        if -float(seen.position[2]) < CLEAR * self.height:
+            return self._up(seen, on)
+        target = seen.targets.get(it.name)
+        return self._above(seen, target, on) if target else self._search(seen, it, on)
 
     @override
     def warm_up(self) -> None:
-        policy = self._policy()
-        if isinstance(policy, DynamicProgramme):
-            policy.choose(_rehearsed(self._arena()))
+        from missionkit.planning.herding import remembered_herd as rh  # noqa: PLC0415
+
+        arena = self._arena()
+        known, policy = rh.beginning(self.robots, arena), self._policy()
+        for k, modes in enumerate(({}, {}, {SPIN: 1.0}, {})):
+            robot = _rehearsed(arena, 0.17 * k, modes)
+            sight = rh.Sight(0.5 * k, (robot,), (arena.north, arena.east), 2.0)
+            known = rh.looked(known, sight, arena)
+            robots = rh.robots(known, arena, 2.0)
+            near = HerdRobot("known", (arena.north + 2.0, arena.east), 0.0, reversal_in=12.0)
+            view = HerdView(60.0, arena, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), (*robots, near))
+            policy.choose(view)
 
     def _policy(self) -> HerdingPolicyProtocol:
         if self.policy == "nearest_to_goal":
             return NearestToGoal()
-        return DynamicProgramme(turns=self.turns, length=self.length, speed=self.speed)
+        return DynamicProgramme(
+            turns=self.turns,
+            length=self.length,
+            speed=self.speed,
+            land=self.land,
+            climb=self.climb,
+            sight=self.view * self.height,
+        )
 
     def _arena(self) -> Arena:
         return Arena(self.side, self.north, self.east, math.radians(self.goal_deg))
 
-    def _view(self, seen: Estimate, chosen: str | None) -> HerdView:
-        known = {name: it for name, it in seen.targets.items() if _counts(name, it)}
+    def _decided(self, seen: Estimate, on: Herding) -> Herding:
+        """Return the memory after a look at what is in view, and a choice."""
+        from missionkit.planning.herding import remembered_herd as rh  # noqa: PLC0415
+
+        arena, before = self._arena(), on.known
+        known = before or rh.beginning(self.robots, arena)
+        sight = self._sight(seen, on)
+        after = rh.looked(known, sight, arena)
+        chosen = rh.name_of(after, rh.number_of(known, on.choice.robot))
+        robots = rh.robots(after, arena, self.view * self.height)
         n, e, d = seen.position.tolist()
         v_n, v_e, v_d = seen.velocity.tolist()
-        return HerdView(
-            self.length - seen.now,
-            self._arena(),
-            (n, e, d),
-            (v_n, v_e, v_d),
-            tuple(_robot(name, it) for name, it in known.items() if not _is_obstacle(it)),
-            tuple(_obstacle(it) for it in known.values() if _is_obstacle(it)),
-            chosen,
-        )
+        obstacles = tuple(_obstacle(it) for it in _tracked(seen) if _is_obstacle(it))
+        left = self.length - seen.now
+        view = HerdView(left, arena, (n, e, d), (v_n, v_e, v_d), robots, obstacles, chosen)
+        choice = self._policy().choose(view)
+        return on._replace(decided_at=seen.now, choice=choice, known=after, robots=robots)
+
+    def _sight(self, seen: Estimate, on: Herding) -> Sight:
+        from missionkit.planning.herding.remembered_herd import Sight  # noqa: PLC0415
+
+        fresh = [
+            it for it in _tracked(seen) if it.seen_at is not None and seen.now - it.seen_at < FRESH
+        ]
+        robots = [it for it in fresh if not _is_obstacle(it)]
+        known = tuple(it for it in robots if it.heading is not None)
+        n, e, d = seen.position.tolist()
+        radius = self.view * max(0.0, -d) if len(known) == len(robots) else 0.0
+        return Sight(seen.now, known, (n, e), radius, on.met, on.met_at)
+
+    def _up(self, seen: Estimate, on: Herding) -> Step:
+        """Climb straight up: sideways it might be hit."""
+        place = vec(float(seen.position[0]), float(seen.position[1]), -self.height)
+        guidance = Guidance(place, self.speed, yaw=on.yaw, avoid=False)
+        goal = Goal(place, None, seen.now, TRACKED)
+        return Step(guidance, goal=goal, note="climbing", memory=on, lands=True)
+
+    def _search(self, seen: Estimate, it: HerdRobot, on: Herding) -> Step:
+        """Fly to where a robot out of view is expected."""
+        place = vec(*it.position, -self.height)
+        note = f"looking for {it.name}, found with {it.found:.2f} ({on.choice.text()})"
+        guidance = Guidance(place, self.speed, yaw=on.yaw)
+        return Step(guidance, goal=Goal(place, None, seen.now, TRACKED), note=note, memory=on)
 
     def _above(self, seen: Estimate, robot: Target, on: Herding) -> Step:
         north, east, ground = robot.position.tolist()
@@ -114,9 +181,12 @@ class Herd(Behavior):
         ahead = vec(speed * math.cos(heading), speed * math.sin(heading), 0.0)
         choice = on.choice
         due = choice.action != "wait" and choice.start_in - (seen.now - on.decided_at) <= EVERY
+        done = due and gap <= self.within
+        if done:
+            on = on._replace(met=robot.name, met_at=seen.now)
         return Step(
             Guidance(place, self.speed, ahead, yaw=on.yaw),
-            done=due and gap <= self.within,
+            done=done,
             goal=Goal(place, None, seen.now, TRACKED),
             note=f"{gap:.2f} m off {robot.name}, {choice.action} in {choice.start_in:.0f} s "
             f"({choice.text()})",
@@ -125,26 +195,18 @@ class Herd(Behavior):
         )
 
 
-def _counts(name: str, it: Target) -> bool:
-    return names_a_track(name) and name != TRACKED and it.heading is not None
+def _best(choice: HerdChoice) -> str:
+    """Return the robot that is chosen, or comes next to it."""
+    values = choice.values
+    return choice.robot or max(values, key=values.__getitem__, default="")
+
+
+def _tracked(seen: Estimate) -> list[Target]:
+    return [it for name, it in seen.targets.items() if names_a_track(name) and name != TRACKED]
 
 
 def _is_obstacle(it: Target) -> bool:
     return it.classes.get(OBSTACLE, 0.0) > 0.5
-
-
-def _robot(name: str, it: Target) -> HerdRobot:
-    north, east, _ = it.position.tolist()
-    spins = it.modes.get(SPIN, 0.0) > 0.5
-    return HerdRobot(
-        name,
-        (north, east),
-        it.heading or 0.0,
-        0.5 * ROBOT.spin_time if spins else 0.0,
-        it.reversal_in,
-        it.position_sd,
-        it.heading_sd or 0.0,
-    )
 
 
 def _obstacle(it: Target) -> HerdObstacle:
@@ -152,10 +214,9 @@ def _obstacle(it: Target) -> HerdObstacle:
     return HerdObstacle((north, east), it.heading or 0.0, ROBOT.speed, ROBOT.circle_rate)
 
 
-def _rehearsed(arena: Arena) -> HerdView:
-    """Return a view that makes a policy compile all it needs."""
-    robots = (
-        HerdRobot("known", (arena.north + 2.0, arena.east), 0.0, reversal_in=12.0),
-        HerdRobot("not known", (arena.north, arena.east + 2.0), 1.0, position_sd=1.0),
+def _rehearsed(arena: Arena, ahead: float, modes: Mapping[str, float]) -> Target:
+    """Return a robot in view that makes a look compile all it needs."""
+    place = vec(arena.north + 1.0 + ahead, arena.east, 0.0)
+    return Target(
+        "robot_1", place, 0.02, None, None, 0.0, heading=arena.goal, heading_sd=0.05, modes=modes
     )
-    return HerdView(60.0, arena, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), robots)

@@ -42,6 +42,7 @@ class Meeting(NamedTuple):
     robot: str | None = None  # the track it began with
     course: Course = Course()
     low: bool = False  # it descends
+    ground: float = 0.0  # m, down, where the robot stands
     down_since: float | None = None  # s, when it was down
 
 
@@ -86,13 +87,12 @@ class MeetRobot(Behavior):
         target = seen.targets.get(self.target)
         if target is None:
             return _holding(on, f"{self.target} is not tracked")
-        if on.robot is None:
-            on = on._replace(robot=target.name)
-        if why := self._refusal(target, on):
+        on = on._replace(robot=on.robot or target.name, ground=float(target.position[2]))
+        if why := self._refusal(seen, target, on):
             return _holding(on, why)
         on, met = self._met(seen, target, on)
         if met or on.down_since is not None:
-            return self._down(seen, target, on, done=met)
+            return self._down(seen, on, done=met)
         on = self._turned_low(seen, target, on)
         return self._flown(seen, target, on)
 
@@ -106,7 +106,7 @@ class MeetRobot(Behavior):
 
         warm_up()
 
-    def _refusal(self, target: Target, on: Meeting) -> str:
+    def _refusal(self, seen: Estimate, target: Target, on: Meeting) -> str:
         """Say why the robot must not be met, or not yet; "": nothing is in the way."""
         if target.name != on.robot:
             return f"{on.robot} is lost, and {self.target} is {target.name} now"
@@ -115,7 +115,8 @@ class MeetRobot(Behavior):
             return f"{target.name} may be an obstacle robot ({chance:.2f})"
         if target.heading is None or target.heading_sd is None:
             return f"the heading of {target.name} is not known yet"
-        if math.degrees(target.heading_sd) > self.sd_deg and on.down_since is None:
+        committed = on.low and _height(seen, target) < TOO_LATE
+        if math.degrees(target.heading_sd) > self.sd_deg and not committed:
             return f"the heading of {target.name} is uncertain"
         return ""
 
@@ -178,12 +179,12 @@ class MeetRobot(Behavior):
                 return max(0.0, STEP * int(there[0]) - (seen.now - on.course.at))
         return max(0.0, contact - float(seen.position[2])) / (0.7 * self.descent)
 
-    def _down(self, seen: Estimate, target: Target, on: Meeting, *, done: bool) -> Step:
+    def _down(self, seen: Estimate, on: Meeting, *, done: bool) -> Step:
         """Stay on the spot, down."""
-        here = vec(seen.position[0], seen.position[1], target.position[2] - self._lowest)
+        here = vec(seen.position[0], seen.position[1], on.ground - self._lowest)
         guidance = Guidance(here, self.descent, vec(0.0, 0.0, 0.0), yaw=on.yaw, avoid=False)
         goal = Goal(here, None, seen.now, self.target)
-        note = f"down before {target.name}"
+        note = f"down before {on.robot}"
         return Step(guidance, done=done, goal=goal, note=note, memory=on, lands=True)
 
 
@@ -194,7 +195,7 @@ class LandInFront(MeetRobot):
     touch-down, and by `block`, the distance of the centres then: the robot has 0.17 m to its
     bumper, so that under 0.37 m it would be a touch on top of a vehicle of 0.2 m. First it flies
     ahead of the robot at `height`, then down to `lowest`, where it waits; done once the robot
-    spins, or after `wait`.
+    spins, or after `wait`, for from down there the camera may lose it.
 
     It never lands before a robot that may be an obstacle robot, nor while the heading is not known;
     then it holds and says so. A spin that begins above 0.5 m calls the descent off. The way keeps
@@ -207,6 +208,15 @@ class LandInFront(MeetRobot):
     block: Metres = Field(default=0.45, gt=0, description="distance of centres at touch-down")
     lowest: Metres = Field(default=0.05, ge=0, description="above the ground, down")
     wait: Seconds = Field(default=1.5, description="down, for the bump")
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        on: Meeting = memory or self.begin(seen)  # None: begin failed
+        if on.down_since is None:
+            return super().step(seen, on)
+        target = seen.targets.get(on.robot or "")
+        turned = target is not None and target.modes.get(SPIN, 0.0) > 0.5
+        return self._down(seen, on, done=turned or seen.now - on.down_since >= self.wait)
 
     @property
     @override
@@ -230,12 +240,9 @@ class LandInFront(MeetRobot):
 
     @override
     def _met(self, seen: Estimate, target: Target, on: Meeting) -> tuple[Meeting, bool]:
-        if on.down_since is None:
-            if on.low and _height(seen, target) <= self.lowest + NEAR:
-                on = on._replace(down_since=seen.now)
-            return on, False
-        turned = target.modes.get(SPIN, 0.0) > 0.5
-        return on, turned or seen.now - on.down_since >= self.wait
+        if on.low and _height(seen, target) <= self.lowest + NEAR:
+            on = on._replace(down_since=seen.now)
+        return on, False
 
 
 class TouchTop(MeetRobot):

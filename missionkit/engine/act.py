@@ -80,6 +80,7 @@ def act(
         past=acting.past,
         held=acting.held,
         scan=acting.scan,
+        lands=step.lands,
         chosen=step.chosen,
     )
     return following, _ordered(command, orders, seen), step

@@ -51,6 +51,7 @@ class BehaviorState(NamedTuple):
     past: Mapping[str, PausedBehavior] = {}  # states that a history may lead back to
     scan: FieldMemory = FieldMemory()  # the newest, for braking
     held: HoldPoint | None = None  # the place that is held while no behaviour leads anywhere
+    lands: bool = False  # the behaviour led to the ground on purpose at the last tick
     chosen: str | None = None  # the tracked target that the behaviour asked for at the last tick
 
 

@@ -10,15 +10,20 @@ COMMANDED = frozenset({"offboard", "guided", "hold", "brake"})  # modes that a m
 TOUCHED_GROUND = "touched the ground outside landing and take-off"
 
 
-def with_ground_contact(observation: Observation, before: VehicleStatus | None) -> Observation:
+def with_ground_contact(
+    observation: Observation, before: VehicleStatus | None, *, lands: bool = False
+) -> Observation:
     """Return the observation with the event `ground_touched` if that has just happened.
 
     Args:
         observation: what was sensed.
         before: the vehicle's previous status.
+        lands: the behaviour led to the ground on purpose.
     """
     now = observation.status
-    if now is None or before is None or not before.in_air or now.in_air or not now.armed:
+    if lands or now is None or before is None:
+        return observation
+    if not before.in_air or now.in_air or not now.armed:
         return observation
     if now.mode not in COMMANDED or before.mode not in COMMANDED:
         return observation

@@ -60,7 +60,7 @@ def tick(
         stopwatch: s, for the timing in the record.
     """
     t0 = stopwatch()
-    observation = with_ground_contact(observation, memory.senses.status)
+    observation = with_ground_contact(observation, memory.senses.status, lands=memory.acting.lands)
     senses, seen = sense(plan, memory, observation, contain)
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)

@@ -63,6 +63,19 @@ def test_it_lands_ahead_of_the_robot_which_then_runs_into_it():
     assert all(row[3].lands for row in rows if row[1][2] > -1.0)
 
 
+def test_down_it_waits_for_the_bump_though_the_camera_loses_the_robot():
+    def seen(now):
+        return named(robot(now, (0.0, 0.0, 0.0)))
+
+    whole = played(LandInFront(), seen, 12.0)
+    down = next(row[0] for row in whole if row[3].note.startswith("down"))
+    rows = played(LandInFront(), lambda now: seen(now) if now <= down else {}, 12.0)
+    lost = [row[3] for row in rows if row[2] is None]
+    assert {it.note for it in lost} == {"down before robot_4"}
+    assert lost[-1].done
+    assert all(it.lands for it in lost)
+
+
 def test_it_touches_the_top_of_a_robot_that_drives_on():
     rows = played(TouchTop(), lambda now: named(robot(now, (0.0, 0.0, 0.0))), 12.0)
     assert rows[-1][3].done

@@ -43,17 +43,16 @@ def stepped(behavior, *robots, place=(7.9, 8.9), ticks=1):
 
 
 def test_the_policys_choice_becomes_the_tracked_one():
-    home, leaves = robot("robot_1", 3.0, 5.0, 0.0), robot("robot_2", 8.0, 9.0, LEAVING)
-    step = stepped(Herd(), leaves, home)
+    home, returns = robot("robot_1", 3.0, 5.0, 0.0), robot("robot_2", 7.0, 2.0, math.pi)
+    behavior = Herd(robots=2, policy="nearest_to_goal")
+    step = stepped(behavior, returns, home, place=(6.9, 1.9))
     assert step.chosen == "robot_2"
     assert step.done
-    np.testing.assert_allclose(step.guidance.position, (8.0, 9.0, -2.5))
-    assert "robot_2: +" in step.note
-    assert ", robot_1: " in step.note
+    np.testing.assert_allclose(step.guidance.position, (7.0, 2.0, -2.5))
 
 
 def test_it_flies_there_first():
-    step = stepped(Herd(), robot("robot_2", 8.0, 9.0, LEAVING), place=(7.0, 8.0))
+    step = stepped(Herd(robots=1), robot("robot_2", 8.0, 9.0, LEAVING), place=(7.0, 8.0))
     assert (step.chosen, step.done) == ("robot_2", False)
 
 
@@ -67,14 +66,45 @@ def test_it_flies_there_first():
 )
 def test_what_is_no_robot_of_the_herd_is_not_chosen(it):
     step = stepped(Herd(), it)
-    assert (step.chosen, step.guidance, step.done) == (None, None, False)
-    assert step.note == "no robot can be turned"
+    assert (step.chosen, step.done) == (None, False)
+    assert "looking for unseen_" in step.note
+
+
+def test_it_flies_to_where_a_robot_out_of_view_is_expected():
+    step = stepped(Herd(), place=(-9.0, 0.0))
+    assert step.chosen is None
+    assert math.hypot(*step.guidance.position[:2]) < 5.0  # 10 s after the start in the middle
+    assert step.guidance.position[2] == -2.5
 
 
 def test_it_stays_above_a_robot_that_is_not_worth_a_landing_yet():
-    step = stepped(Herd(), robot("robot_1", 8.0, 5.0, 0.0), place=(8.4, 5.0))
+    step = stepped(Herd(robots=1), robot("robot_1", 8.0, 5.0, 0.0), place=(8.4, 5.0))
     assert (step.chosen, step.done) == ("robot_1", False)
     assert "wait" in step.note
+
+
+def test_a_robot_that_left_the_view_is_remembered():
+    behavior, memory = Herd(robots=1), None
+    sighted = {"robot_1": robot("robot_1", 4.0, 5.0, 0.0)}
+    memory = behavior.step(at(10.0, 4.0, 5.0, -2.5, targets=sighted), memory).memory
+    step = behavior.step(at(14.0, -6.0, -6.0, -2.5), memory)
+    assert "looking for unseen_1" in step.note
+    np.testing.assert_allclose(step.guidance.position, (5.3, 5.0, -2.5), atol=0.6)
+
+
+def test_the_memory_is_a_value():
+    behavior = Herd()
+    first = behavior.step(at(10.0, 0.0, 0.0, -2.5), None).memory
+    kept = first.known.particles.copy()
+    behavior.step(at(11.0, 0.0, 0.0, -2.5), first)
+    np.testing.assert_array_equal(first.known.particles, kept)
+
+
+def test_from_the_ground_it_climbs_straight_up():
+    behavior = Herd()
+    step = behavior.step(at(10.0, 8.1, 8.6, -0.1), None)
+    np.testing.assert_allclose(step.guidance.position, (8.1, 8.6, -2.5))
+    assert step.note == "climbing"
 
 
 def test_the_papers_policy():
@@ -84,6 +114,7 @@ def test_the_papers_policy():
 
 def test_the_arena_may_lie_anywhere():
     leaves = robot("robot_1", 2.0, 3.0, 0.0)
-    turned = Herd(policy="nearest_to_goal", goal_deg=90.0)
-    assert stepped(turned, leaves).chosen is None  # 90 deg off is not beyond it
-    assert stepped(Herd(policy="nearest_to_goal", goal_deg=180.0), leaves).chosen == "robot_1"
+    turned = Herd(policy="nearest_to_goal", robots=1, goal_deg=90.0)
+    assert not stepped(turned, leaves, place=(2.4, 3.0)).done  # 90 deg off is not beyond it
+    opposite = Herd(policy="nearest_to_goal", robots=1, goal_deg=180.0)
+    assert stepped(opposite, leaves, place=(2.4, 3.0)).chosen == "robot_1"
