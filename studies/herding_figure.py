@@ -33,8 +33,7 @@ def draw(path: Path, rows: Mapping[str, Sequence[Run]]) -> None:
         path: of the picture.
         rows: runs by the name of their row.
     """
-    count = len(next(iter(rows.values())))
-    subtitle = f"{count} runs of ten minutes each, ten robots; seven home are a success"
+    subtitle = "Runs of ten minutes, ten robots; seven home are a success"
     with page(path, 1200, 800, "Robots home, removed and remained", subtitle) as figure:
         grid = figure.add_gridspec(
             2, 2, hspace=0.35, wspace=0.15, left=0.06, right=0.97, top=0.84, bottom=0.09
@@ -47,7 +46,7 @@ def draw(path: Path, rows: Mapping[str, Sequence[Run]]) -> None:
             axes.axvline(6.5, color=LIMIT, lw=1.2, ls="--")
             axes.set_xticks(range(11))
             axes.set_ylim(0.0, 1.0)
-            axes.set_title(name, loc="left", fontsize=12)
+            axes.set_title(f"{name}: {len(runs)} runs", loc="left", fontsize=12)
             if i == 0:
                 axes.legend(frameon=False)
             if i % 2 == 0:
