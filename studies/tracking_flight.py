@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from missionkit.estimation.target_tracking.motion_models import moved
-from missionkit.estimation.target_tracking.multiple_models import SPIN, STRAIGHT, Estimator
+from missionkit.estimation.target_tracking.multiple_models import Estimator
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker, Tracker
 from missionkit.geometry import Mat, Vec3
 from missionkit.messages import GroundFrame, Target
+from missionkit.messages.robot_modes import SPIN, STRAIGHT
 from studies.tracking_scene import FOCAL, HEIGHT, PERIOD, ROBOT, Scene, Watcher, above
 
 LENGTH, FOUND_AT = 60.0, 5.0  # s

@@ -10,8 +10,6 @@ import numpy as np
 
 from missionkit.estimation.target_tracking import model_bank, multiple_models
 from missionkit.estimation.target_tracking.multiple_models import (
-    OBSTACLE,
-    SPIN,
     Estimator,
     bank,
     kernels,
@@ -19,6 +17,7 @@ from missionkit.estimation.target_tracking.multiple_models import (
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker, Tracker
 from missionkit.geometry import Mat
 from missionkit.messages import GroundDetection, Target
+from missionkit.messages.robot_modes import OBSTACLE, SPIN
 from missionkit.sim.ground_robots import SPIN_LEFT, advance, placed, random_offsets
 from studies.tracking_scene import HEIGHT, PERIOD, ROBOT, Scene, Watcher, above
 

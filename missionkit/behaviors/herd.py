@@ -13,6 +13,7 @@ from missionkit.geometry import vec
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Step, Target, names_a_track
 from missionkit.messages.herd import Arena, HerdChoice, HerdObstacle, HerdRobot, HerdView
+from missionkit.messages.robot_modes import SPIN, is_obstacle, spins
 from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
 from missionkit.plugin import Behavior
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from missionkit.planning.herding.remembered_herd import RememberedHerd, Sight
 
 ROBOT = GroundRobot()
-OBSTACLE, SPIN = "obstacle", "spin"
 EVERY = 0.5  # s, between two decisions
 FRESH = 0.3  # s; a track is in view if it was seen so lately
 CLEAR = 0.6  # of the height, under which it flies nowhere but up
@@ -140,7 +140,7 @@ class Herd(Behavior):
         robots = rh.robots(after, arena, self.view * self.height)
         n, e, d = seen.position.tolist()
         v_n, v_e, v_d = seen.velocity.tolist()
-        obstacles = tuple(_obstacle(it) for it in _tracked(seen) if _is_obstacle(it))
+        obstacles = tuple(_obstacle(it) for it in _tracked(seen) if is_obstacle(it))
         left = self.length - seen.now
         view = HerdView(left, arena, (n, e, d), (v_n, v_e, v_d), robots, obstacles, chosen)
         choice = self._policy().choose(view)
@@ -152,7 +152,7 @@ class Herd(Behavior):
         fresh = [
             it for it in _tracked(seen) if it.seen_at is not None and seen.now - it.seen_at < FRESH
         ]
-        robots = [it for it in fresh if not _is_obstacle(it)]
+        robots = [it for it in fresh if not is_obstacle(it)]
         known = tuple(it for it in robots if it.heading is not None)
         n, e, d = seen.position.tolist()
         radius = self.view * max(0.0, -d) if len(known) == len(robots) else 0.0
@@ -176,7 +176,7 @@ class Herd(Behavior):
         north, east, ground = robot.position.tolist()
         place = vec(north, east, ground - self.height)
         gap = math.dist(place[:2], seen.position[:2])
-        speed = 0.0 if robot.modes.get(SPIN, 0.0) > 0.5 else ROBOT.speed
+        speed = 0.0 if spins(robot) else ROBOT.speed
         heading = robot.heading or 0.0
         ahead = vec(speed * math.cos(heading), speed * math.sin(heading), 0.0)
         choice = on.choice
@@ -203,10 +203,6 @@ def _best(choice: HerdChoice) -> str:
 
 def _tracked(seen: Estimate) -> list[Target]:
     return [it for name, it in seen.targets.items() if names_a_track(name) and name != TRACKED]
-
-
-def _is_obstacle(it: Target) -> bool:
-    return it.classes.get(OBSTACLE, 0.0) > 0.5
 
 
 def _obstacle(it: Target) -> HerdObstacle:

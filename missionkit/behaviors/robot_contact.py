@@ -22,11 +22,11 @@ from missionkit.behaviors.receding_horizon import (
 from missionkit.geometry import Mat, Vec3, vec
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Step, Target
+from missionkit.messages.robot_modes import OBSTACLE, is_obstacle, spins
 from missionkit.plugin import Behavior
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, MetresPerSecond2, Seconds
 
 ROBOT = GroundRobot()
-OBSTACLE, SPIN = "obstacle", "spin"
 LEAD = 0.3  # s; the vehicle answers so late
 OVER = 0.35  # m, level, from which it descends
 STRAYS = 0.1  # m, the vehicle off its plan, kept beside all distances
@@ -122,7 +122,7 @@ class MeetRobot(Behavior):
 
     def _turned_low(self, seen: Estimate, target: Target, on: Meeting) -> Meeting:
         """Return the memory with the decision to descend, or to call the descent off."""
-        if target.modes.get(SPIN, 0.0) > 0.5:
+        if spins(target):
             return on._replace(low=on.low and _height(seen, target) < TOO_LATE)
         if on.low:
             return on
@@ -156,11 +156,7 @@ class MeetRobot(Behavior):
             return Course(None, seen.now, seen.now, failed=True)
         start[3:] *= min(1.0, speed / max(1e-9, math.hypot(*start[3:])))
         reference = self._reference(target, on, self._contact_in(seen, target, on))
-        others = (
-            it
-            for name, it in seen.targets.items()
-            if it.classes.get(OBSTACLE, 0.0) > 0.5 and it.name == name
-        )
+        others = (it for name, it in seen.targets.items() if is_obstacle(it) and it.name == name)
         here = float(start[0]), float(start[1])
         flight = Flight(
             reference,
@@ -215,7 +211,7 @@ class LandInFront(MeetRobot):
         if on.down_since is None:
             return super().step(seen, on)
         target = seen.targets.get(on.robot or "")
-        turned = target is not None and target.modes.get(SPIN, 0.0) > 0.5
+        turned = target is not None and spins(target)
         return self._down(seen, on, done=turned or seen.now - on.down_since >= self.wait)
 
     @property
@@ -301,6 +297,6 @@ def _velocity(target: Target) -> Vec3:
 def _moving(target: Target, ahead: float, height: float) -> Mat:
     """Return states (N + 1, 6) that move with the target, `ahead` of it (m) at a `height` (m)."""
     times = STEP * np.arange(STEPS + 1)[:, None]
-    velocity = _velocity(target) * (target.modes.get(SPIN, 0.0) <= 0.5)
+    velocity = _velocity(target) * (not spins(target))
     place = np.array((*(target.position[:2] + ahead * _along(target)), target.position[2] - height))
     return np.hstack((place + times * velocity, np.tile(velocity, (len(times), 1))))

@@ -11,12 +11,11 @@ from typing_extensions import override
 from missionkit.geometry import Vec3, vec
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Step, Target
+from missionkit.messages.robot_modes import spins
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond
 
 ROBOT = GroundRobot()
-SPIN = "spin"
-LIKELY = 0.5  # probability of a spin, from which its heading leads nowhere
 
 
 class Above(NamedTuple):
@@ -65,8 +64,8 @@ class Shadow(Behavior):
         return Step(guidance, done=gap <= self.within, goal=goal, note=note, memory=on)
 
     def _lead(self, target: Target) -> Vec3:
-        spins = target.modes.get(SPIN, 0.0) > LIKELY
-        if target.heading is None or self.lead == "never" or (self.lead == "switched" and spins):
+        still = self.lead == "never" or (self.lead == "switched" and spins(target))
+        if target.heading is None or still:
             return vec(0.0, 0.0, 0.0)
         north, east = math.cos(target.heading), math.sin(target.heading)
         return vec(ROBOT.speed * north, ROBOT.speed * east, 0.0)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from missionkit.estimation.target_tracking.multiple_models import OBSTACLE
 from missionkit.geometry import Vec3
 from missionkit.messages import TRACKED, GroundFrame, Look, Target, names_a_track
+from missionkit.messages.robot_modes import OBSTACLE
 from missionkit.plugin_containment import Containment, is_foreign
 from missionkit.plugin_protocols import TrackerProtocol
 

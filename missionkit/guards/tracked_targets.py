@@ -11,11 +11,11 @@ from typing_extensions import override
 from missionkit.geometry import wrap
 from missionkit.messages import Estimate, Target, Verdict
 from missionkit.messages.region import Interval, Quantity, Region
+from missionkit.messages.robot_modes import LIKELY
 from missionkit.plugin import Guard
 from missionkit.units import Degrees, Fraction, Seconds
 
 ModeName = Literal["straight", "spin", "circling", "standing"]
-LIKELY = 0.5
 COUNTED = {
     "any": Quantity("tracked targets in view", whole=True),
     "target": Quantity("targets in view", whole=True),

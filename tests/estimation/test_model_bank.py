@@ -9,8 +9,6 @@ import pytest
 
 from missionkit.estimation.target_tracking import model_bank, multiple_models
 from missionkit.estimation.target_tracking.multiple_models import (
-    SPIN,
-    STRAIGHT,
     Bank,
     BankState,
     bank,
@@ -20,6 +18,7 @@ from missionkit.estimation.target_tracking.multiple_models import (
     predicted,
 )
 from missionkit.ground_robot import GroundRobot
+from missionkit.messages.robot_modes import SPIN, STRAIGHT
 from missionkit.sim.ground_robots import SPIN_LEFT, advance, placed, random_offsets
 
 ROBOT = GroundRobot()

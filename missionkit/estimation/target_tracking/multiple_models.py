@@ -10,10 +10,7 @@ import numpy as np
 from missionkit.estimation.target_tracking import model_bank, motion_models
 from missionkit.geometry import Mat, Vec3
 from missionkit.ground_robot import GroundRobot
-
-STRAIGHT, SPIN, CIRCLING, STANDING = "straight", "spin", "circling", "standing"
-TARGET, OBSTACLE = "target", "obstacle"
-"""Kinds of robots: a target is herded, an obstacle robot is kept away from."""
+from missionkit.messages.robot_modes import CIRCLING, OBSTACLE, SPIN, STANDING, STRAIGHT, TARGET
 
 Estimator = Literal["imm", "mmae", "static"]
 Library = Literal["numba", "filterpy"]

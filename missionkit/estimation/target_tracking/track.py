@@ -11,8 +11,6 @@ from missionkit.estimation.target_tracking import model_bank, multiple_models
 from missionkit.estimation.target_tracking.apparent_size import size_evidence
 from missionkit.estimation.target_tracking.heading_start import MOST_PLACES, Place, first_state
 from missionkit.estimation.target_tracking.multiple_models import (
-    OBSTACLE,
-    SPIN,
     Bank,
     BankState,
     Library,
@@ -23,6 +21,7 @@ from missionkit.estimation.target_tracking.reversal_clock import ReversalClock, 
 from missionkit.geometry import Mat, Vec3
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import GroundDetection
+from missionkit.messages.robot_modes import OBSTACLE, SPIN
 
 WINDOW = 30
 """Frames over which a track's confidence is counted (P1 section 1.3)."""

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from missionkit.estimation.target_tracking import track
-from missionkit.estimation.target_tracking.multiple_models import OBSTACLE, TARGET
 from missionkit.estimation.target_tracking.reversal_clock import reversal_in
 from missionkit.estimation.target_tracking.track import Motion, Track
 from missionkit.geometry import Vec3
 from missionkit.messages import Target
+from missionkit.messages.robot_modes import OBSTACLE, TARGET
 
 
 def target_of(how: Motion, known: Track, name: str, now: float, ground: float) -> Target:

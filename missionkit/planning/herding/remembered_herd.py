@@ -13,12 +13,12 @@ from missionkit.geometry import Mat
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import Target
 from missionkit.messages.herd import Arena, HerdRobot
+from missionkit.messages.robot_modes import spins
 from missionkit.planning.herding.arena_frame import to_arena
 from missionkit.planning.herding.herd_memory import HerdMemory, Seen, at_start
 from missionkit.planning.herding.herd_particles import Seeds
 
 ROBOT = GroundRobot()
-SPIN = "spin"
 LONGEST = 2.0  # s, that robots are moved at once
 NOTICED = 0.2  # s after its begin a spin is noticed
 
@@ -68,14 +68,14 @@ def looked(known: RememberedHerd, sight: Sight, arena: Arena) -> RememberedHerd:
     while left > 0.0:
         memory.advance(min(left, LONGEST))
         left -= LONGEST
-    spins = {
+    spinning = {
         it.name: known.spun_since.get(it.name, sight.now - NOTICED)
         for it in sight.robots
-        if it.modes.get(SPIN, 0.0) > 0.5
+        if spins(it)
     }
-    seen = [_seen(it, spins.get(it.name), sight, arena) for it in sight.robots]
+    seen = [_seen(it, spinning.get(it.name), sight, arena) for it in sight.robots]
     memory.look(seen, to_arena(arena, sight.spot), sight.radius)
-    return RememberedHerd(memory.particles, memory.seeds, sight.now, memory.who, spins)
+    return RememberedHerd(memory.particles, memory.seeds, sight.now, memory.who, spinning)
 
 
 def robots(known: RememberedHerd, arena: Arena, sight: float) -> tuple[HerdRobot, ...]:
