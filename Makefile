@@ -5,7 +5,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 SEED ?= 0
 # processes for the tests: flights over the wire mostly wait
-WORKERS ?= 4
+WORKERS ?= 3
 
 .PHONY: run test lint types layers kernels kernels-quadrotor kernels-free-flyer unit bench studies schema reference docs picture clean
 
