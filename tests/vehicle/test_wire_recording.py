@@ -15,7 +15,6 @@ from missionkit.recorder import checkpoint
 from missionkit.recorder.mcap_channels import Channels
 from missionkit.recorder.record_reader import read
 
-
 SPEED = 2.0  # a busy machine keeps up with it: a clock that lags is a problem of its own
 
 
