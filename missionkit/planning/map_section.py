@@ -8,10 +8,11 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from missionkit.messages.occupancy import Occupancy
 from missionkit.planning.polygon_cells import drawn
+from missionkit.positions import GroundPosition
 from missionkit.units import Metres, Number
 
 Span = tuple[Metres, Metres]
-Polygon = Annotated[tuple[tuple[Metres, Metres], ...], Field(min_length=3)]
+Polygon = Annotated[tuple[GroundPosition, ...], Field(min_length=3)]
 """Corners: north, east (m)."""
 
 MOST_CELLS = 4_000_000

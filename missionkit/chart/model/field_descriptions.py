@@ -27,14 +27,14 @@ def field_at(model: type[BaseModel], path: Path) -> FieldInfo | None:
         found = [inner for each in models if (inner := _field(each, step)) is not None]
         if found:
             field = found[0]
-            models = [inner for each in found for inner in models_in(each.annotation)]
+            models = [inner for each in found for inner in models_of(each)]
     return field
 
 
 def keys_at(model: type[BaseModel], path: Path) -> list[str]:
     """Return the keys that the mapping at `path` may have."""
     field = field_at(model, path)
-    models = [model] if field is None else list(models_in(field.annotation))
+    models = [model] if field is None else list(models_of(field))
     tagged = [each for each in models if path and path[-1] in _tags(each)]
     return sorted({key for each in tagged or models for key in keys_of(each)})
 
@@ -44,10 +44,18 @@ def keys_of(model: type[BaseModel]) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
+def models_of(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    """Yield the models that a field's values are made of, or are written as."""
+    for metadata in field.metadata:
+        yield from getattr(metadata, "written_as", ())
+    yield from models_in(field.annotation)
+
+
 def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
     """Yield the models that a type is made of."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
+    yield from getattr(annotation, "written_as", ())
     for part in get_args(annotation):
         yield from models_in(part)
 

@@ -13,6 +13,7 @@ _GAINS = "gains of the controller in states of this mode"
 DESCRIPTIONS: Mapping[str, str] = {
     "Mission.mission": "name of the mission",
     "Mission.summary": "one-line description",
+    "Mission.origin": "where on the earth [0, 0, 0], the take-off point, is",
     "Mission.vehicle": "what flies",
     "Mission.navigation": "the filter that says where the vehicle is",
     "Mission.camera": "the camera, real or simulated",
@@ -67,7 +68,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "KnownMap.weights": "areas in which a metre costs more",
     "Weight.polygon": "corners, north and east (m)",
     "Success.standoff": "out of the marker, to its right, up (m)",
-    "TargetPlace.position": "north, east, down of the take-off point (m)",
+    "TargetPlace.position": "of the take-off point (m), or in latitude and longitude",
     "Variable.initial": "value at the beginning",
     "World.ground": "what the ground looks like",
     "World.wind": "mean wind and gusts",

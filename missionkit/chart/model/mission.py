@@ -17,6 +17,7 @@ from pydantic import (
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.guard_parser import Condition
 from missionkit.chart.model.mission_sections import (
+    OriginSection,
     Settings,
     Success,
     TargetPlace,
@@ -71,6 +72,7 @@ class Mission(MissionPart):
     summary: str = ""
     params: dict[str, Any] = Field(default={}, description="values that $name stands for")
     world: str | None = Field(default=None, description="for the simulator, beside this file")
+    origin: OriginSection | None = None
     vehicle: VehicleSection = VehicleSection()
     navigation: Annotated[Use[Plugin], PluginReference("navigators")] = Field(
         default=_use("visual_inertial_ekf"), validate_default=True

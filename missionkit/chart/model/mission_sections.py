@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 from missionkit.chart.model.model_base import MissionPart, StateName, TargetName
 from missionkit.chart.text.located_data import LocatedList, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.geodesy import Origin
+from missionkit.positions import Position
 from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
 
 Place3 = Annotated[Point, Field(strict=False)]
@@ -22,10 +24,25 @@ class VehicleSection(MissionPart):
     )
 
 
-class TargetPlace(MissionPart):
-    """Where a target is, as surveyed: north, east, down of the take-off point."""
+class OriginSection(MissionPart):
+    """Where on the earth the mission's [0, 0, 0] is: the take-off point, WGS 84."""
 
-    position: Place3
+    lat: Degrees = Field(ge=-90, le=90, description="latitude, north positive")
+    lon: Degrees = Field(ge=-180, le=180, description="longitude, east positive")
+    alt: Metres = Field(
+        ge=-1000, le=10_000, description="altitude of the take-off point above mean sea level"
+    )
+
+    @property
+    def geodetic(self) -> Origin:
+        """The origin that positions are converted with."""
+        return Origin(self.lat, self.lon, self.alt)
+
+
+class TargetPlace(MissionPart):
+    """Where a target is, as surveyed."""
+
+    position: Position
     position_sd: Metres = Field(default=1.0, ge=0, description="standard deviation, one axis")
     facing_deg: Degrees | None = Field(
         default=None, description="compass direction in which its marker looks"

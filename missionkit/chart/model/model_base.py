@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Collection, Mapping
 from collections.abc import Set as AbstractSet
@@ -29,6 +30,7 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.located_data import FILE_START, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
+from missionkit.geodesy import Origin
 from missionkit.messages import TRACKED, names_a_track
 
 NAMES_KEY = "x-name"  # in a schema, marks a text that names something of the mission
@@ -50,6 +52,7 @@ class Scope:
     variables: frozenset[str] = frozenset()
     folder: Path = HERE  # of the mission; files that it names are beside it or in folders below
     files: list[Path] = field(default_factory=list)  # that were read for plug-ins
+    origin: Origin | None = None  # of positions in latitude and longitude
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:
@@ -69,7 +72,21 @@ class Scope:
         states = _states(data.get("states"))
         vehicle = data.get("vehicle")
         kind = vehicle.get("use") if isinstance(vehicle, Mapping) else vehicle
-        return cls(catalogue.flying(kind), states, targets, guards, variables, folder)
+        origin = _origin(data.get("origin"))
+        names = states, targets, guards, variables
+        return cls(catalogue.flying(kind), *names, folder, origin=origin)
+
+
+def _origin(section: object) -> Origin | None:
+    """Return the origin, any if what is written is wrong: that is reported where it stands."""
+    if section is None:
+        return None
+    given = section if isinstance(section, Mapping) else {}
+    return Origin(*(_number(given.get(key)) for key in ("lat", "lon", "alt")))
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else 0.0
 
 
 class _Unreadable(frozenset[str]):
@@ -156,10 +173,10 @@ class Plain:
     ) -> CoreSchema:
         """Validate by `plain`, keep the model's own schema for documentation."""
 
-        def validate(data: object, _: object) -> BaseModel:
-            return plain(source, data)
+        def validate(data: object, _: object, info: core_schema.ValidationInfo[Any]) -> BaseModel:
+            return plain(source, data, info.context)
 
-        return core_schema.no_info_wrap_validator_function(validate, handler(source))
+        return core_schema.with_info_wrap_validator_function(validate, handler(source))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

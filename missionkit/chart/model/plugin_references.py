@@ -102,10 +102,10 @@ def _made(
 ) -> tuple[Plugin, list[InitErrorDetails]]:
     """Return a plug-in, and an error for each name it needs that does not exist."""
     if not is_foreign(plugin):
-        own = plain(plugin, parameters)
+        own = plain(plugin, parameters, scope)
         return own, unknown_targets(own, scope) + unknown_names(own, scope)
     with reporting_faults(ValidationError):
-        made = plain(plugin, parameters)
+        made = plain(plugin, parameters, scope)
         if isinstance(made, WindowGuardProtocol | CompositeGuardProtocol):
             made.begin()  # the flight begins with it
         if isinstance(made, Plugin):

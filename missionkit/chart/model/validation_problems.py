@@ -28,14 +28,19 @@ from missionkit.errors import Place, Problem
 M = TypeVar("M", bound=BaseModel)
 
 
-def plain(model: type[M], data: object) -> M:
+def plain(model: type[M], data: object, context: object = None) -> M:
     """Validate plain data as strictly as JSON: no number from a text, no truth from a number.
+
+    Args:
+        model: of the data.
+        data: plain, as read from a file.
+        context: for the validators, such as the scope of the mission.
 
     Raises:
         ValidationError: what is wrong, in sentences.
     """
     try:
-        return model.model_validate_json(json.dumps(data), strict=True)
+        return model.model_validate_json(json.dumps(data), strict=True, context=context)
     except ValidationError as error:
         found = [carried(what, path) for path, what in error_details(error, model, data)]
         raise sentences(*found) from error

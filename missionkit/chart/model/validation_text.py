@@ -84,13 +84,22 @@ def _wrong_value(error: Mapping[str, Any], field: FieldInfo | None) -> str:
         return f"must be {_bounds(field, context)}, got {shown(value)}"
     if kind == "union_tag_not_found":
         return "missing key 'use'"
-    wanted = expected(field) if field is not None else "a mapping"
+    wanted = _wanted(error["loc"], field)
     if kind.endswith(_TYPE_ERRORS):
         return f"expected {wanted}, got {shown(value)}{_remedy(wanted, value)}"
     if kind in {"too_long", "too_short"}:
         return f"expected {wanted}, got {context['actual_length']}"
     message = str(error["msg"])
     return message[:1].lower() + message[1:]
+
+
+def _wanted(path: Path, field: FieldInfo | None) -> str:
+    if field is None:
+        return "a mapping"
+    inside = any(hasattr(metadata, "written_as") for metadata in field.metadata)
+    if inside and isinstance(path[-1], int):
+        return f"a number ({unit_of(field)})"
+    return expected(field)
 
 
 def _remedy(wanted: str, value: object) -> str:

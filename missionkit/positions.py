@@ -1,0 +1,144 @@
+"""Positions as mission files write them: in metres, or in latitude and longitude.
+
+    [north, east, down]                            metres from the origin
+    {lat: 47.3, lon: 8.5, above_home: 20}          degrees, WGS 84, and a height (m)
+
+The reference of a height is always named: `above_home`, above the take-off point; `agl`, above the
+ground, which is taken as flat and level with the take-off point; or `amsl`, above mean sea level.
+On the ground plane, a corner of a polygon for example, a position is `[north, east]` or
+`{lat:, lon:}`.
+
+A field of type `Position` or `GroundPosition` accepts both forms and holds metres: conversion
+happens here, when a mission is loaded, with the mission's `origin`; nothing else knows of degrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
+from typing_extensions import override
+
+from missionkit.geodesy import Origin
+from missionkit.units import Degrees, Metres, Point, Spot
+
+HEIGHTS = ("agl", "amsl", "above_home")
+UNNAMED = ("alt", "altitude", "height")  # heights without a reference
+NO_ORIGIN = (
+    "a position in latitude and longitude needs the mission's 'origin: {lat:, lon:, alt:}', "
+    "where its take-off point is"
+)
+
+
+class GeodeticSpot(BaseModel):
+    """A place on the map, WGS 84."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    lat: Degrees = Field(ge=-90, le=90, description="latitude, north positive")
+    lon: Degrees = Field(ge=-180, le=180, description="longitude, east positive")
+
+    def metres(self, origin: Origin) -> tuple[float, ...]:
+        """Return north, east (m) of the origin."""
+        north, east, _ = origin.local(self.lat, self.lon, origin.altitude)
+        return float(north), float(east)
+
+
+class GeodeticPosition(GeodeticSpot):
+    """A place on the map and a height, with what the height is measured from."""
+
+    agl: Metres | None = Field(
+        default=None, description="height above the ground, flat at the take-off point's level"
+    )
+    amsl: Metres | None = Field(default=None, description="height above mean sea level")
+    above_home: Metres | None = Field(default=None, description="height above the take-off point")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, data: dict[str, object]) -> dict[str, object]:
+        unnamed = [key for key in UNNAMED if key in data]
+        if unnamed:
+            raise ValueError(
+                f"'{unnamed[0]}' does not say what the height is measured from: use one of "
+                f"{', '.join(HEIGHTS)}"
+            )
+        return data
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Self:
+        given = [name for name in HEIGHTS if getattr(self, name) is not None]
+        if not given:
+            raise ValueError(
+                "its height is missing: add one of agl, amsl, above_home (m), which names what it "
+                "is measured from"
+            )
+        if len(given) > 1:
+            raise ValueError(f"give one height, not {' and '.join(given)}")
+        return self
+
+    @override
+    def metres(self, origin: Origin) -> tuple[float, ...]:
+        """Return north, east, down (m) of the origin."""
+        above = self.agl if self.above_home is None else self.above_home
+        down = origin.altitude - self.amsl if self.amsl is not None else -(above or 0.0)
+        return (*super().metres(origin), down)
+
+
+class PositionForms:
+    """Marks a field that holds metres and may be written in degrees."""
+
+    def __init__(self, geodetic: type[GeodeticSpot], says: str) -> None:
+        self.geodetic = geodetic
+        self.written_as: tuple[type[BaseModel], ...] = (geodetic,)
+        self.says = says
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Accept both forms, return metres."""
+
+        def validate(
+            data: object, metres: ValidatorFunctionWrapHandler, info: ValidationInfo
+        ) -> object:
+            if isinstance(data, list):
+                return metres(tuple(data))  # strictness is about the numbers
+            if not isinstance(data, Mapping):
+                return metres(data)
+            written = self.geodetic.model_validate(dict(data))
+            origin = getattr(info.context, "origin", None)
+            if origin is None:
+                raise ValueError(NO_ORIGIN)
+            return written.metres(origin)
+
+        return core_schema.with_info_wrap_validator_function(validate, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Describe both forms."""
+        geodetic = self.geodetic.model_json_schema()
+        heights = [{"required": [name]} for name in HEIGHTS if name in geodetic["properties"]]
+        one = {"oneOf": heights} if heights else {}
+        return {"anyOf": [handler(schema), {**geodetic, **one}]}
+
+
+Position = Annotated[
+    Point,
+    PositionForms(
+        GeodeticPosition,
+        "[north, east, down] (m) or {lat:, lon:, and agl:, amsl: or above_home:}",
+    ),
+]
+"""North, east, down (m), also written {lat:, lon:, agl: | amsl: | above_home:}."""
+GroundPosition = Annotated[Spot, PositionForms(GeodeticSpot, "[north, east] (m) or {lat:, lon:}")]
+"""North, east (m), also written {lat:, lon:}."""
