@@ -80,14 +80,14 @@ def problems_of(
     Args:
         mission: a file that could be read.
         catalogue: what it may name.
-        world: says how long a battery lasts and how far a scan reaches, if it is known.
+        world: says how long a battery lasts, how full it is and how far a scan reaches, if known.
     """
     from missionkit.chart.checks import findings  # noqa: PLC0415 - heavy
 
-    endurance, sight = (None, None) if world is None else _limits(world)
+    endurance, sight, charge = (None, None, 1.0) if world is None else _limits(world)
     found = {
         *unmet(mission, catalogue),
-        *findings(mission, catalogue, endurance=endurance, sight=sight),
+        *findings(mission, catalogue, endurance=endurance, charge=charge, sight=sight),
     }
     return sorted(found, key=_order)
 
@@ -109,14 +109,15 @@ def _world_of(path: Path, mission: Mission) -> tuple[AnyWorld | None, Sequence[P
         return None, error.problems
 
 
-def _limits(world: AnyWorld) -> tuple[float | None, float | None]:
-    """Return how long (s) a vehicle hovers on its battery, and how far (m) its scanner sees.
+def _limits(world: AnyWorld) -> tuple[float | None, float | None, float]:
+    """Return how long (s) a vehicle hovers, how far (m) its scanner sees, and its charge (0 to 1).
 
     None: it does not hover, it has no scanner.
     """
     from missionkit.sim.world import World  # noqa: PLC0415 - heavy
 
     if not isinstance(world, World):
-        return None, None
+        return None, None, 1.0
     joules = 3600.0 * world.battery.capacity * world.battery.charge
-    return joules / world.quadrotor.hovering, world.sensors.scan.range
+    hovers = joules / world.quadrotor.hovering
+    return hovers, world.sensors.scan.range, world.battery.charge

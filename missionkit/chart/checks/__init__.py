@@ -7,8 +7,11 @@ from dataclasses import replace
 
 from missionkit.chart.checks import (
     battery_reserve,
+    broken_on_entry,
     default_failsafes,
     delayed_events,
+    disarming,
+    event_deadlocks,
     geofence_violations,
     hysteresis,
     implausible_goals,
@@ -24,6 +27,7 @@ from missionkit.chart.checks import (
     standoffs,
     stopping_distance,
     success_conditions,
+    take_off_failsafes,
 )
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.search import explore
@@ -41,10 +45,12 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     oscillations.problems_of,
     delayed_events.problems_of,
     hysteresis.problems_of,
+    broken_on_entry.problems_of,
     plugin_requirements.problems_of,
     landing_guarantee.problems_of,
     landing_guarantee.returns,
     misspelt_events.problems_of,
+    event_deadlocks.problems_of,
     geofence_violations.problems_of,
     standoffs.problems_of,
     success_conditions.problems_of,
@@ -57,6 +63,7 @@ def findings(
     catalogue: Catalogue,
     *,
     endurance: float | None = None,
+    charge: float = 1.0,
     sight: float | None = None,
 ) -> list[Problem]:
     """Return everything that the checks find, in the order of the file.
@@ -65,6 +72,7 @@ def findings(
         mission: as loaded without problems; its contracts are carried out here.
         catalogue: what it was loaded with.
         endurance: time (s) that the vehicle hovers on a full battery, if that is known.
+        charge: of the battery at the start, 0 to 1.
         sight: how far (m) the scanner sees obstacles, if that is known.
     """
     catalogue = catalogue.flying(mission.vehicle.use)
@@ -73,6 +81,7 @@ def findings(
     found += _explored(chart, found)
     if catalogue.vehicle.over_ground:
         found += implausible_goals.problems_of(chart)
+        found += take_off_failsafes.problems_of(chart, charge)
     found += default_failsafes.problems_of(mission, catalogue)
     if endurance is not None:
         found += battery_reserve.problems_of(chart, endurance)
@@ -88,6 +97,7 @@ def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem
     if not explored.complete:
         yield _unproven(chart)
     yield from livelocks.problems_of(explored_chart, explored)
+    yield from disarming.problems_of(explored_chart, explored)
     yield from reachability.unreachable(chart, explored)
     places = {problem.place for problem in told if problem.code in NEVER_FIRES}
     yield from never_fires.problems_of(explored_chart, explored, places)

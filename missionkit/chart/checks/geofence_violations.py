@@ -30,8 +30,8 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         if count >= MOST_LEGS:
             return
         for failsafe, acts, walls in fences:
-            if leg.before and acts(leg.start) and not acts(leg.end):
-                continue  # reported where that is the goal
+            if acts(leg.start) and not acts(leg.end):
+                continue  # reported where that is the goal, or as acting at take-off
             at = _first_broken(leg, acts, walls)
             if at is not None:
                 yield _problem(leg, failsafe, at, acts)
@@ -61,7 +61,7 @@ def outside(mission: Mission, places: Iterable[Point3]) -> float | None:
         return None
     return max(
         (
-            min(abs(_margin(fence, place)) for fence in fences)
+            min(abs(margin(fence, place)) for fence in fences)
             for place in places
             for acts, fences in kept
             if acts(place)
@@ -70,8 +70,8 @@ def outside(mission: Mission, places: Iterable[Point3]) -> float | None:
     )
 
 
-def _margin(fence: InsideFence, place: Point3) -> float:
-    """Return the distance (m) to the nearest wall or the ceiling, negative outside."""
+def margin(fence: InsideFence, place: Point3) -> float:
+    """Return the distance (m) of a place to the nearest wall or the ceiling, negative outside."""
     north, east, down = place
     level = (north - fence.north[0], fence.north[1] - north, east - fence.east[0])
     return min(*level, fence.east[1] - east, fence.height + down)

@@ -18,6 +18,7 @@ from missionkit.chart.checks.interval_boxes import (
     outside,
     union,
 )
+from missionkit.chart.checks.possible_places import Places
 from missionkit.chart.checks.state_tree import StateTree
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Assign
@@ -55,6 +56,8 @@ class RegionReader:
         self.guards = tree.mission.guards
         self.named: dict[str, GuardRegion] = {}
         self.quantities = dict(_variables(tree))
+        self.places = Places(tree.mission)
+        self.anywhere = False  # read guards as if a place had any distances
 
     def truth(self, guard: ex.Expression | None, source: str = "") -> GuardRegion:
         """Return where a guard holds in a transition of the state `source`."""
@@ -66,13 +69,25 @@ class RegionReader:
                     self.named[name] = self.truth(self.guards[name])
                 return self.named[name]
             case ex.All(parts=parts):
-                return _all([self.truth(part, source) for part in parts])
+                return self._somewhere(_all([self.truth(part, source) for part in parts]))
             case ex.Any(parts=parts):
-                return _negated(_all([_negated(self.truth(part, source)) for part in parts]))
+                fails = [_negated(self.truth(part, source)) for part in parts]
+                return _negated(self._somewhere(_all(fails)))
             case ex.Not(part=part):
                 return _negated(self.truth(part, source))
             case _:
                 return self._leaf(guard, source)
+
+    def _somewhere(self, truth: GuardRegion) -> GuardRegion:
+        """Return a region without the boxes whose distances no place has."""
+        return truth if self.anywhere else truth._replace(may=self.places.possible(truth.may))
+
+    def apart(self, guard: ex.Expression | None, source: str = "") -> str:
+        """Return which places are too far apart for a guard ever to hold, "" if none are."""
+        reader = RegionReader(self.tree)
+        reader.anywhere = True
+        boxes = reader.truth(guard, source).may
+        return next(filter(None, map(self.places.conflict, boxes)), "")
 
     def _leaf(self, guard: ex.Expression, source: str) -> GuardRegion:
         match guard:

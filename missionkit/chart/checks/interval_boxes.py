@@ -187,6 +187,14 @@ def _covered(box: Box, by: Boxes) -> bool:
     return len(near) > 1 and remains((box,), near) == ()
 
 
+def kept_at_entry(boxes: Boxes) -> Boxes:
+    """Return what boxes say of the world outside, which entering a state does not change."""
+    return tuple(
+        {quantity: span for quantity, span in box.items() if quantity.at_entry == "kept"}
+        for box in boxes
+    )
+
+
 def _contains(outer: Box, inner: Box) -> bool:
     for quantity, there in outer.items():
         if quantity not in inner:

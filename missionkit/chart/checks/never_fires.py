@@ -9,8 +9,11 @@ from missionkit.chart.checks.exploration.search import Exploration, Node
 from missionkit.chart.checks.guarded_transitions import GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered
 from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.semantics.actions_and_events import matches
 from missionkit.errors import Level, Place, Problem
+from missionkit.guards.state_progress import TIME_IN_STATE
 
+STATES_SHOWN = 4  # states in a message
 VALUES_SHOWN = 4  # values of a variable in a message
 
 
@@ -92,9 +95,42 @@ def _before(chart: ExploredChart, way: GuardedTransition) -> str:
     for failsafe in chart.analysed.failsafes:
         if failsafe.surely and covered(way.truth.may, failsafe.surely):
             return f"failsafe {failsafe.model.name!r} acts before"
+    for name in (way.source, *chart.tree.around(way.source)):
+        invariant = chart.tree.states[name].state.invariant
+        if invariant.holds is None or invariant.exit is None:
+            continue
+        if covered(way.truth.may, chart.analysed.reader.truth(invariant.holds, name).surely_not):
+            return f"it breaks the invariant of {name!r}, which leads to {invariant.exit!r} before"
+    inside = _shadows_inside(chart, way)
+    if inside:
+        return f"every state inside {way.source!r} is left before: {'; '.join(inside)}"
     if way.model.event is not None:
         return "when that event can come, something before it is taken"
     return "whenever it is ready, something before it is taken"
+
+
+def _shadows_inside(chart: ExploredChart, way: GuardedTransition) -> list[str]:
+    """Return what goes before a transition in each state inside its source; none if not in all."""
+    tree = chart.tree
+    leaves = [leaf for leaf in tree.leaves if way.source in tree.around(leaf)]
+    found = []
+    for leaf in leaves[:STATES_SHOWN] if len(leaves) <= STATES_SHOWN else []:
+        inner = (each for each in chart.analysed.out_of(leaf) if each.source != way.source)
+        first = next((each for each in inner if _goes_before(each, way)), None)
+        if first is None:
+            return []
+        found.append(f"{leaf!r} by {first.label}")
+    return found
+
+
+def _goes_before(one: GuardedTransition, way: GuardedTransition) -> bool:
+    """Say whether a transition of an inner state is ready whenever another is, after its dwell."""
+    heard = way.model.event is not None and one.model.event is not None
+    if heard and not all(matches(one.model.event or (), event) for event in way.model.event or ()):
+        return False
+    if one.model.event is not None and way.model.event is None:
+        return False
+    return covered(way.truth.may, one.truth.surely)
 
 
 def _left_before(
@@ -104,11 +140,21 @@ def _left_before(
     own = {number: age for number, age in ends.items() if number in chart.ways}
     if not own:
         return f"{way.source!r} never lasts {waits:g} s"
-    number = max(own, key=lambda each: own[each])
+    number = max(own, key=lambda each: (own[each], _by_time(chart.ways[each])))
     by = chart.ways[number]
+    if not by.written:
+        kind = chart.tree.states[by.source].state.kind
+        what = f"{by.label}, the default failsafe {by.model.name!r} of kind {kind!r},"
+        return f"it needs {waits:g} s, but {what} ends {by.source!r} after {own[number]:g} s"
     if by.source != way.source:
         return f"it needs {waits:g} s, but {by.label} ends {by.source!r} around it before"
     return f"it needs {waits:g} s, but {by.label} ends {way.source!r} after {own[number]:g} s"
+
+
+def _by_time(way: GuardedTransition) -> bool:
+    """Say whether a transition waits for a time in its source."""
+    timed = any(TIME_IN_STATE in box for box in way.truth.may)
+    return timed or way.model.after is not None
 
 
 def _variables(chart: ExploredChart, way: GuardedTransition) -> list[str]:

@@ -66,6 +66,11 @@ def _following(chart: AnalysedChart, name: str) -> Iterator[str]:
     for way in chart.ways[name]:
         if way.may:
             yield from way.model.targets
+    yield from leads_away(chart, name)
+
+
+def leads_away(chart: AnalysedChart, name: str) -> Iterator[str]:
+    """Yield where invariants, failsafes and broken requirements lead from a state."""
     escape = chart.tree.escape(name)
     if escape is not None:
         yield escape

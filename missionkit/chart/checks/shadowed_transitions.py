@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from missionkit.chart.checks.counterexample_text import at, example
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, Guarded, GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered, intersection
+from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.semantics.actions_and_events import matches
 from missionkit.errors import Level, Problem
 from missionkit.guards.state_progress import TIME_IN_STATE
@@ -23,7 +24,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
             if not way.written:
                 continue
             if not way.may:
-                yield _never(way)
+                yield _never(chart, way)
                 continue
             if way.model.for_ and way.model.after is not None:
                 yield from _idle_timer(way)
@@ -44,22 +45,29 @@ def _before(ways: Sequence[GuardedTransition], at_: int) -> list[GuardedTransiti
     return [*ways[:at_], *(each for each in later if each.eventless)]
 
 
-def _never(way: GuardedTransition) -> Problem:
+def _never(chart: AnalysedChart, way: GuardedTransition) -> Problem:
     guard = way.reason
     return Problem(
         way.model.place("when"),
-        f"state {way.source!r}: {guard} can never hold, so the transition never fires: {_why(way)}",
+        f"state {way.source!r}: {guard} can never hold, so the transition never fires: "
+        f"{_why(chart, way)}",
         Level.ERROR,
         "never-true",
         "correct the guard, or remove the transition",
     )
 
 
-def _why(way: GuardedTransition) -> str:
+def _why(chart: AnalysedChart, way: GuardedTransition) -> str:
     when = way.model.when
     if getattr(when, "kind", "") == "done":
         return "nothing here is ever done"
-    return "no combination of values satisfies it"
+    return _unsatisfied(chart, when, way.source)
+
+
+def _unsatisfied(chart: AnalysedChart, when: ex.Expression | None, source: str = "") -> str:
+    """Return why a guard never holds."""
+    apart = chart.reader.apart(when, source)
+    return f"{apart}" if apart else "no combination of values satisfies it"
 
 
 def _idle_timer(way: GuardedTransition) -> Iterator[Problem]:
@@ -201,8 +209,8 @@ def failsafes(chart: AnalysedChart) -> Iterator[Problem]:
         if not late.may:
             yield Problem(
                 late.model.place("when"),
-                f"failsafe {name!r}: its guard can never hold: no combination of values satisfies "
-                "it",
+                f"failsafe {name!r}: its guard can never hold: "
+                f"{_unsatisfied(chart, late.model.when)}",
                 Level.ERROR,
                 "never-true",
                 "correct the guard",

@@ -7,6 +7,7 @@ from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.search import Node, Step
 
 STEPS_SHOWN = 6
+START = "start"  # reason of the entry of the initial states
 
 
 def run_text(chart: ExploredChart, node: Node, last: Step, to: str) -> str:
@@ -26,7 +27,7 @@ def run_text(chart: ExploredChart, node: Node, last: Step, to: str) -> str:
     shown: list[str] = []
     for step, state in reversed(ways):
         now += step.seconds
-        if step.taken or not shown:
+        if step.taken or step.forced or not shown:
             cause = _cause(chart, step)
             shown.append(f"{now:g} s {cause}{': ' if cause else ''}{state}")
     return "; ".join(_shortened(shown))
@@ -40,7 +41,7 @@ def _shortened(shown: list[str]) -> list[str]:
 
 def _cause(chart: ExploredChart, step: Step) -> str:
     if not step.taken:
-        return ""
+        return step.forced if step.forced != START else ""
     first = step.taken[0]
     if first in chart.failsafes:
         return chart.failsafes[first]

@@ -10,6 +10,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from missionkit.chart.checks.exploration.off_ground import off_ground
 from missionkit.chart.checks.exploration.oracle import Oracle, OracleCompiler
 from missionkit.chart.checks.guard_regions import NEVER_DONE
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
@@ -55,7 +56,7 @@ class ExploredChart:
     def __init__(self, analysed: AnalysedChart) -> None:
         self.analysed = analysed
         self.tree = analysed.tree
-        self.oracle = Oracle()
+        self.oracle = Oracle(analysed.reader.places)
         mission = analysed.mission
         assigned = {act.variable for act in actions_of(mission) if isinstance(act, Assign)}
         constants = mission.variables.keys() - assigned
@@ -72,6 +73,7 @@ class ExploredChart:
             for name, ways in analysed.ways.items()
             for compiled_way, way in zip(states[name].transitions, ways, strict=True)
         }
+        self.off_ground = off_ground(analysed, self.ways)
         self.failsafes = {way.number: way.text for way in failsafes}
         _note_uses(asker, analysed)
         self.limits = {name: self._limits(state) for name, state in states.items()}

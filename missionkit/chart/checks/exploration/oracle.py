@@ -14,7 +14,13 @@ from typing import NamedTuple
 from typing_extensions import override
 
 from missionkit.chart.checks.guard_regions import GuardRegion, RegionReader
-from missionkit.chart.checks.interval_boxes import EVERYWHERE, intersection, remains
+from missionkit.chart.checks.interval_boxes import (
+    EVERYWHERE,
+    intersection,
+    kept_at_entry,
+    remains,
+)
+from missionkit.chart.checks.possible_places import Places
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction
 from missionkit.chart.semantics.guard_compiler import (
@@ -112,7 +118,9 @@ class Situation:
         """Forget what is known only of the state that commanded before."""
         self.fresh = True
         self.answers = []
-        self.known = self.known.after("entry", lambda: _kept(self.known.boxes) or EVERYWHERE)
+        self.known = self.known.after(
+            "entry", lambda: kept_at_entry(self.known.boxes) or EVERYWHERE
+        )
 
     def take(self, leaf: Leaf) -> Verdict:
         """Choose what a leaf answers, among what the situation leaves open."""
@@ -137,7 +145,7 @@ class Situation:
 
     def _noted(self, boxes: Boxes) -> Boxes:
         self.oracle.work += sum(map(len, boxes))
-        return boxes
+        return self.oracle.places.possible(boxes)
 
 
 class Knowledge:
@@ -169,13 +177,6 @@ def _left(boxes: Boxes, truth: GuardRegion, option: Answer) -> Boxes:
     return boxes if left is None else left
 
 
-def _kept(boxes: Boxes) -> Boxes:
-    """Return what is known of the world outside, which entering a state does not change."""
-    return tuple(
-        {quantity: span for quantity, span in box.items() if _stays(quantity)} for box in boxes
-    )
-
-
 def _possible_at_entry(boxes: Boxes) -> Boxes:
     """Return what of the boxes is possible in the tick of entry."""
     return tuple(
@@ -199,11 +200,12 @@ class Oracle:
     """Answers the leaf guards of one chart.
 
     Args:
-        pinned: where the quantities lie whatever is chosen.
+        places: of the mission: no answer contradicts where they are.
     """
 
-    def __init__(self, pinned: Boxes = EVERYWHERE) -> None:
-        self.nothing = Knowledge(pinned)
+    def __init__(self, places: Places) -> None:
+        self.places = places
+        self.nothing = Knowledge(EVERYWHERE)
         self.situation = Situation(self, (), 0.0)
         self.leaves: dict[str, Leaf] = {}
         self.work = 0  # intervals worked out so far

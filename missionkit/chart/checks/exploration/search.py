@@ -16,7 +16,7 @@ from missionkit.chart.semantics.chart_memory import ChartMemory, begin
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.entry_exit_sets import Move
 from missionkit.chart.semantics.step import decide
-from missionkit.messages import ABORT, Estimate, Goal, VehicleStatus
+from missionkit.messages import ABORT, Action, Estimate, Goal, VehicleStatus
 from missionkit.messages.region import Boxes
 from missionkit.plugin_containment import Containment
 
@@ -38,6 +38,7 @@ class Step(NamedTuple):
     event: str  # from outside; empty if none
     taken: tuple[int, ...]  # numbers of the transitions
     boxes: Boxes  # where the quantities may lie
+    forced: str = ""  # why it leads away where no transition of the file does
 
 
 class Node(NamedTuple):
@@ -47,6 +48,7 @@ class Node(NamedTuple):
     ages: Ages
     before: Node | None
     step: Step | None
+    aloft: bool = False  # the vehicle may have left the ground; only where the chart disarms
 
 
 class Circle(NamedTuple):
@@ -64,6 +66,15 @@ class Tick(NamedTuple):
     moves: Sequence[Move]
     step: Step
     circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
+    orders: Sequence[Action] = ()
+
+
+class Disarming(NamedTuple):
+    """A tick that disarms while the vehicle may be in the air."""
+
+    node: Node
+    step: Step
+    moves: Sequence[Move]
 
 
 class Exploration(NamedTuple):
@@ -74,6 +85,7 @@ class Exploration(NamedTuple):
     reached: Mapping[str, Node]
     left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
     circles: Sequence[Circle]
+    disarming: Sequence[Disarming]
     complete: bool  # nothing else can happen
     ticks: int  # tried, those of large charts count more
 
@@ -109,6 +121,7 @@ class Search:
         self.reached: dict[str, Node] = {}
         self.left: dict[str, dict[int, float]] = {}
         self.circles: list[Circle] = []
+        self.disarming: list[Disarming] = []
         self.complete = True
 
     def run(self) -> Exploration:
@@ -122,7 +135,7 @@ class Search:
             self._follow(self.waiting.popleft())
         return Exploration(
             *(self.nodes, self.taken, self.reached, self.left),
-            *(self.circles, self.complete, self.ticks),
+            *(self.circles, self.disarming, self.complete, self.ticks),
         )
 
     def _exhausted(self) -> bool:
@@ -136,7 +149,7 @@ class Search:
         memory, limits = node.memory, self.chart.limits
         cell = tuple([clocks.following(age.low, limits[name]) for name, age in node.ages.items()])
         key = (
-            *(memory.active, memory.started, memory.ended, cell),
+            *(memory.active, memory.started, memory.ended, node.aloft, cell),
             tuple(memory.history.items()),
             self.chart.capped(memory.variables),
             tuple([each.event for each in memory.delayed]),
@@ -166,7 +179,8 @@ class Search:
         if not rests:
             return
         for seconds, later in clocks.passed(node.ages, limits):
-            self._add(Node(node.memory, later, node, Step(seconds, "", (), EVERYWHERE)))
+            step = Step(seconds, "", (), EVERYWHERE)
+            self._add(Node(node.memory, later, node, step, node.aloft))
 
     def _note(self, node: Node, ages: Ages, tick: Tick) -> bool:
         """Add what a path leads to; say whether nothing happens on it."""
@@ -184,14 +198,24 @@ class Search:
             for name in move.active:
                 self.reached.setdefault(name, node)
         self._note_left(node, tick, kept)
+        aloft = self._aloft(node, tick)
         later = {
             name: ages[name] if name in kept else ENTERED
             for name in tick.memory.active
             if self.chart.limits[name]
         }
         for part in clocks.split(later, self.chart.limits):
-            self._add(Node(tick.memory, part, node, tick.step))
+            self._add(Node(tick.memory, part, node, tick.step, aloft))
         return False
+
+    def _aloft(self, node: Node, tick: Tick) -> bool:
+        """Say whether the vehicle may be in the air when a tick acts; note one that disarms it."""
+        active, started = node.memory.active, node.memory.started
+        taken = tick.step.taken
+        aloft = self.chart.off_ground.after(active, taken, started=started, before=node.aloft)
+        if aloft and Action.DISARM in tick.orders:
+            self.disarming.append(Disarming(node, tick.step, tick.moves))
+        return aloft
 
     def _note_left(self, node: Node, tick: Tick, kept: set[str]) -> None:
         """Note what ended each state that is not active any more, and how old it was."""
@@ -240,8 +264,9 @@ class Search:
         numbers = [_numbers(key) for key in self.chart.moves.noted]
         taken = tuple([number for each in numbers for number in each if number > 0])
         circle = _period(numbers) if contain.failures else ()
-        step = Step(0.0, event, taken, situation.known.boxes)
-        return Tick(after, decision.moves, step, circle)
+        forced = "" if taken or not decision.fired else decision.fired[0].reason
+        step = Step(0.0, event, taken, situation.known.boxes, forced)
+        return Tick(after, decision.moves, step, circle, decision.orders)
 
     def _prepared(self, node: Node, situation: Situation) -> ChartMemory:
         """Return the memory of a node, as of now, with what is left open chosen when asked for."""
