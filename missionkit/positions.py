@@ -9,7 +9,8 @@ On the ground plane, a corner of a polygon for example, a position is `[north, e
 `{lat:, lon:}`.
 
 A field of type `Position` or `GroundPosition` accepts both forms and holds metres: conversion
-happens here, when a mission is loaded, with the mission's `origin`; nothing else knows of degrees.
+happens here, when a mission is loaded, with the `origin` of the validation context; its list `amsl`
+collects the positions whose height is above mean sea level.
 """
 
 from __future__ import annotations
@@ -115,10 +116,11 @@ class PositionForms:
             if not isinstance(data, Mapping):
                 return metres(data)
             written = self.geodetic.model_validate(dict(data))
-            origin = getattr(info.context, "origin", None)
-            if origin is None:
+            if info.context is None or info.context.origin is None:
                 raise ValueError(NO_ORIGIN)
-            return written.metres(origin)
+            if isinstance(written, GeodeticPosition) and written.amsl is not None:
+                info.context.amsl.append(written)
+            return written.metres(info.context.origin)
 
         return core_schema.with_info_wrap_validator_function(validate, handler(source))
 

@@ -10,7 +10,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.validation_problems import plain
 from missionkit.errors import FileError
 from missionkit.geodesy import Origin
-from missionkit.positions import GroundPosition, Position
+from missionkit.positions import GeodeticPosition, GroundPosition, Position
 
 ORIGIN = "origin: {lat: 47.397742, lon: 8.545594, alt: 488.0}"
 HERE = Origin(47.397742, 8.545594, 488.0)
@@ -29,6 +29,7 @@ states:
 
 class Scoped(BaseModel):
     origin: Origin | None = HERE
+    amsl: list[GeodeticPosition] = []
 
 
 class Pattern(BaseModel):
@@ -57,6 +58,8 @@ def test_metres_stay_as_they_are():
 )
 def test_degrees_become_metres_of_the_origin(height, down):
     north, east, _ = HERE.local(47.3985, 8.5460, 488.0)
+    found = parse(MISSION % (ORIGIN, f"{{lat: 47.3985, lon: 8.5460, {height}}}"), "m", assemble(()))
+    assert found.has_amsl == ("amsl" in height)
     assert position(f"{{lat: 47.3985, lon: 8.5460, {height}}}") == (north, east, down)
 
 

@@ -29,6 +29,7 @@ from missionkit.vehicle.command.estimate_sharing import SHARE_NOTHING, Share
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import become_fit
+from missionkit.vehicle.telemetry.mission_origin import MissionOrigin
 from missionkit.vehicle.telemetry.required_inputs import (
     EXTERNAL_INPUT,
     FIX_INPUT,
@@ -83,7 +84,16 @@ def vehicle_of(
         system=system,
         guard=patience,
         relies_on=relied_on(mission),
+        wanted=origin_wanted(mission),
     )
+
+
+def origin_wanted(mission: Mission) -> MissionOrigin | None:
+    """Return the origin that a vehicle must measure from; None: its home."""
+    if mission.origin is None:
+        return None
+    by_fixes = FIX_INPUT in relied_on(mission)
+    return MissionOrigin(mission.origin.geodetic, mission.has_amsl, by_fixes)
 
 
 def relied_on(mission: Mission) -> frozenset[str]:

@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.api.missions import assemble
+from missionkit.api.vehicle_flight import origin_wanted
 from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError, VehicleError
+from missionkit.geodesy import Origin
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.command.fence_upload import (
     Ground,
@@ -24,7 +26,6 @@ from missionkit.vehicle.command.fence_upload import (
 )
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.preflight.inspection import wait_for_messages
-from missionkit.vehicle.telemetry.earth_origin import Origin
 
 Point = tuple[float, float, float]
 HEIGHTS = {"PX4": "GF_MAX_VER_DIST", "ArduPilot": "FENCE_ALT_MAX"}
@@ -66,7 +67,9 @@ def fence(wanted: FenceOptions) -> ExitCode:
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
     around = box_of(mission, wanted.margin)
     points = [_point(text) for text in wanted.rally]
-    vehicle = MavsdkVehicle(parse(wanted.address), system=wanted.system, guard=None)
+    vehicle = MavsdkVehicle(
+        parse(wanted.address), system=wanted.system, guard=None, wanted=origin_wanted(mission)
+    )
     print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
     return ExitCode.SUCCESS
 
@@ -128,6 +131,8 @@ async def _home(vehicle: MavsdkVehicle) -> Origin:
         )
     await wait_for_messages(vehicle, ("HOME_POSITION",), HOME_TIMEOUT)
     await vehicle.observe(0.0)
+    if vehicle.observer.misplaced:
+        raise VehicleError(vehicle.observer.misplaced)
     if vehicle.observer.origin is None:
         raise VehicleError(
             f"the vehicle has not reported its home for {HOME_TIMEOUT:g} s: check its GNSS"

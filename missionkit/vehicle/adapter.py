@@ -38,6 +38,7 @@ from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
 from missionkit.vehicle.link.message_rates import NAMES, QUEUED, Streams
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
+from missionkit.vehicle.telemetry.mission_origin import MissionOrigin
 from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
 from missionkit.vehicle.telemetry.raw_imu_conversion import RawImuConverter
 from missionkit.vehicle.telemetry.reported_pose import Pose, reported_pose
@@ -63,6 +64,7 @@ class MavsdkVehicle:
         system: MAVLink system id of the vehicle, where several share the link.
         guard: how long the guardian bears silence; None: no guardian, for who only looks.
         relies_on: inputs whose absence is a problem (`reliance`).
+        wanted: the mission's origin, if it has one; None: the vehicle's home is the origin.
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class MavsdkVehicle:
         system: int | None = None,
         guard: Patience | None = USUAL,
         relies_on: Iterable[str] = (),
+        wanted: MissionOrigin | None = None,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -90,6 +93,7 @@ class MavsdkVehicle:
         self._share = share
         self._system = system
         self._guard = guard
+        self._wanted = wanted
         self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
         self._notes = EventNotes()
@@ -292,6 +296,7 @@ class MavsdkVehicle:
         self._parts = ConnectedVehicle(
             *(link, self._lifecycle, dialect, self.cache, self._clock),
             *(*callbacks, self._pace, idle),
+            wanted=self._wanted,
         )
         if self._share != SHARE_NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall

@@ -24,6 +24,7 @@ from missionkit.vehicle.link.time_sync import TimeSync
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.flight_phase import FlightPhase
 from missionkit.vehicle.telemetry.message_readings import triple
+from missionkit.vehicle.telemetry.mission_origin import MissionOrigin
 from missionkit.vehicle.telemetry.observer import Observer
 
 CATCH_UP_TIME = 0.3  # s, wall, until what had queued up during a standstill is worked off
@@ -46,6 +47,7 @@ class ConnectedVehicle:
         check: decides which messages are trusted.
         pace: seconds of the vehicle in one of the wall.
         idle: called when setpoints stop on purpose.
+        wanted: the mission's origin, if it has one.
     """
 
     def __init__(
@@ -60,13 +62,14 @@ class ConnectedVehicle:
         check: MessageCheck,
         pace: float,
         idle: Callable[[], None] = lambda: None,
+        wanted: MissionOrigin | None = None,
     ) -> None:
         self.link = link
         self.dialect = dialect
         self.state = AutopilotState(cache, dialect)
         self.phase = FlightPhase(cache, dialect)
         self.time_sync = TimeSync(link, wall, pace, note)
-        self.observer = Observer(cache, self.phase, clock, self.time_sync.take)
+        self.observer = Observer(cache, self.phase, clock, self.time_sync.take, wanted)
         self.authority = ControlAuthority(
             dialect, self._let_go, tell, self._unheard, self.state.whereabouts, note
         )

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import vec
 from missionkit.vehicle.autopilot_dialect import (
     ARDUPILOT,
@@ -11,7 +12,6 @@ from missionkit.vehicle.autopilot_dialect import (
     word,
 )
 from missionkit.vehicle.telemetry import message_readings
-from missionkit.vehicle.telemetry.earth_origin import Origin
 from missionkit.vehicle.telemetry.status_text import event_of
 
 HOME = Origin(47.3977418, 8.5455938, 488.0)

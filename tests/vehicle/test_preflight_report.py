@@ -7,11 +7,11 @@ from vehicle.test_ground_sensors import DOWN, RAD, RATE
 from vehicle.test_obstacle_ring import ring
 
 from missionkit.errors import VehicleError
+from missionkit.geodesy import Origin
 from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
 from missionkit.vehicle.command.fence_upload import box, rally, set_fence
 from missionkit.vehicle.failsafe_parameters import FailsafeLevel
 from missionkit.vehicle.preflight.preflight_report import Findings, judged
-from missionkit.vehicle.telemetry.earth_origin import Origin
 
 SAFE = {
     "COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "NAV_DLL_ACT": 2.0,

@@ -15,6 +15,9 @@ from missionkit.cli.preflight_command import PreflightOptions, preflight
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import ExitCode, UsageError
+from missionkit.geodesy import Origin
+from missionkit.geometry import vec
+from missionkit.sitl.geodetic import ZURICH
 from missionkit.vehicle.guardian.policy import Patience
 
 TRIP = """
@@ -36,12 +39,21 @@ states:
   land:
     kind: land
 """
+HERE = Origin(*ZURICH)  # where the simulated autopilot is armed
 
 
-@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, monkeypatch, tmp_path):
+def elsewhere(text):
+    """Return the mission with an origin 20 m from where it is armed, and the tree in degrees."""
+    tree, origin = HERE.place(vec(8.0, 3.0, 0.0)), HERE.place(vec(-12.0, 16.0, 0.0))
+    place = f"{{lat: {tree[0]:.9f}, lon: {tree[1]:.9f}, above_home: 3}}"
+    written = f"origin: {{lat: {origin[0]:.9f}, lon: {origin[1]:.9f}, alt: 488}}\ntargets"
+    return text.replace("[8.0, 3.0, -3.0]", place).replace("targets", written)
+
+
+@pytest.mark.parametrize(("dialect", "text"), [("px4", elsewhere(TRIP)), ("ardupilot", TRIP)])
+def test_a_mission_is_flown_as_it_is_in_the_simulator(dialect, text, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    mission = parse(TRIP, "trip", builtin())
+    mission = parse(text, "trip", builtin())
     states, plan = [], prepare(mission, builtin())
     with sitl(dialect) as autopilot:
         vehicle = vehicle_of(autopilot.url, mission, speed=autopilot.speed)

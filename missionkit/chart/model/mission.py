@@ -108,6 +108,7 @@ class Mission(MissionPart):
 
     _included: tuple[Path, ...] = PrivateAttr(default=())
     _known: Occupancy | None = PrivateAttr(default=None)
+    _has_amsl: bool = PrivateAttr(default=False)
 
     @model_validator(mode="before")
     @classmethod
@@ -129,6 +130,7 @@ class Mission(MissionPart):
 
     @model_validator(mode="after")
     def _flown(self, info: ValidationInfo) -> Self:
+        self._has_amsl = bool(scope_of(info).amsl)
         vehicle = scope_of(info).catalogue.vehicle
         navigator = self.navigation
         fits = getattr(navigator.plugin, "vehicles", (vehicle.name,))  # of another package: any
@@ -161,6 +163,11 @@ class Mission(MissionPart):
     def included(self) -> tuple[Path, ...]:
         """The files that were included, in the order they were read, then those of the map."""
         return self._included
+
+    @property
+    def has_amsl(self) -> bool:
+        """Whether it has positions whose height is above mean sea level."""
+        return self._has_amsl
 
     @property
     def known(self) -> Occupancy | None:

@@ -32,6 +32,7 @@ from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 from missionkit.geodesy import Origin
 from missionkit.messages import TRACKED, names_a_track
+from missionkit.positions import GeodeticPosition
 
 NAMES_KEY = "x-name"  # in a schema, marks a text that names something of the mission
 HERE = Path()
@@ -53,6 +54,7 @@ class Scope:
     folder: Path = HERE  # of the mission; files that it names are beside it or in folders below
     files: list[Path] = field(default_factory=list)  # that were read for plug-ins
     origin: Origin | None = None  # of positions in latitude and longitude
+    amsl: list[GeodeticPosition] = field(default_factory=list)  # those above mean sea level
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:

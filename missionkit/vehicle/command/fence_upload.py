@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from missionkit.errors import VehicleError
+from missionkit.geodesy import Origin
 from missionkit.geometry import vec
 from missionkit.vehicle.link.connection import Link
 from missionkit.vehicle.link.message_link import PlanItem
-from missionkit.vehicle.telemetry.earth_origin import Origin
 
 INCLUSION = 5001  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
 EXCLUSION_CIRCLE = 5004  # MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION

@@ -145,6 +145,7 @@ def _found(
         rings=_drained(vehicle, "OBSTACLE_DISTANCE"),
         flow=_fields(vehicle, "OPTICAL_FLOW_RAD") or _fields(vehicle, "OPTICAL_FLOW"),
         ranges=_drained(vehicle, "DISTANCE_SENSOR"),
+        misplaced=vehicle.observer.misplaced,
     )
 
 

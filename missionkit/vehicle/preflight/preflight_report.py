@@ -43,6 +43,7 @@ class Findings(NamedTuple):
     rings: Sequence[Fields] = ()  # OBSTACLE_DISTANCE, the last ones
     flow: Fields | None = None  # OPTICAL_FLOW_RAD or OPTICAL_FLOW
     ranges: Sequence[Fields] = ()  # DISTANCE_SENSOR, the last ones
+    misplaced: str = ""  # why the mission cannot be flown from this home
 
 
 class Check(NamedTuple):
@@ -103,6 +104,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> PreflightReport:
         _state(found),
         _health(found),
         _home(found),
+        *_origin(found),
         _estimator(found),
         Check("gnss", *sensor_checks.gnss(found.fix, found.second_fix, flow=by_flow)),
         Check("battery", *sensor_checks.battery(found.packs)),
@@ -162,6 +164,10 @@ def _home(found: Findings) -> Check:
         return Check("home", FailsafeLevel.BAD, "no home position: wait for a fix")
     place = f"{1e-7 * home['latitude']:.6f}, {1e-7 * home['longitude']:.6f}"
     return Check("home", FailsafeLevel.GOOD, f"{place}, {1e-3 * home['altitude']:.0f} m")
+
+
+def _origin(found: Findings) -> list[Check]:
+    return [Check("origin", FailsafeLevel.BAD, found.misplaced)] if found.misplaced else []
 
 
 def _estimator(found: Findings) -> Check:

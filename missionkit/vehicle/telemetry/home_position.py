@@ -7,10 +7,10 @@ from GPS_GLOBAL_ORIGIN, the place of that frame's origin.
 
 from __future__ import annotations
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import Vec3
 from missionkit.vehicle.link.message_cache import Cache, Message
 from missionkit.vehicle.telemetry import message_readings
-from missionkit.vehicle.telemetry.earth_origin import Origin
 
 
 def home_message(cache: Cache) -> Message | None:

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import Quat, Vec3, norm, vec
 from missionkit.messages import Baro, Gnss, Imu, Magnetometer
 from missionkit.vehicle.link.message_cache import Fields
-from missionkit.vehicle.telemetry.earth_origin import Origin
 
 MAG_UPDATED, PRESSURE_ALT_UPDATED = 0x1C0, 0x800  # HIGHRES_IMU_UPDATED_FLAGS
 _FIX_3D = 3

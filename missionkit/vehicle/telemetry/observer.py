@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import Vec3
 from missionkit.messages import (
     Baro,
@@ -23,8 +24,9 @@ from missionkit.vehicle.link.message_cache import Cache, Fields, Message
 from missionkit.vehicle.link.time_sync import Answer
 from missionkit.vehicle.telemetry import batteries, message_readings
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
-from missionkit.vehicle.telemetry.earth_origin import Origin
+from missionkit.vehicle.telemetry.frame_changes import FrameChanges
 from missionkit.vehicle.telemetry.home_position import home_message, local_home, place_of
+from missionkit.vehicle.telemetry.mission_origin import MissionOrigin, misplacement, world_origin
 from missionkit.vehicle.telemetry.ordered_arrivals import Arrivals
 from missionkit.vehicle.telemetry.range_sensors import RangeSensors
 from missionkit.vehicle.telemetry.status_text import event_of
@@ -63,6 +65,7 @@ class Observer:
         state: what the autopilot says about itself.
         clock: mission time.
         answers: of the vehicle to the question for its time, since the last call.
+        wanted: the mission's origin; home is the origin of one without.
     """
 
     def __init__(
@@ -71,8 +74,11 @@ class Observer:
         state: AutopilotState,
         clock: MissionClock,
         answers: Callable[[], Iterable[Answer]] = tuple,
+        wanted: MissionOrigin | None = None,
     ) -> None:
         self.origin: Origin | None = None
+        self._wanted = wanted
+        self._frames = FrameChanges(cache)
         self._cache = cache
         self._state = state
         self._clock = clock
@@ -90,7 +96,7 @@ class Observer:
     def start(self) -> Vec3 | None:
         """The mission's origin in the autopilot's local frame, (3,), m; None: not known."""
         home, base = home_message(self._cache), local_home(self._cache)
-        if self.origin is None or home is None or base is None:
+        if self.origin is None or home is None or base is None or self._frames.unsettled:
             return None
         at = place_of(home)
         return base - self.origin.local(at.latitude, at.longitude, at.altitude)
@@ -103,6 +109,14 @@ class Observer:
         )
         at = None if local is None else self.mission_time(local)
         return None if velocity is None or at is None else TimedVelocity(at, velocity)
+
+    @property
+    def misplaced(self) -> str:
+        """Why the mission cannot be flown from this home: without an origin it is not placed."""
+        home = home_message(self._cache)
+        if self.origin is not None or home is None:
+            return ""
+        return misplacement(self._wanted, place_of(home))
 
     @property
     def datum(self) -> Datum:
@@ -140,6 +154,7 @@ class Observer:
             self._arrivals.forget()
         self._arrivals.collect()
         self._find_origin()
+        moved, sentences = self._frames.seen(armed=bool(self._state.armed))
         inertial, around = self._inertial(now), self._around
         scan, flow, reach = around.scan(now), around.flow(now), around.range(now)
         return Observation(
@@ -152,10 +167,10 @@ class Observer:
             scan=scan,
             battery=self._battery(now),
             status=self._status(now),
-            events=(*events, *self._texts(now)),
+            events=(*events, *moved, *self._texts(now)),
             flow=flow,
             range=reach,
-            problems=self._news_of_problems(),
+            problems=(*sentences, *self._news_of_problems()),
         )
 
     def mission_time(self, message: Message) -> float | None:
@@ -164,8 +179,8 @@ class Observer:
 
     def _find_origin(self) -> None:
         home = home_message(self._cache)
-        if self.origin is None and home is not None:
-            self.origin = place_of(home)
+        if self.origin is None and home is not None and not self.misplaced:
+            self.origin = world_origin(self._wanted, place_of(home))
 
     def _inertial(self, now: float) -> InertialReadings:
         samples, mag, baro = [], None, None
@@ -219,7 +234,7 @@ class Observer:
 
     def _news_of_problems(self) -> tuple[str, ...]:
         """Return the problems that have not been reported yet."""
-        problems = dict.fromkeys(self._around.problems())
+        problems = dict.fromkeys((*self._around.problems(), *filter(None, (self.misplaced,))))
         new = tuple(each for each in problems if each not in self._reported)
         self._reported.update(new)
         return new

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import Transform, Vec3, vec
 from missionkit.vehicle.link.message_cache import Cache, Message
 from missionkit.vehicle.telemetry import message_readings
-from missionkit.vehicle.telemetry.earth_origin import Origin
-from missionkit.vehicle.telemetry.home_position import local_home
 from missionkit.vehicle.telemetry.observer import Observer
 
 POSE_AGE = 0.5  # s
@@ -50,7 +49,7 @@ def _pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
     placed = cache.latest("LOCAL_POSITION_NED", POSE_AGE)
     if turned is None or placed is None:
         return None
-    return _estimated(turned, placed, local_home(cache), observer)
+    return _estimated(turned, placed, observer)
 
 
 def reported_robots(cache: Cache) -> tuple[tuple[float, float, float] | None, ...]:
@@ -74,9 +73,7 @@ def _true(message: Message, observer: Observer, origin: Origin) -> Pose | None:
     return Pose(at, Transform(attitude, place), 0.01 * velocity, rates)
 
 
-def _estimated(
-    turned: Message, placed: Message, home: Vec3 | None, observer: Observer
-) -> Pose | None:
+def _estimated(turned: Message, placed: Message, observer: Observer) -> Pose | None:
     attitude = message_readings.turned(turned.fields)
     position = message_readings.triple(placed.fields, "x", "y", "z")
     velocity = message_readings.triple(placed.fields, "vx", "vy", "vz")
@@ -86,6 +83,7 @@ def _estimated(
         return None
     if at is None or since is None:
         return None
-    start = vec(0.0, 0.0, 0.0) if home is None else home
+    known = observer.start
+    start = vec(0.0, 0.0, 0.0) if known is None else known
     body = Transform(attitude, position - start + (at - since) * velocity)
     return Pose(at, body, velocity, rates)
