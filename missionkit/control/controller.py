@@ -129,7 +129,7 @@ class Control(Plugin):
         track = _tracking(guidance, seen, self.alpha_ff, blocked=memory.pushed)
         if track is None:
             return ZERO, memory._replace(pid=PidMemory())
-        gains = self._gains(mode)
+        gains = self.gains_of(mode)
         wanted, charge = pid.step(gains, self.limits, memory.pid, track, _sane(dt))
         return wanted, memory._replace(pid=charge)
 
@@ -190,7 +190,8 @@ class Control(Plugin):
         sent = (velocity[0] + more[0], velocity[1] + more[1], velocity[2] + more[2])
         return self.limits.bounded(sent), observed
 
-    def _gains(self, mode: Mode) -> Gains:
+    def gains_of(self, mode: Mode) -> Gains:
+        """Return the gains that a mode flies with."""
         if mode is Mode.VISUAL:
             return self.visual
         return self.trajectory if mode is Mode.TRAJECTORY else self.gps

@@ -145,7 +145,14 @@ def test_the_example_says_every_state_and_is_the_same_every_time(example: Path, 
     first, again = (list(explained(mission, catalogue)) for _ in range(2))
     assert first == again
     topics = [each.text.partition(",")[0] for each in first if each.topic]
-    assert topics[3:-2] == [*mission.states, "hover"]
+    assert topics[3:-3] == [*mission.states, "hover"]
+
+
+def test_the_control_of_each_mode_that_is_flown_is_described(catalogue):
+    every = explained(parse(NESTED, "m.yaml", catalogue), catalogue)
+    said = [each.text for each in every if "gain margin" in each.text]
+    assert said[0].startswith("gps, level: it comes to rest: the slowest pole, 0.986, falls to 1/e")
+    assert not any(text.startswith("visual") for text in said)
 
 
 def test_every_kinds_invariant_has_a_description(catalogue):

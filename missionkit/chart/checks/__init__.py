@@ -8,6 +8,7 @@ from dataclasses import replace
 from missionkit.chart.checks import (
     battery_reserve,
     broken_on_entry,
+    control_gains,
     default_failsafes,
     delayed_events,
     disarming,
@@ -53,6 +54,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     event_deadlocks.problems_of,
     geofence_violations.problems_of,
     standoffs.problems_of,
+    control_gains.problems_of,
     success_conditions.problems_of,
 )
 NEVER_FIRES = frozenset(("never-true", "shadowed-transition", "contradictory-timers"))

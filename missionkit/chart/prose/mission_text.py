@@ -9,6 +9,7 @@ from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.model.state_definitions import Failsafe
 from missionkit.chart.plugin_catalogue import Catalogue
+from missionkit.chart.prose.control_text import control_text
 from missionkit.chart.prose.incoming_references import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value
 from missionkit.chart.prose.requirement_text import requirement_text
@@ -50,6 +51,10 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     if mission.requirements:
         yield topic("Requirements, watched in flight; none is proved before it")
         yield from (item(requirement_text(each)) for each in mission.requirements)
+    controlled = list(control_text(mission, catalogue))
+    if controlled:
+        yield topic("Control, near a goal, with the lag that the mission declares")
+        yield from map(item, controlled)
     if mission.success:
         yield topic("Success")
         wanted = "; ".join(_success(one) for one in mission.success)
