@@ -55,5 +55,5 @@ def _unstable(place: Place, what: str, loop: ClosedLoop, rate: float, pole: comp
         f"come to rest: the error {way}, largest eigenvalue {size}, which must be below 1",
         Level.ERROR,
         "unstable-gains",
-        "smaller gains, most of all ki, or in 'control: {limits: {lag: ...}}' what it really is",
+        "smaller gains, most of all ki, or a truer 'control: {limits: {lag: ...}}'",
     )
