@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from missionkit.kernel_cache import folder_for
 
 F = TypeVar("F", bound=Callable[..., Any])
+_folder = cache(folder_for)  # found once for all kernels of a module
 
 
 def compiled(function: F) -> F:
@@ -28,7 +30,7 @@ def compiled(function: F) -> F:
     except ImportError:
         return function
     kernel, settings = njit(function), cast(Any, config)  # numba makes its settings as it loads
-    folder = None if settings.DISABLE_JIT else folder_for(function.__module__)
+    folder = None if settings.DISABLE_JIT else _folder(function.__module__)
     if folder is not None:
         _cache_in(folder, kernel, settings)
     return cast(F, kernel)

@@ -13,8 +13,9 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 from missionkit.private_folder import private, runtime_folder
 
@@ -71,19 +72,39 @@ def digest(module: str, root: Path | None = None) -> str:
         module: of the package, by its full name.
         root: the folder that holds the package; where this file is by default.
     """
-    root = root or Path(__file__).parents[1]
-    found: dict[str, bytes] = {}
+    read = _own_source if root is None else partial(_source, root)
+    found: dict[str, Source] = {}
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        path = _source(root, name)
-        if name not in found and path is not None:
-            found[name] = path.read_bytes()
-            waiting += _imported(found[name].decode())
+        if name not in found and (source := read(name)) is not None:
+            found[name] = source
+            waiting += source.imports
     total = hashlib.sha256()
-    for name, text in sorted(found.items()):
+    for name, (text, _) in sorted(found.items()):
         total.update(f"{name} {len(text)}\n".encode() + text)
     return total.hexdigest()
+
+
+class Source(NamedTuple):
+    """Source of a module of the package, and the modules of the package that it may import."""
+
+    text: bytes
+    imports: tuple[str, ...]
+
+
+@cache  # each of some 200 kernels asks for most of these modules
+def _own_source(module: str) -> Source | None:
+    return _source(Path(__file__).parents[1], module)
+
+
+def _source(root: Path, module: str) -> Source | None:
+    stem = os.path.join(root, *module.split("."))  # noqa: PTH118 - pathlib took a tenth of a start
+    for path in (f"{stem}.py", f"{stem}/__init__.py"):
+        with suppress(FileNotFoundError, NotADirectoryError):
+            text = Path(path).read_bytes()
+            return Source(text, tuple(_imported(text.decode())))
+    return None
 
 
 def _imported(source: str) -> Iterator[str]:
@@ -97,12 +118,6 @@ def _imported(source: str) -> Iterator[str]:
             yield package or whole
         for name in re.findall(r"\w+", names):
             yield f"{package}.{name}"
-
-
-def _source(root: Path, module: str) -> Path | None:
-    path = root.joinpath(*module.split("."))
-    files = (path.with_suffix(".py"), path / "__init__.py")
-    return next((it for it in files if it.is_file()), None)
 
 
 @cache

@@ -9,6 +9,7 @@ from missionkit.sitl.link_weather import Weather, Wire
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 
 COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1: MAVSDK takes no other one for an autopilot
+DATAGRAM_BYTES = 1400  # within the MTU of Ethernet
 
 
 class Sender(NamedTuple):
@@ -56,9 +57,15 @@ class Channel:
         return arrived
 
     def flush(self, now: float) -> None:
-        """Give to the peer what is due at `now` (s)."""
+        """Give to the peer what is due at `now` (s), as few datagrams as carry it."""
+        datagram = b""
         for data in self._down.due(now):
-            self._write(data)
+            if len(datagram) + len(data) > DATAGRAM_BYTES:
+                self._write(datagram)
+                datagram = b""
+            datagram += data
+        if datagram:
+            self._write(datagram)
 
 
 class StreamSchedule:
