@@ -31,6 +31,9 @@ from missionkit.messages import (
 from missionkit.messages.region import Region
 from missionkit.plugin_protocols import Inputs, NamedInput, Prior
 
+Place = tuple[float, float, float]
+"""North, east, down (m)."""
+
 
 class Plugin(BaseModel):
     """Parameters of something a mission file names with `use:`."""
@@ -166,6 +169,28 @@ class Behavior(Plugin):
             camera: lens and mount.
         """
         return self
+
+    @property
+    def endless(self) -> bool:
+        """Whether it is never done: something else must end it."""
+        return False
+
+    def explained(self, camera: CameraModel) -> str:  # noqa: ARG002
+        """Return a sentence on what its parameters come to, for `explain`; "": nothing to add.
+
+        Args:
+            camera: lens and mount of the mission's camera.
+        """
+        return ""
+
+    def way(self, start: Place, targets: Mapping[str, Place]) -> tuple[Place, ...]:  # noqa: ARG002
+        """Return the places it flies to, in order, for checks before flight; empty: not known.
+
+        Args:
+            start: m, NED, where the state is entered.
+            targets: m, NED, where the mission says the targets are.
+        """
+        return ()
 
     def unfit(self, known: Occupancy | None, targets: Mapping[str, Spot]) -> str:  # noqa: ARG002
         """Say before flight why the map rules this behaviour out; "" if it does not.

@@ -16,6 +16,11 @@ class Hold(Behavior):
 
     kind: ClassVar[str] = "hold"
 
+    @property
+    @override
+    def endless(self) -> bool:
+        return True
+
     @override
     def begin(self, seen: Estimate) -> Vec3:
         return seen.position

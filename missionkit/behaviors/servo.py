@@ -34,6 +34,11 @@ class Servo(Behavior):
     align: Metres = Field(default=0.6, gt=0)
     patience: Seconds = 0.7
 
+    @property
+    @override
+    def endless(self) -> bool:
+        return True
+
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
         target = seen.targets.get(self.target)

@@ -60,6 +60,11 @@ class Spiral(Behavior):
             self.growth, self.rate, speed=self.speed, footprint=self.footprint, outer=self.outer
         )
 
+    @property
+    @override
+    def endless(self) -> bool:
+        return True
+
     @override
     def begin(self, seen: Estimate) -> Centre:
         target = seen.targets.get(self.target)

@@ -8,12 +8,14 @@ from collections.abc import Iterable, Mapping
 from missionkit.control.velocity_limits import ZERO, Limits, stopping_speed
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Setpoint
+from missionkit.plugin import Behavior
 from missionkit.plugin_containment import is_foreign
 from missionkit.plugin_protocols import BehaviorProtocol
 
 FLOOR_HEIGHT = 1.0  # m above where it took off, that guidance keeps: a barometer drifts by as much
 FLOOR_CLIMB = 0.5
 """m/s at most, and 1/s, back to the floor: a vehicle sinks a little while it hovers."""
+HIGH = (0.0, 0.0, -1_000.0)  # m, NED: a start that does not count
 BELOW = 0.5  # m below the lowest place that the mission names, if that is lower
 
 
@@ -38,6 +40,9 @@ def _places(behavior: BehaviorProtocol, surveyed: Mapping[str, float]) -> Iterab
     height = getattr(behavior, "height", None)
     if height is not None:
         yield -height
+    if isinstance(behavior, Behavior):
+        known = {name: (0.0, 0.0, down) for name, down in surveyed.items()}
+        yield from (down for _, _, down in behavior.way(HIGH, known))
     down = surveyed.get(getattr(behavior, "target", ""))
     if down is not None:
         standoff = getattr(behavior, "standoff", ZERO)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import pairwise
+from itertools import islice, pairwise
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.planned_legs import PlannedLeg, Point3, legs
@@ -26,16 +26,27 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     ]
     if not fences:
         return
-    for count, leg in enumerate(legs(chart)):
-        if count >= MOST_LEGS:
-            return
-        for failsafe, acts, walls in fences:
-            if acts(leg.start) and not acts(leg.end):
-                continue  # reported where that is the goal, or as acting at take-off
-            at = _first_broken(leg, acts, walls)
-            if at is not None:
-                yield _problem(leg, failsafe, at, acts)
-                break
+    told: set[str] = set()  # states with several places
+    for leg in islice(legs(chart), MOST_LEGS):
+        if leg.state in told:
+            continue
+        found = next(filter(None, (_break(leg, *fence) for fence in fences)), None)
+        if found is not None:
+            yield found
+            told |= {leg.state} if leg.of > 1 else set()
+
+
+def _break(
+    leg: PlannedLeg, failsafe: Failsafe, acts: Broken, walls: tuple[InsideFence, ...]
+) -> Problem | None:
+    """Return where a failsafe acts on a leg; a leg that begins there was reported before.
+
+    That is where it is a goal, or as acting at take-off.
+    """
+    if acts(leg.start) and not acts(leg.end):
+        return None
+    at = _first_broken(leg, acts, walls)
+    return None if at is None else _problem(leg, failsafe, at, acts)
 
 
 def walls(mission: Mission) -> tuple[InsideFence, ...]:
@@ -153,7 +164,10 @@ def _along(leg: PlannedLeg, share: float) -> Point3:
 
 def _problem(leg: PlannedLeg, failsafe: Failsafe, at: Point3, acts: Broken) -> Problem:
     goal = acts(leg.end)
-    what = "its goal" if goal else f"the straight leg from {leg.before or 'the start'!r}"
+    if leg.of > 1:
+        what = f"{'' if goal else 'the straight leg to '}place {leg.number} of {leg.of} of its way"
+    else:
+        what = "its goal" if goal else f"the straight leg from {leg.before or 'the start'!r}"
     where = _said(leg.end if goal else at)
     return Problem(
         leg.place,
@@ -165,4 +179,4 @@ def _problem(leg: PlannedLeg, failsafe: Failsafe, at: Point3, acts: Broken) -> P
 
 
 def _said(point: Point3) -> str:
-    return f"[{', '.join(f'{value:g}' for value in point)}]"
+    return f"[{', '.join(f'{round(value, 6) + 0.0:g}' for value in point)}]"

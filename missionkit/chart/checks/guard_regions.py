@@ -28,11 +28,14 @@ from missionkit.errors import Place
 from missionkit.guards.mdp_policy import MdpPolicy
 from missionkit.guards.state_progress import DONE_QUANTITY
 from missionkit.messages.region import ONLY_FALSE, ONLY_TRUE, Box, Boxes, Interval, Quantity, Region
-from missionkit.plugin import Plugin
+from missionkit.plugin import Behavior, Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
 from missionkit.plugin_protocols import GuardProtocol
 
-NEVER_DONE = ("hold", "servo", "spiral")  # behaviours that continue until something else ends them
+
+def is_endless(behavior: object) -> bool:
+    """Say whether a behaviour goes on until something else ends it."""
+    return isinstance(behavior, Behavior) and behavior.endless
 
 
 class GuardRegion(NamedTuple):
@@ -132,7 +135,7 @@ class RegionReader:
             finals = self.tree.finals(source)
             done = Quantity(f"{source} done", most=1.0, whole=True, at_entry="zero")
             return _exact(({done: ONLY_TRUE},)) if finals else NEVER_HOLDS
-        if state.behavior is not None and state.behavior.kind in NEVER_DONE:
+        if state.behavior is not None and is_endless(state.behavior.plugin):
             return NEVER_HOLDS
         return _exact(({DONE_QUANTITY: ONLY_TRUE},))
 

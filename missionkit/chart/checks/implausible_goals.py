@@ -19,9 +19,16 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     for name, target in chart.mission.targets.items():
         yield from _problems(f"target {name!r}", target.position, target.place("position"))
     places = {target.position for target in chart.mission.targets.values()}
+    told: set[str] = set()  # states with several places
     for leg in legs(chart):
-        if leg.end not in places:
-            yield from _problems(f"state {leg.state!r}: its goal", leg.end, leg.place)
+        if leg.end in places or leg.state in told:
+            continue
+        several = leg.of > 1
+        what = f"place {leg.number} of {leg.of} of its way" if several else "its goal"
+        found = list(_problems(f"state {leg.state!r}: {what}", leg.end, leg.place))
+        if found and several:
+            told.add(leg.state)
+        yield from found
 
 
 def _problems(what: str, point: Point3, place: Place) -> Iterator[Problem]:

@@ -10,6 +10,8 @@ from typing import NamedTuple
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.state_definitions import State
 from missionkit.errors import Place
+from missionkit.plugin import Behavior
+from missionkit.plugin_containment import is_foreign
 
 MOST_STARTS = 8  # goals that one state may be entered from
 MOST_ENTRIES = 20_000  # entries of states, in one mission
@@ -24,6 +26,8 @@ class PlannedLeg(NamedTuple):
     before: str  # the state it comes from
     state: str
     place: Place
+    number: int = 1  # of the place it leads to, among those of its state
+    of: int = 1  # places of its state
 
 
 def legs(chart: AnalysedChart) -> Iterator[PlannedLeg]:
@@ -40,25 +44,37 @@ def legs(chart: AnalysedChart) -> Iterator[PlannedLeg]:
                 continue
             known.append((start, before))
             state = chart.tree.states[name].state
-            goal = goal_of(chart, state, start)
-            if goal is not None and state.behavior is not None:
-                yield PlannedLeg(start, goal, before, name, state.behavior.place)
-            end = start if goal is None else goal
-            for way in chart.ways[name]:
-                waiting += [(each, end, name) for each in way.model.targets if way.may]
+            end, origin = start, before
+            way = way_of(chart, state, start)
+            for number, place in enumerate(way, 1):
+                if state.behavior is not None:
+                    at = state.behavior.place
+                    yield PlannedLeg(end, place, origin, name, at, number, len(way))
+                end, origin = place, name
+            for out in chart.ways[name]:
+                waiting += [(each, end, name) for each in out.model.targets if out.may]
 
 
-def goal_of(chart: AnalysedChart, state: State, start: Point3) -> Point3 | None:
-    """Return where a state's behaviour takes the vehicle, None if it is not known exactly.
+def way_of(chart: AnalysedChart, state: State, start: Point3) -> tuple[Point3, ...]:
+    """Return the places to which a state's behaviour takes the vehicle; empty: not known.
 
     Args:
         chart: of the whole mission, for the positions of its targets.
         state: of which the behaviour is looked at.
         start: m, NED, where the vehicle is when the state is entered.
-
-    Returns:
-        m, NED, or `None`.
     """
+    plugin = None if state.behavior is None else state.behavior.plugin
+    if isinstance(plugin, Behavior) and not is_foreign(plugin):
+        ready = plugin.with_camera(chart.mission.camera.model())
+        targets = {name: it.position for name, it in chart.mission.targets.items()}
+        if way := ready.way(start, targets):
+            return way
+    goal = _goal_of(chart, state, start)
+    return () if goal is None else (goal,)
+
+
+def _goal_of(chart: AnalysedChart, state: State, start: Point3) -> Point3 | None:
+    """Return the one place a behaviour goes to, None if it is not known exactly."""
     if state.behavior is None:
         return None
     plugin = state.behavior.plugin

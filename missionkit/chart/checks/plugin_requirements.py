@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from missionkit.behaviors.precision_land import PrecisionLand
+from missionkit.behaviors.survey import ParallelLines
 from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model import guard_expressions as ex
@@ -43,7 +44,27 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
                 "camera: {use: rendered}",
             )
     yield from _not_below(chart)
+    yield from _no_spacing(chart)
     yield from _no_images(chart)
+
+
+def _no_spacing(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield each survey of which nothing says how far apart its lines are."""
+    camera = chart.mission.camera
+    for _, state, _ in chart.tree.states.values():
+        use = state.behavior
+        if use is None or not isinstance(use.plugin, ParallelLines):
+            continue
+        blind = camera.use == "none" or use.plugin.with_camera(camera.model()).spacing is None
+        if use.plugin.spacing is None and blind:
+            yield Problem(
+                use.place,
+                f"behaviour {use.kind!r} has no 'spacing', and the camera does not see the ground "
+                "below, so it is not known how far apart its lines are",
+                Level.ERROR,
+                "no-view-below",
+                "camera: {mount: {tilt_deg: 90}}, or a spacing (m)",
+            )
 
 
 def _no_images(chart: AnalysedChart) -> Iterator[Problem]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from missionkit.chart.checks.exploration.search import Exploration
-from missionkit.chart.checks.guard_regions import NEVER_DONE
+from missionkit.chart.checks.guard_regions import is_endless
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered
 from missionkit.chart.checks.permanent_losses import FOR_EVER
@@ -149,7 +149,7 @@ def _ends_some_time(chart: AnalysedChart, name: str, exits: list[GuardedTransiti
     if any(covered(({CHARGE: ONLY_FALSE},), failsafe.surely) for failsafe in chart.failsafes):
         return True
     behavior = chart.tree.states[name].state.behavior
-    finishes = behavior is not None and behavior.kind not in NEVER_DONE
+    finishes = behavior is not None and not is_endless(behavior.plugin)
     ways = [*exits, *(way for way in chart.out_of(name) if not way.written)]
     return any(
         _surely_some_time(way, empty)

@@ -15,6 +15,9 @@ from missionkit.chart.model.state_definitions import GROUP_KIND, State, Transiti
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.incoming_references import Clauses
 from missionkit.chart.prose.phrases import OWN_DONE, actions, guard, listed, reason
+from missionkit.messages import CameraModel
+from missionkit.plugin import Behavior
+from missionkit.plugin_containment import is_foreign
 
 DEMANDS = {  # what the formulas of the kinds' invariants say
     "gps_target ≠ ∅": "the position of its target is known",
@@ -83,7 +86,7 @@ def state_sentences(chart: ExplainedChart, placed: Placed, depth: int) -> Iterat
     yield topic(f"{name}, {_nature(chart, placed)}", depth)
     sentences = [
         *([_full_stop(state.summary)] if state.summary and name not in chart.added else []),
-        *_deeds(state),
+        *_deeds(state, chart.written.camera.model()),
         *_demands(chart, state),
         *_entered(chart, placed),
         *_remaining(chart, placed),
@@ -109,7 +112,7 @@ def _nature(chart: ExplainedChart, placed: Placed) -> str:
     return f"of kind {state.kind}: {summary[:1].lower()}{summary[1:]}"
 
 
-def _deeds(state: State) -> Iterator[str]:
+def _deeds(state: State, camera: CameraModel) -> Iterator[str]:
     """Say what a state does and what is inside."""
     if state.behavior is not None:
         manual = (inspect.getdoc(type(state.behavior.plugin)) or "").partition("\n")[0]
@@ -118,6 +121,10 @@ def _deeds(state: State) -> Iterator[str]:
         given = state.behavior.place != state.place("kind")
         by_kind = "" if given else ", as for every state of this kind"
         yield f"Its behaviour is {use_text(state.behavior)}{by_kind}{meaning}."
+        plugin = state.behavior.plugin
+        if isinstance(plugin, Behavior) and not is_foreign(plugin):
+            says = plugin.explained(camera)
+            yield from [f"That is {says}."] if says else []
     if state.states:
         yield _inside(state)
     if state.final:

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from missionkit.chart.checks.exploration.off_ground import off_ground
 from missionkit.chart.checks.exploration.oracle import Oracle, OracleCompiler
-from missionkit.chart.checks.guard_regions import NEVER_DONE
+from missionkit.chart.checks.guard_regions import is_endless
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Assign
@@ -151,7 +151,7 @@ class ExploredChart:
     def may_be_done(self, state: str) -> bool:
         """Say whether a state has a behaviour that finishes."""
         behavior = self.chart.states[state].behavior
-        return behavior is not None and getattr(behavior, "kind", "") not in NEVER_DONE
+        return behavior is not None and not is_endless(behavior)
 
     def from_outside(self, ways: Iterable[CompiledTransition]) -> Iterator[str]:
         """Yield each event that some transitions wait for and that may come from outside."""

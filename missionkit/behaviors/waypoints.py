@@ -1,0 +1,196 @@
+"""Flight along a list of places."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from typing_extensions import override
+
+from missionkit.behaviors.go_to import HOME
+from missionkit.behaviors.route_flight import Heading, bearing, begun, guided, triple
+from missionkit.geometry import vec
+from missionkit.messages import Estimate, Goal, Guidance, Step, is_event
+from missionkit.planning.route_following import OnRoute, RoutePoint, Triple
+from missionkit.plugin import Behavior
+from missionkit.positions import GroundPosition, Position
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
+
+
+class Waypoint(BaseModel):
+    """One place of a route, how to fly there, and what to do there."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    at: GroundPosition | Position | str = Field(
+        description="with or without its own height, or a target of the mission"
+    )
+    height: Metres | None = Field(default=None, description="above the take-off point")
+    speed: MetresPerSecond | None = Field(default=None, gt=0, description="on the way there")
+    heading_deg: Degrees | None = Field(default=None, description="where the nose points on it")
+    look_at: str | None = Field(default=None, description="a target that the nose points at on it")
+    stop: bool = Field(default=False, description="come to rest there")
+    wait: Seconds = Field(default=0.0, description="at rest there")
+    payload: str | None = Field(default=None, description="actuator that is on while it waits")
+    event: str | None = Field(default=None, description="for the chart, once it is there")
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        if self.heading_deg is not None and self.look_at is not None:
+            raise ValueError("give either heading_deg or look_at")
+        if self.payload is not None and self.wait == 0.0:
+            raise ValueError("payload is on during 'wait': give it more than 0 s")
+        if self.event is not None and not is_event(self.event):
+            raise ValueError(f"expected the name of an event, got {self.event!r}")
+        return self
+
+    @property
+    def stops(self) -> bool:
+        """Whether it comes to rest here."""
+        return self.stop or self.wait > 0.0
+
+
+def _written_short(it: Waypoint | Spot | Point | str) -> Waypoint:
+    """Turn a bare place into a waypoint."""
+    return it if isinstance(it, Waypoint) else Waypoint(at=it)
+
+
+class OnWaypoints(NamedTuple):
+    """Memory of `waypoints`."""
+
+    route: OnRoute
+    down: float  # m, NED, when it began
+    yaw: float  # rad, when it began
+    facing: float = 0.0  # rad, where the nose points while it waits
+    at: int = 0  # the place that it waits at
+    since: float | None = None  # s, since when it waits
+
+
+class Waypoints(Behavior):
+    """Fly along `places`, one after the other; done at the last one, at rest.
+
+    A place is [north, east], [north, east, down] or a target, or a mapping with more about it:
+
+        places: [[20, 0], {at: mast, height: 12, speed: 2, look_at: mast, wait: 5, event: seen}]
+
+    A list that several states fly is a parameter of the mission, `params: {fence-walk: [...]}` and
+    `places: $fence-walk`. `speed`, `height` and `heading` are those of places that do not say
+    their own; without any height it keeps the one that it began with. Places are flown by: the
+    vehicle begins to turn up to `radius` before, no faster than it can turn; with `stop` or `wait`
+    it comes to rest `within` of the place. If the state is left and entered again by its history,
+    it goes on where it was. Limits: legs are straight, whatever is in the way but for `avoid`.
+    """
+
+    kind: ClassVar[str] = "waypoints"
+    places: Annotated[
+        tuple[
+            Annotated[Waypoint | GroundPosition | Position | str, AfterValidator(_written_short)],
+            ...,
+        ],
+        Field(min_length=1, description="to fly to, in this order"),
+    ]
+    height: Metres | None = Field(default=None, description="above the take-off point")
+    speed: MetresPerSecond = Field(default=5.0, gt=0)
+    heading: Heading = Field(default="course", description="where the nose points")
+    radius: Metres = Field(default=3.0, ge=0, description="before a place, where it may turn")
+    within: Metres = Field(default=0.7, gt=0, description="that counts as being there")
+
+    @property
+    def _waypoints(self) -> tuple[Waypoint, ...]:
+        return self.places  # type: ignore[return-value]  # validated: none is short any more
+
+    @override
+    def begin(self, seen: Estimate) -> OnWaypoints:
+        return OnWaypoints(begun(seen), float(seen.position[2]), seen.yaw)
+
+    @override
+    def step(self, seen: Estimate, memory: Any) -> Step:
+        on: OnWaypoints = memory
+        route = self._route(seen, on)
+        if route is None:
+            missing = next(it for it in self.targets() if it not in seen.targets)
+            return Step(note=f"the position of {missing} is unknown", memory=on)
+        if on.since is not None:
+            return self._waiting(seen, on, route, on.since)
+        it = self._waypoints[on.route.leg]
+        step, flown = guided(route, on.route, seen, self._yaw(seen, on, it))
+        on = on._replace(route=flown.on)
+        if flown.reached is None:
+            return step._replace(memory=on)
+        events = () if it.event is None else (it.event,)
+        if it.wait == 0.0:
+            return step._replace(memory=on, events=events)
+        on = on._replace(facing=seen.yaw, at=flown.reached, since=seen.now)
+        return self._waiting(seen, on, route, seen.now)._replace(events=events)
+
+    @override
+    def targets(self) -> tuple[str, ...]:
+        named = [name for it in self._waypoints for name in (it.at, it.look_at)]
+        return tuple(dict.fromkeys(it for it in named if isinstance(it, str) and it != HOME))
+
+    @override
+    def way(self, start: Triple, targets: Mapping[str, Triple]) -> tuple[Triple, ...]:
+        places = [_spot(it.at, targets, (0.0, 0.0, 0.0)) for it in self._waypoints]
+        return tuple(
+            self._high(it, place, start[2])
+            for it, place in zip(self._waypoints, places, strict=True)
+            if place is not None
+        )
+
+    def _route(self, seen: Estimate, on: OnWaypoints) -> tuple[RoutePoint, ...] | None:
+        known = {name: triple(it.position) for name, it in seen.targets.items()}
+        home = None if seen.home is None else triple(seen.home)
+        points = []
+        for it in self._waypoints:
+            place = _spot(it.at, known, home)
+            if place is None:
+                return None
+            high = self._high(it, place, on.down)
+            points.append(
+                RoutePoint(high, it.speed or self.speed, it.stops, self.radius, self.within)
+            )
+        return tuple(points)
+
+    def _high(self, it: Waypoint, place: Spot | Point, down: float) -> Triple:
+        """Return a place with the height that it says, that of all, or the one it began with."""
+        if it.height is not None:
+            down = -it.height
+        elif len(place) == 3 and it.at != HOME:
+            down = place[2]
+        elif self.height is not None:
+            down = -self.height
+        return place[0], place[1], down
+
+    def _yaw(self, seen: Estimate, on: OnWaypoints, it: Waypoint) -> float | None:
+        if it.heading_deg is not None:
+            return math.radians(it.heading_deg)
+        if it.look_at is not None and it.look_at in seen.targets:
+            towards = bearing(seen.position, seen.targets[it.look_at].position)
+            return seen.yaw if towards is None else towards
+        return on.yaw if self.heading == "free" else None
+
+    def _waiting(
+        self, seen: Estimate, on: OnWaypoints, route: tuple[RoutePoint, ...], since: float
+    ) -> Step:
+        """Stay at a place for its time, with its actuator on."""
+        it, position = self._waypoints[on.at], vec(*route[on.at].position)
+        left, towards = it.wait - (seen.now - since), self._yaw(seen, on, it)
+        on = on._replace(route=on.route._replace(at=seen.now))
+        return Step(
+            Guidance(position, 1.0, yaw=on.facing if towards is None else towards),
+            payload=it.payload if left > 0.0 else None,
+            done=left <= 0.0 and on.at + 1 == len(route),
+            goal=Goal(position, None, seen.now),
+            note=f"{on.at + 1} of {len(route)}: waiting, {max(0.0, left):.0f} s left",
+            memory=on if left > 0.0 else on._replace(since=None),
+        )
+
+
+def _spot(
+    at: Spot | Point | str, targets: Mapping[str, Triple], home: Triple | None
+) -> Spot | Point | None:
+    if not isinstance(at, str):
+        return at
+    return home if at == HOME else targets.get(at)
