@@ -57,6 +57,9 @@ def _written_short(it: Waypoint | Spot | Point | str) -> Waypoint:
     return it if isinstance(it, Waypoint) else Waypoint(at=it)
 
 
+_Written = Waypoint | GroundPosition | Position | str
+
+
 class OnWaypoints(NamedTuple):
     """Memory of `waypoints`."""
 

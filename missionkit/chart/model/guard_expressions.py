@@ -143,12 +143,16 @@ def use_text(use: Use[object]) -> str:
     model = cast(BaseModel, use.plugin)
     if isinstance(model, Plugin) and (own := model.text()):
         return f"{words} ({own})"
-    given = [
+    given = _given(model)
+    return f"{words} ({given})" if given else words
+
+
+def _given(model: BaseModel) -> str:
+    return ", ".join(
         f"{name} {_value(getattr(model, name))}"
         for name in type(model).model_fields
         if name in model.model_fields_set
-    ]
-    return f"{words} ({', '.join(given)})" if given else words
+    )
 
 
 def _value(value: object) -> str:
@@ -156,6 +160,8 @@ def _value(value: object) -> str:
         return f"{value:g}"
     if isinstance(value, (tuple, list)):
         return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, BaseModel):
+        return f"({_given(value)})"
     return str(value)
 
 
