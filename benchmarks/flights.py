@@ -50,4 +50,4 @@ def _by_gps_alone(mission: Mission) -> Mission:
     gps, home = mission.states["gps"], mission.states["return"]
     done = home.transitions[0].model_copy(update={"to": ("return",)})
     states = {**mission.states, "gps": gps.model_copy(update={"transitions": (done,)})}
-    return mission.model_copy(update={"states": states, "success": None})
+    return mission.model_copy(update={"states": states, "success": ()})

@@ -9,6 +9,7 @@ from unittest.mock import patch
 
 from benchmarks.peers.ring import Engine, Machine, Predicate, Ring, Sky, asks, predicate
 from missionkit.guards import BatteryBelow, Elapsed, LinkLost, PluginFailed
+from missionkit.guards.comparison import ComparedGuard
 from missionkit.messages import Estimate
 
 OWN = (BatteryBelow, Elapsed, LinkLost, PluginFailed)  # guards that missionkit asks here
@@ -95,14 +96,15 @@ def _counted(guard: Predicate, name: str, asked: list[str]) -> Predicate:
 def _counting(asked: list[str]) -> Iterator[None]:
     """Have the package's own guards note that they are asked."""
 
-    def noting(check: Callable[..., Any]) -> Callable[..., Any]:
+    def noting(answer: Callable[..., Any]) -> Callable[..., Any]:
         def noted(guard: Any, seen: Any) -> Any:
             asked.append(guard.kind)
-            return check(guard, seen)
+            return answer(guard, seen)
 
         return noted
 
     with ExitStack() as stack:
         for kind in OWN:
-            stack.enter_context(patch.object(kind, "check", noting(kind.check)))
+            name = "measured" if issubclass(kind, ComparedGuard) else "raised"
+            stack.enter_context(patch.object(kind, name, noting(getattr(kind, name))))
         yield

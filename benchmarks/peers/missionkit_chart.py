@@ -9,7 +9,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
-from missionkit.chart.semantics.step import begin, decide
+from missionkit.chart.semantics.quick_step import begin, decide
 from missionkit.plugin_containment import Containment
 
 CATALOGUE = builtin()
@@ -46,7 +46,7 @@ def load(written: str, sky: Sky, _: Guards) -> Machine:
     return Machine(tick, lambda: memory.active[-1])
 
 
-HOW = "`decide` with guards of the package, dwell 0; load: parse, check and compile a YAML text"
+HOW = "`quick_step.decide`, guards of the package, dwell 0; load: parse, check, compile a YAML text"
 AIR = "the same with the vehicle in the air, where the failsafe for failed plug-ins is asked too"
 EVENT = "the same with transitions that wait for an event, which comes at every tick"
 ENGINES = (

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.configuration import configuration
-from missionkit.chart.semantics.step import decide
+from missionkit.chart.semantics.quick_step import decide
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
 from missionkit.engine.flight_state import FlightMemory, SensorState

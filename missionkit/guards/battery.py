@@ -6,15 +6,15 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import Interval, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import ComparedGuard, Comparison
+from missionkit.messages import Estimate
+from missionkit.messages.region import Quantity
 from missionkit.units import Fraction, Seconds
 
 CHARGE = Quantity("battery", most=1.0)
 
 
-class BatteryBelow(Guard):
+class BatteryBelow(ComparedGuard):
     """Holds once the charge is under `floor`; unknown if the reading is older than `max_age`."""
 
     kind: ClassVar[str] = "battery_below"
@@ -22,14 +22,14 @@ class BatteryBelow(Guard):
     max_age: Seconds = 5.0
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         if seen.battery is None:
-            return Verdict.unknown("no battery reading yet")
+            return "no battery reading yet"
         age = seen.now - seen.battery.at
         if age > self.max_age:
-            return Verdict.unknown(f"battery reading is {age:.1f} s old")
-        return Verdict.below(seen.battery.charge, self.floor)
+            return f"battery reading is {age:.1f} s old"
+        return seen.battery.charge
 
     @override
-    def region(self) -> Region:
-        return Region.of(CHARGE, Interval.below(self.floor))
+    def comparison(self) -> Comparison:
+        return Comparison(CHARGE, "below", self.floor)

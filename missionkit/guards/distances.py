@@ -8,15 +8,15 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import norm
-from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import Interval, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import ComparedGuard, Comparison
+from missionkit.messages import Estimate
+from missionkit.messages.region import Quantity
 from missionkit.units import Metres
 
 GOAL_DISTANCE = Quantity("distance to the goal", unit="m", at_entry="unknown")
 
 
-class Within(Guard):
+class Within(ComparedGuard):
     """Holds within `radius` of a target.
 
     C_range: ||p_target - p|| ≤ r_visual  (P1, section 1.2)
@@ -27,18 +27,18 @@ class Within(Guard):
     radius: Metres = Field(gt=0)
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         target = seen.targets.get(self.of)
         if target is None:
-            return Verdict.unknown(f"the position of {self.of} is unknown")
-        return Verdict.at_most(norm(target.position - seen.position), self.radius)
+            return f"the position of {self.of} is unknown"
+        return norm(target.position - seen.position)
 
     @override
-    def region(self) -> Region:
-        return Region.of(distance_to(self.of), Interval.at_most(self.radius))
+    def comparison(self) -> Comparison:
+        return Comparison(distance_to(self.of), "at_most", self.radius)
 
 
-class NearGoal(Guard):
+class NearGoal(ComparedGuard):
     """Holds within `radius` of the active behaviour's goal.
 
     C_proximity: ||p_goal - p|| ≤ r_gps_tolerance  (P1, section 1.2)
@@ -48,14 +48,14 @@ class NearGoal(Guard):
     radius: Metres = Field(gt=0)
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         if seen.goal is None:
-            return Verdict.unknown("the behaviour has no goal yet")
-        return Verdict.at_most(norm(seen.goal.position - seen.position), self.radius)
+            return "the behaviour has no goal yet"
+        return norm(seen.goal.position - seen.position)
 
     @override
-    def region(self) -> Region:
-        return Region.of(GOAL_DISTANCE, Interval.at_most(self.radius))
+    def comparison(self) -> Comparison:
+        return Comparison(GOAL_DISTANCE, "at_most", self.radius)
 
 
 def distance_to(target: str) -> Quantity:

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import Field
 from typing_extensions import override
 
+from missionkit.guards.comparison import ComparedGuard, Comparison
 from missionkit.messages import Estimate, Verdict
 from missionkit.messages.region import ONLY_TRUE, Interval, Quantity, Region
 from missionkit.plugin import Guard
@@ -34,18 +35,18 @@ class EstimateBad(Guard):
         return Region(({DIVERGED: ONLY_TRUE}, {POSITION_SD: Interval.above(self.position_sd)}))
 
 
-class GnssLost(Guard):
+class GnssLost(ComparedGuard):
     """Holds when no position fix was accepted for `longer_than`."""
 
     kind: ClassVar[str] = "gnss_lost"
     longer_than: Seconds = 5.0
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         if seen.health.gnss_at is None:
-            return Verdict.unknown("no fix was accepted yet")
-        return Verdict.above(seen.now - seen.health.gnss_at, self.longer_than)
+            return "no fix was accepted yet"
+        return seen.now - seen.health.gnss_at
 
     @override
-    def region(self) -> Region:
-        return Region.of(FIX_AGE, Interval.above(self.longer_than))
+    def comparison(self) -> Comparison:
+        return Comparison(FIX_AGE, "above", self.longer_than)

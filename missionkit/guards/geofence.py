@@ -8,13 +8,13 @@ from typing import ClassVar
 from pydantic import Field, field_validator
 from typing_extensions import override
 
-from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import Interval, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import ComparedGuard, Comparison
+from missionkit.messages import Estimate
+from missionkit.messages.region import Quantity
 from missionkit.units import Metres
 
 
-class InsideFence(Guard):
+class InsideFence(ComparedGuard):
     """Holds inside a box around the take-off point: `north` and `east` ranges, up to `height`.
 
     The verdict's value is the distance to the nearest wall or the ceiling, negative outside.
@@ -33,21 +33,21 @@ class InsideFence(Guard):
         return limits
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         if not seen.health.aligned:
-            return Verdict.unknown("the position is not known yet")
+            return "the position is not known yet"
         north, east, down = seen.position.tolist()
-        inside = min(
+        inside: float = min(
             north - self.north[0],
             self.north[1] - north,
             east - self.east[0],
             self.east[1] - east,
             self.height + down,
         )
-        return Verdict.at_least(inside, 0.0)
+        return inside
 
     @override
-    def region(self) -> Region:
+    def comparison(self) -> Comparison:
         limits = f"{self.north[0]:g} to {self.north[1]:g}, {self.east[0]:g} to {self.east[1]:g}"
         name = f"margin to the fence ({limits}, {self.height:g})"
-        return Region.of(Quantity(name, -math.inf, unit="m"), Interval.at_least(0.0))
+        return Comparison(Quantity(name, -math.inf, unit="m"), "at_least", 0.0)

@@ -6,14 +6,14 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from missionkit.messages import GROUND_TOUCHED, Estimate, Verdict
-from missionkit.messages.region import ONLY_TRUE, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import FlagGuard
+from missionkit.messages import GROUND_TOUCHED, Estimate
+from missionkit.messages.region import Quantity
 
 TOUCHED = Quantity("ground touched", most=1.0, whole=True)
 
 
-class GroundTouched(Guard):
+class GroundTouched(FlagGuard):
     """Holds when the vehicle touches the ground outside landing and take-off.
 
     That is the tick at which it reports that it is no longer in the air, with its rotors turning
@@ -24,9 +24,9 @@ class GroundTouched(Guard):
     kind: ClassVar[str] = "ground_touched"
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
-        return Verdict(GROUND_TOUCHED in seen.events)
+    def quantity(self) -> Quantity:
+        return TOUCHED
 
     @override
-    def region(self) -> Region:
-        return Region.of(TOUCHED, ONLY_TRUE)
+    def raised(self, seen: Estimate) -> bool:
+        return GROUND_TOUCHED in seen.events

@@ -6,26 +6,26 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import Interval, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import ComparedGuard, Comparison
+from missionkit.messages import Estimate
+from missionkit.messages.region import Quantity
 from missionkit.units import Seconds
 
 SILENCE = Quantity("link silence", unit="s")
 
 
-class LinkLost(Guard):
+class LinkLost(ComparedGuard):
     """Holds once the vehicle's heartbeat has been silent for `longer_than`."""
 
     kind: ClassVar[str] = "link_lost"
     longer_than: Seconds = 3.0
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         if seen.status is None:
-            return Verdict.unknown("no heartbeat yet")
-        return Verdict.above(seen.now - seen.status.at, self.longer_than)
+            return "no heartbeat yet"
+        return seen.now - seen.status.at
 
     @override
-    def region(self) -> Region:
-        return Region.of(SILENCE, Interval.above(self.longer_than))
+    def comparison(self) -> Comparison:
+        return Comparison(SILENCE, "above", self.longer_than)

@@ -6,22 +6,26 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import ONLY_TRUE, Quantity, Region
-from missionkit.plugin import Guard
+from missionkit.guards.comparison import FlagGuard
+from missionkit.messages import Estimate
+from missionkit.messages.region import Quantity
 
 FAILING = Quantity("plug-in failing", most=1.0, whole=True)
 
 
-class PluginFailed(Guard):
+class PluginFailed(FlagGuard):
     """Holds while a plug-in raises, answers with NaN, or takes too long."""
 
     kind: ClassVar[str] = "plugin_failed"
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
-        return Verdict(bool(seen.failing), "; ".join(seen.failing))
+    def quantity(self) -> Quantity:
+        return FAILING
 
     @override
-    def region(self) -> Region:
-        return Region.of(FAILING, ONLY_TRUE)
+    def raised(self, seen: Estimate) -> bool:
+        return bool(seen.failing)
+
+    @override
+    def reason(self, seen: Estimate) -> str:
+        return "; ".join(seen.failing)

@@ -8,10 +8,11 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import norm
+from missionkit.guards.comparison import ComparedGuard, Comparison, FlagGuard
 from missionkit.guards.distances import GOAL_DISTANCE
 from missionkit.messages import Estimate, Verdict
-from missionkit.messages.region import ONLY_TRUE, Interval, Quantity, Region
-from missionkit.plugin import Guard, WindowGuard
+from missionkit.messages.region import Interval, Quantity, Region
+from missionkit.plugin import WindowGuard
 from missionkit.units import Metres, Seconds
 
 DONE_QUANTITY = Quantity("done", most=1.0, whole=True, at_entry="zero")
@@ -19,33 +20,33 @@ TIME_IN_STATE = Quantity("time in the state", unit="s", at_entry="zero")
 NO_NEARER = Quantity("time no nearer to the goal", unit="s", at_entry="zero")
 
 
-class Done(Guard):
+class Done(FlagGuard):
     """Holds when the active state's behaviour says it has finished."""
 
     kind: ClassVar[str] = "done"
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
-        return Verdict(seen.done)
+    def quantity(self) -> Quantity:
+        return DONE_QUANTITY
 
     @override
-    def region(self) -> Region:
-        return Region.of(DONE_QUANTITY, ONLY_TRUE)
+    def raised(self, seen: Estimate) -> bool:
+        return seen.done
 
 
-class Elapsed(Guard):
+class Elapsed(ComparedGuard):
     """Holds once the active state has been active for `longer_than`; `after:` as a guard."""
 
     kind: ClassVar[str] = "elapsed"
     longer_than: Seconds
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
-        return Verdict.at_least(seen.now - seen.entered_at, self.longer_than)
+    def measured(self, seen: Estimate) -> float | str:
+        return seen.now - seen.entered_at
 
     @override
-    def region(self) -> Region:
-        return Region.of(TIME_IN_STATE, Interval.at_least(self.longer_than))
+    def comparison(self) -> Comparison:
+        return Comparison(TIME_IN_STATE, "at_least", self.longer_than)
 
 
 class Approach(NamedTuple):

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from missionkit.guards.comparison import ComparedGuard, Comparison
 from missionkit.messages import Estimate, Verdict
 from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.plugin import Guard
@@ -31,7 +32,7 @@ class TargetSeen(Guard):
         return Region.of(time_since_seen(self.target), Interval.at_most(self.within))
 
 
-class TargetLost(Guard):
+class TargetLost(ComparedGuard):
     """Holds when `target` was not seen for `longer_than`: visual lock lost (P1, section 7.2).
 
     Counted from the last sighting, or from entry into the state if that is later.
@@ -42,14 +43,14 @@ class TargetLost(Guard):
     longer_than: Seconds = 2.0
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         at = _last_seen(seen, self.target)
         since = seen.entered_at if at is None else max(at, seen.entered_at)
-        return Verdict.at_least(seen.now - since, self.longer_than)
+        return seen.now - since
 
     @override
-    def region(self) -> Region:
-        return Region.of(time_without(self.target), Interval.at_least(self.longer_than))
+    def comparison(self) -> Comparison:
+        return Comparison(time_without(self.target), "at_least", self.longer_than)
 
 
 def _last_seen(seen: Estimate, name: str) -> float | None:

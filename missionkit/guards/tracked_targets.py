@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from typing_extensions import override
 
 from missionkit.geometry import wrap
+from missionkit.guards.comparison import ComparedGuard, Comparison
 from missionkit.messages import Estimate, Target, Verdict
 from missionkit.messages.region import Interval, Quantity, Region
 from missionkit.messages.robot_modes import LIKELY
@@ -87,7 +88,7 @@ class TargetHeading(Guard):
         return Region.of(quantity, Interval.at_most(self.within_deg))
 
 
-class TargetsInView(Guard):
+class TargetsInView(ComparedGuard):
     """Holds while `at_least` tracked targets were seen within the last `within` seconds.
 
     `what` counts those alone that are likelier a `target`, or an `obstacle` robot, than not.
@@ -99,18 +100,17 @@ class TargetsInView(Guard):
     within: Seconds = 0.5
 
     @override
-    def check(self, seen: Estimate) -> Verdict:
+    def measured(self, seen: Estimate) -> float | str:
         tracked = [it for name, it in seen.targets.items() if it.classes and it.name == name]
-        count = sum(self._counts(it, seen.now) for it in tracked)
-        return Verdict.at_least(float(count), float(self.at_least))
+        return float(sum(self._counts(it, seen.now) for it in tracked))
 
     def _counts(self, it: Target, now: float) -> bool:
         fresh = it.seen_at is not None and now - it.seen_at <= self.within
         return fresh and (self.what == "any" or it.classes.get(self.what, 0.0) > LIKELY)
 
     @override
-    def region(self) -> Region:
-        return Region.of(COUNTED[self.what], Interval.at_least(float(self.at_least)))
+    def comparison(self) -> Comparison:
+        return Comparison(COUNTED[self.what], "at_least", float(self.at_least))
 
 
 class TimeToReversal(Guard):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+from both_steps import both
 from samples import calm
 from typing_extensions import override
 
@@ -11,7 +12,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import Chart
-from missionkit.chart.semantics.step import Decision, begin, decide
+from missionkit.chart.semantics.step import Decision, begin
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Guard, WindowGuard
 from missionkit.plugin_containment import Containment
@@ -96,7 +97,7 @@ class Walk:
     def tick(self, *events: str, **changes: Any) -> Decision:
         seen = self.seen(*events, **changes)
         self.count += 1
-        self.memory, decision = decide(self.chart, self.memory, seen, self.contain)
+        self.memory, decision = both(self.chart, self.memory, seen, self.contain)
         at = round(seen.now, 6)
         for fired in decision.fired:
             self.trace.append((at, fired.source, fired.to, fired.reason))

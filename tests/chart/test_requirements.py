@@ -192,3 +192,8 @@ def test_what_healed_before_its_time_bound_leads_nowhere_afterwards():
     walk.tick("b")
     walk.run(1.0)
     assert (shown(walk).holds, walk.trace) == (False, [])
+
+
+def test_a_guard_that_remembers_and_stands_in_a_requirement_alone():
+    walk = walk_of("never: {use: tally, name: go, count: 3}")
+    assert [shown(walk, "go").holds for _ in range(4)] == [None, None, False, False]

@@ -9,7 +9,7 @@ from samples import calm
 from typing_extensions import override
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.chart.semantics.step import decide
+from missionkit.chart.semantics.quick_step import decide
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
 from missionkit.engine.prepared_mission import begin, prepare

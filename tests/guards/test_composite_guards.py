@@ -10,7 +10,7 @@ from missionkit.chart.load import load, parse
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
-from missionkit.chart.semantics.step import begin, decide
+from missionkit.chart.semantics.quick_step import begin, decide
 from missionkit.messages import Look, Target
 from missionkit.plugin_containment import Containment
 from missionkit.recorder import value_codec

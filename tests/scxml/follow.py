@@ -13,7 +13,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import LEAVES
-from missionkit.chart.semantics.step import begin, decide
+from missionkit.chart.semantics.quick_step import begin, decide
 from missionkit.plugin_containment import Containment
 
 CATALOGUE = builtin()

@@ -80,14 +80,15 @@ class _Compiler:
             *self._touched(land),
             *self._stuck(land),
         )
+        watch = self._watch()
         return Chart(
             initial=self.mission.initial.to[0],
             states=states,
             failsafes=failsafes,
-            slots=tuple(self.asker.slots),
+            slots=tuple(self.asker.slots),  # all guards are compiled by now
             land=land,
             variables=self.mission.variables,
-            watch=self._watch(),
+            watch=watch,
             configurations={},
             moves={},
         )
@@ -153,7 +154,7 @@ class _Compiler:
             patient=not (model.emergency or model.event),
             internal=model.internal,
             reads=() if when is None else self._names(when),
-            check=None if when is None else self.asker.check(when),
+            guard=None if when is None else self.asker.asked(when),
             default=model.name is not None and not model.place().file,
         )
 
@@ -167,6 +168,7 @@ class _Compiler:
             outputs=_outputs(model.do),
             unknown_takes=model.unknown == "take",
             reads=self._names(model.when),
+            guard=self.asker.asked(model.when, unknown_takes=model.unknown == "take"),
         )
 
     def _touched(self, land: str) -> tuple[CompiledTransition, ...]:
@@ -180,6 +182,7 @@ class _Compiler:
             text="failsafe ground touched",
             ask=self.asker.ask(guard),
             reads=self._names(guard),
+            guard=self.asker.asked(guard),
         )
         return (touched,) if land else ()
 
@@ -188,6 +191,7 @@ class _Compiler:
         plugin = self.catalogue.group("guards")["plugin_failed"]()
         guard: ex.Expression = ex.Use("plugin_failed", plugin, NO_PLACE)
         ask: GuardFunction = self.asker.ask(guard)
+        asked = self.asker.asked(guard)
         home = self.firsts.get("return", land)
         return tuple(
             CompiledTransition(
@@ -197,6 +201,7 @@ class _Compiler:
                 ask=ask,
                 hold=hold,
                 reads=self._names(guard),
+                guard=asked,
             )
             for to, hold in ((home, PLUGIN_FAILURE_TOLERANCE), (land, STUCK_FOR_GOOD))
             if to

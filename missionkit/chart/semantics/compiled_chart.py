@@ -62,6 +62,27 @@ class GuardMemory(NamedTuple):
     resumed: Callable[[Any, float], Any] = _as_it_was  # memory and gap (s)
 
 
+class AskedGuard(NamedTuple):
+    """A guard as the quick step asks it.
+
+    One of the package that needs no more than the estimate has a `check`; one that compares a
+    number or reads a truth value is measured, and checked only if that gives anything else.
+    """
+
+    ask: GuardFunction  # if there is no check
+    unknown_takes: bool = False  # unknown counts as holding
+    name: str = ""  # of its answer, if there is a check
+    check: Callable[[Estimate], Verdict] | None = None
+    measure: Callable[[Estimate], object] = lambda _: None
+    rising: bool = False  # it holds above the threshold
+    strict: bool = False  # it does not hold at the threshold
+    threshold: float = 0.0
+    why: str = ""  # what a verdict says of its value
+
+
+GuardRow = tuple[Any, ...]  # an `AskedGuard` as a plain tuple
+
+
 class Output(NamedTuple):
     """One Mealy output of a transition, or an entry or exit action."""
 
@@ -113,7 +134,7 @@ class CompiledTransition:
     patient: bool = False  # waits for the dwell of its source
     internal: bool = False
     reads: tuple[str, ...] = ()  # names of the guards it evaluates, in that order
-    check: Callable[[Estimate], Verdict] | None = None  # of its only guard, one of the package
+    guard: AskedGuard | None = None  # the same as `ask`, for the quick step
     default: bool = False  # a default failsafe: added by the contract of a kind
 
 
@@ -157,6 +178,14 @@ class TimedTransition(NamedTuple):
     wait: float  # s
 
 
+# a transition without an event: itself, its guard, the name of the answer if the guard is asked
+# directly, the wait (s), the source, the time (s) that the guard must have held
+Lead = tuple["CompiledTransition", "GuardFunction | None", str, float, str, float]
+# where a transition leads that does nothing else: the move, the configuration there, the target and
+# the outputs as the record has them, whether the guards there must be asked too
+Crossing = tuple[Any, "Configuration", str, tuple[str, ...], bool]
+
+
 @dataclass(frozen=True, slots=True)
 class Configuration:
     """Precomputed data of a configuration, built once for each that occurs."""
@@ -165,10 +194,17 @@ class Configuration:
     plain: tuple[tuple[GuardFunction, float, str], ...]  # others, with the wait (s) and the source
     timed: tuple[CompiledTransition, ...]  # those whose guard must hold for some time
     timers: tuple[tuple[float, str], ...]  # wait (s) and source of those without a guard
+    guards: tuple[GuardRow, ...]  # of the transitions, each once, in the order of the record
+    danger: tuple[GuardRow, ...]  # of the failsafes
+    pure: bool  # `guards` need no more than the estimate
+    simple: tuple[GuardRow, ...] | None  # all that is asked; None: that needs more
+    simple_in_air: tuple[GuardRow, ...] | None  # the same where failsafes act
+    crossings: dict[int, Crossing]  # memo of `quick_step`: where transitions lead
     ways: tuple[
         tuple[TimedTransition, ...], ...
     ]  # without an event, for each atomic state, inner first
     heard: tuple[tuple[TimedTransition, ...], ...]  # with an event
+    leads: tuple[Lead, ...]  # `ways` of all regions in one row
     soonest: float  # s, the least wait of those without an event
     promising: tuple[CompiledState, ...]  # those with an invariant
     pilot: str  # whose behaviour commands; empty if none does

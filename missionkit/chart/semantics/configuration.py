@@ -7,12 +7,15 @@ from math import inf
 
 from missionkit.chart.semantics.compiled_chart import (
     LEAVES,
+    AskedGuard,
     Chart,
     CompiledState,
     CompiledTransition,
     Configuration,
     DirectGuard,
     GuardFunction,
+    GuardRow,
+    Lead,
     TimedTransition,
 )
 from missionkit.chart.semantics.time_tolerance import EPSILON
@@ -40,15 +43,28 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Configuration:
     pilot = max(pilots, key=lambda state: len(state.ancestors), default=None)
     direct, plain = _asks(every)
     mode = Mode.GPS if pilot is None else pilot.kind.mode
+    guards, danger = _guards(every), _each_once(chart.failsafes)
+    promising = tuple([state for state in states if _promises(state)])
+    timed = tuple([way.transition for way in every if way.transition.hold])
+    pure = all(check is not None for _, _, _, check, *_ in guards)
+    safe = all(check is not None for _, _, _, check, *_ in danger)
+    alone = pure and not (promising or timed or chart.slots or chart.watch.requirements)
     return Configuration(
         direct=tuple(direct),
         plain=tuple(plain),
-        timed=tuple([way.transition for way in every if way.transition.hold]),
+        timed=timed,
         timers=tuple([_timer(way) for way in every if _is_timer(way.transition)]),
+        guards=guards,
+        danger=danger,
+        pure=pure,
+        simple=guards if alone else None,
+        simple_in_air=(*danger, *guards) if alone and safe else None,
+        crossings={},
         ways=tuple([tuple([way for way in each if not way.transition.events]) for each in ways]),
+        leads=tuple([_lead(way) for each in ways for way in each if not way.transition.events]),
         heard=tuple([tuple([way for way in each if way.transition.events]) for each in ways]),
         soonest=min([way.wait for way in every if not way.transition.events], default=inf),
-        promising=tuple([state for state in states if _promises(state)]),
+        promising=promising,
         pilot="" if pilot is None else pilot.name,
         mode=mode,
         mode_text=f"mode {mode}",
@@ -81,15 +97,40 @@ def _asks(
     direct: dict[str, DirectGuard] = {}
     plain: list[tuple[GuardFunction, float, str]] = []
     for transition, wait in ways:
+        guard = transition.guard
         if transition.ask is None or transition.hold:
             continue
         least, source = inf if transition.events else wait, transition.source
-        name = transition.reads[0]
-        if transition.check is not None and name not in direct:
-            direct[name] = DirectGuard(name, transition.check, least, source)
+        if guard is not None and guard.check is not None and guard.name not in direct:
+            direct[guard.name] = DirectGuard(guard.name, guard.check, least, source)
         else:
             plain.append((transition.ask, least, source))
     return list(direct.values()), plain
+
+
+def _lead(way: TimedTransition) -> Lead:
+    transition, wait = way
+    name = "" if transition.guard is None else transition.guard.name
+    return transition, transition.ask, name, wait, transition.source, transition.hold
+
+
+def _guards(ways: Sequence[TimedTransition]) -> tuple[GuardRow, ...]:
+    """Return the guards in the order in which the general step asks them."""
+    timed = [way.transition for way in ways if way.transition.hold]
+    others = [way.transition for way in ways if not way.transition.hold]
+    own = [it for it in others if it.guard is not None and it.guard.check is not None]
+    return _each_once([*own, *others, *timed])
+
+
+def _each_once(transitions: Sequence[CompiledTransition]) -> tuple[GuardRow, ...]:
+    """Return their guards, each once; unknown counts as holding if it does for one of them."""
+    found: dict[object, AskedGuard] = {}
+    for guard in (transition.guard for transition in transitions):
+        if guard is not None:
+            key = guard.name or guard.ask
+            takes = guard.unknown_takes or (key in found and found[key].unknown_takes)
+            found[key] = guard._replace(unknown_takes=takes)
+    return tuple([tuple(guard) for guard in found.values()])
 
 
 def _is_timer(transition: CompiledTransition) -> bool:

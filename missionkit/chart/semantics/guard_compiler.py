@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
+from operator import eq, ge, gt, le, lt
 from typing import Any as Anything
 from typing import cast
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.variables import is_number
-from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction, GuardMemory
+from missionkit.chart.semantics.compiled_chart import (
+    AskedGuard,
+    GuardContext,
+    GuardFunction,
+    GuardMemory,
+)
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
 from missionkit.errors import NO_PLACE
+from missionkit.guards.comparison import ComparedGuard, FlagGuard, compiled
 from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import is_foreign
@@ -25,11 +31,11 @@ from missionkit.plugin_protocols import (
 Check = Callable[[Estimate], Verdict]
 TRUE_VERDICT, FALSE_VERDICT = Verdict(holds=True), Verdict(holds=False)
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
-    "equals": operator.eq,
-    "below": operator.lt,
-    "above": operator.gt,
-    "at_least": operator.ge,
-    "at_most": operator.le,
+    "equals": eq,
+    "below": lt,
+    "above": gt,
+    "at_least": ge,
+    "at_most": le,
 }
 
 
@@ -63,8 +69,32 @@ class GuardCompiler:
                 name = self.name(expression)
                 return self._remembered(name, lambda: answered(name, of_chart(expression)))
 
-    def check(self, expression: ex.Expression) -> Check | None:
-        """Return what to ask if `expression` is one guard of the package that remembers nothing."""
+    def asked(self, expression: ex.Expression, *, unknown_takes: bool = False) -> AskedGuard:
+        """Return how the quick step asks a guard.
+
+        Args:
+            expression: the guard.
+            unknown_takes: unknown counts as holding.
+        """
+        ask, guard = self.ask(expression), self._own(expression)
+        if guard is None:
+            return AskedGuard(ask, unknown_takes)
+        plain = AskedGuard(ask, unknown_takes, self.name(expression), _check(guard))
+        if isinstance(guard, FlagGuard):
+            return plain._replace(measure=guard.raised)
+        if not isinstance(guard, ComparedGuard):
+            return plain
+        _, operator, threshold, why = guard.comparison()
+        return plain._replace(
+            measure=guard.measured,
+            rising=operator in {"above", "at_least"},
+            strict=operator in {"above", "below"},
+            threshold=threshold,
+            why=why,
+        )
+
+    def _own(self, expression: ex.Expression) -> GuardProtocol | None:
+        """Return the guard if it is one of the package that needs no more than the estimate."""
         if isinstance(expression, ex.Named):
             expression = self._named[expression.name]
         if not isinstance(expression, ex.Use):
@@ -72,7 +102,7 @@ class GuardCompiler:
         plugin = expression.plugin
         if is_foreign(plugin) or isinstance(plugin, WindowGuardProtocol):
             return None
-        return cast(GuardProtocol, plugin).check
+        return cast(GuardProtocol, plugin)
 
     def name(self, expression: ex.Expression) -> str:
         """Return what the record calls a guard: its text, numbered where two read the same."""
@@ -171,6 +201,10 @@ def answered(name: str, ask: GuardFunction) -> GuardFunction:
     return once
 
 
+def _check(guard: GuardProtocol) -> Check:
+    return compiled(guard) if isinstance(guard, ComparedGuard) else guard.check
+
+
 def _simple(name: str, guard: GuardProtocol) -> GuardFunction:
     check = guard.check
 
@@ -186,7 +220,7 @@ def _trusting(name: str, guard: GuardProtocol) -> GuardFunction:
 
     This is the innermost of the tick: one closure instead of three.
     """
-    check = guard.check
+    check = _check(guard)
 
     def ask(question: GuardContext) -> Verdict:
         answers = question.answers

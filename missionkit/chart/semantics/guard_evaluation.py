@@ -68,7 +68,8 @@ def _asked_carefully(here: Configuration, memory: ChartMemory, question: GuardCo
     moving = False
     for ways in (*here.ways, *here.heard):
         for transition, wait in ways:
-            if transition.check is not None and transition.ask is not None:
+            guard = transition.guard
+            if guard is not None and guard.check is not None and transition.ask is not None:
                 holds = transition.ask(question).holds
                 entered = memory.entered[transition.source]
                 waits = bool(transition.events) or question.seen.now - entered < wait

@@ -9,7 +9,6 @@ happening (land before return before anything else).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, begin
 from missionkit.chart.semantics.compiled_chart import (
@@ -57,27 +56,43 @@ def decide(
     Returns:
         What to remember, and what was decided and why. Nothing passed in is changed.
     """
-    active, _, windows, variables, _, _, was_held, was_violated, started, ended, *_ = memory
-    here = chart.configurations.get(active) or configuration(chart, active)
-    question = GuardContext(seen, windows, contain, active, variables, frugal=frugal)
+    question = GuardContext(
+        seen, memory.windows, contain, memory.active, memory.variables, frugal=frugal
+    )
     if chart.slots:
-        windows = _advanced(chart, question)
+        advance(chart, question)
+    return decided(chart, memory, question)
+
+
+def decided(
+    chart: Chart, memory: ChartMemory, question: GuardContext
+) -> tuple[ChartMemory, Decision]:
+    """Return the same, the windows advanced already, and some of the guards asked perhaps.
+
+    Args:
+        chart: compiled.
+        memory: as returned by the last step.
+        question: with the windows as of this tick; the answers are collected in it.
+    """
+    seen, frugal, windows = question.seen, question.frugal, tuple(question.windows)
+    active, _, _, _, _, _, was_held, was_violated, started, ended, *_ = memory
+    here = chart.configurations.get(active) or configuration(chart, active)
     held: dict[int, float] = {}
     forced = None
-    flying = _flying(seen, here)
+    flying = acts(seen, here)
     if ended or seen.events or flying:
         forced = _forced(chart, memory, here, question, held, flying=flying)
     moving = not ended and (frugal or evaluated(here, memory, question, held))
     violated = was_violated
     problems: tuple[str, ...] = ()
     if here.promising:
-        violated, escape, problems = _invariants(here, memory, question)
+        violated, escape, problems = invariants(here, memory, question)
         forced = forced or escape
     if not frugal and (chart.slots or held != was_held or violated != was_violated):
         memory = memory._replace(windows=windows, held=held, violated=violated)
     escape = None
     if flying and forced is None and memory.monitors:
-        forced = escape = _requirement(chart, memory, here, seen.now)
+        forced = escape = requirement(chart, memory, here, seen.now)
     due = bool(memory.delayed) and memory.delayed[0].due <= seen.now + EPSILON
     if started and forced is None and not (moving or due or seen.events):
         decision = _new(Decision, (question.answers, (), (), False, (), problems))
@@ -87,15 +102,14 @@ def decide(
         )
     if not chart.watch.requirements:
         return memory, decision
-    return _watched(chart, memory, decision, question, "" if escape is None else escape.text)
+    return watched_end(chart, memory, decision, question, "" if escape is None else escape.text)
 
 
-def _advanced(chart: Chart, question: GuardContext) -> tuple[Any, ...]:
+def advance(chart: Chart, question: GuardContext) -> None:
     """Advance every memory; a guard that uses another finds it in an earlier slot."""
     question.windows = windows = list(question.windows)
     for index, slot in enumerate(chart.slots):
         windows[index] = slot.advance(windows[index], question)
-    return tuple(windows)
 
 
 def _forced(
@@ -152,7 +166,7 @@ def _in_air(seen: Estimate) -> bool:
     return seen.status is not None and seen.status.in_air
 
 
-def _flying(seen: Estimate, here: Configuration) -> bool:
+def acts(seen: Estimate, here: Configuration) -> bool:
     """Say whether failsafes act: in the air, and with rotors turning in a state that flies."""
     status = seen.status
     if status is None or (status.armed and not status.in_air):
@@ -160,10 +174,16 @@ def _flying(seen: Estimate, here: Configuration) -> bool:
     return status.in_air
 
 
-def _invariants(
+def invariants(
     here: Configuration, memory: ChartMemory, question: GuardContext
 ) -> tuple[Mapping[str, float], CompiledTransition | None, tuple[str, ...]]:
-    """Return since when which invariants are broken, the first way out, and the news."""
+    """Return since when which invariants are broken, the first way out, and the news.
+
+    Args:
+        here: the active configuration.
+        memory: since when they were broken before.
+        question: the estimate; the answers are collected in it.
+    """
     violated: dict[str, float] = {}
     escape: CompiledTransition | None = None
     problems: list[str] = []
@@ -181,10 +201,17 @@ def _invariants(
     return violated, escape, tuple(problems)
 
 
-def _requirement(
+def requirement(
     chart: Chart, memory: ChartMemory, here: Configuration, now: float
 ) -> CompiledTransition | None:
-    """Return where the first broken requirement leads, if that is no less safe than here."""
+    """Return where the first broken requirement leads, if that is no less safe than here.
+
+    Args:
+        chart: compiled.
+        memory: with the monitors after the last tick.
+        here: the active configuration.
+        now: s.
+    """
     for each, monitor in zip(chart.watch.requirements, memory.monitors, strict=True):
         if each.to is None or not overdue(each, monitor, now):
             continue
@@ -194,7 +221,7 @@ def _requirement(
     return None
 
 
-def _watched(
+def watched_end(
     chart: Chart, memory: ChartMemory, decision: Decision, question: GuardContext, taken: str
 ) -> tuple[ChartMemory, Decision]:
     """Let the requirements see the end of the tick; they join the answers.

@@ -22,7 +22,7 @@ from missionkit.chart.checks.interval_boxes import (
 )
 from missionkit.chart.checks.possible_places import Places
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction
+from missionkit.chart.semantics.compiled_chart import AskedGuard, GuardContext, GuardFunction
 from missionkit.chart.semantics.guard_compiler import (
     FALSE_VERDICT,
     TRUE_VERDICT,
@@ -238,8 +238,8 @@ class OracleCompiler(GuardCompiler):
         self._oracle = oracle
 
     @override
-    def check(self, expression: ex.Expression) -> None:
-        return None
+    def asked(self, expression: ex.Expression, *, unknown_takes: bool = False) -> AskedGuard:
+        return AskedGuard(self.ask(expression), unknown_takes)
 
     @override
     def ask(self, expression: ex.Expression) -> GuardFunction:
