@@ -18,6 +18,7 @@ from missionkit.chart.checks import (
     implausible_goals,
     landing_guarantee,
     livelocks,
+    markers_in_view,
     misspelt_events,
     never_fires,
     oscillations,
@@ -54,6 +55,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     event_deadlocks.problems_of,
     geofence_violations.problems_of,
     standoffs.problems_of,
+    markers_in_view.problems_of,
     control_gains.problems_of,
     success_conditions.problems_of,
 )
