@@ -1,0 +1,62 @@
+"""Whether a camera sees a marker from where a behaviour stands off it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from missionkit.geometry import Mat, conjugate, rotate
+from missionkit.messages import CameraModel
+from missionkit.perception.aruco import Aruco
+from missionkit.units import Point
+
+CORNERS = ((-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5))  # of a marker: right, up
+
+
+def unseen(camera: CameraModel, marker: Aruco, standoff: Point) -> str:
+    """Return why a camera does not see a marker, "" if it does; its lens does not distort.
+
+    Args:
+        camera: on a body that is level and faces the marker.
+        marker: hangs upright.
+        standoff: (3,), m, out, right and up of the vehicle from the target.
+    """
+    out, right, up = standoff
+    across, above, ahead = marker.offset
+    back = conjugate(camera.mount.rotation)
+    corners = [
+        (
+            out - ahead,
+            across + x * marker.size - right,
+            up - above - y * marker.size,
+        )
+        for x, y in CORNERS
+    ]
+    seen = [rotate(back, np.array(it) - camera.mount.translation) for it in corners]
+    if any(float(it[2]) <= 0.0 for it in seen):
+        return "the marker lies beside or behind the camera"
+    pixels = np.array([(camera.matrix @ it / it[2])[:2] for it in seen])
+    size = np.array([camera.width - 1, camera.height - 1])
+    if (pixels < 0.0).any() or (pixels > size).any():
+        column, row = pixels.mean(axis=0)
+        return (
+            f"the marker is not wholly in the picture: its centre lies at pixel {column:.0f}, "
+            f"{row:.0f} of {camera.width} x {camera.height}, and it is {_extent(pixels)} px wide"
+        )
+    area = _area(pixels)
+    if not marker.min_area <= area <= marker.max_area:
+        limit = "min_area" if area < marker.min_area else "max_area"
+        bound = getattr(marker, limit)
+        return f"the marker covers {area:.0f} px², beyond its {limit!r} of {bound:g} px²"
+    return ""
+
+
+def _extent(pixels: Mat) -> int:
+    return math.ceil(float(np.ptp(pixels[:, 0])))
+
+
+def _area(pixels: Mat) -> float:
+    """Return the area (px²) of a polygon by the shoelace formula."""
+    x, y = pixels.T
+    return 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))
