@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec
+from missionkit.geometry import Mat, Quat, from_matrix, rotate, to_matrix, vec, wrap
 from missionkit.messages import Goal, HalfSpace, Target
 
 HOVER_SLACK = 0.15  # m, by which hovering in front of a marker may come nearer than commanded
@@ -26,25 +26,31 @@ def goal_rotation(marker: Mat) -> Mat:
     return np.array([-z, x, -y]).T
 
 
-def goal_of(target: Target, standoff: tuple[float, float, float], now: float) -> Goal | None:
+def goal_of(
+    target: Target, standoff: tuple[float, float, float], now: float, turn_deg: float = 0.0
+) -> Goal | None:
     """Return where to hover in front of `target`, facing it; None if its attitude is unknown.
 
         T_goal = T_marker · T_offset
 
-    `standoff` is (out, right, up), m: along the marker's z, x and y axes. The yaw is None for a
-    marker that lies flat. Source: P1 section 2.3, in the world frame.
+    T_offset = [R_offset | t_offset]: t_offset is `standoff`, (out, right, up), m, along the
+    marker's z, x and y axes; R_offset turns the nose by `turn_deg`. The yaw is None for a marker
+    that lies flat. Source: P1 section 2.3, in the world frame.
 
     Args:
         target: place and attitude of the marker, NED.
         standoff: (3,), m, out, right and up.
         now: s, time of the goal.
+        turn_deg: deg, clockwise as seen from above, from facing the marker.
     """
     if target.attitude is None:
         return None
     out, right, up = standoff
     position = target.position + rotate(target.attitude, vec(right, up, out))
     forward = goal_rotation(to_matrix(target.attitude))[:, 0]
-    yaw = math.atan2(forward[1], forward[0]) if math.hypot(*forward[:2]) > FLAT_MARKER else None
+    yaw = None
+    if math.hypot(*forward[:2]) > FLAT_MARKER:
+        yaw = wrap(math.atan2(forward[1], forward[0]) + math.radians(turn_deg))
     return Goal(position, yaw, now, target.name)
 
 

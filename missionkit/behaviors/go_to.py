@@ -12,7 +12,7 @@ from missionkit.geometry import Vec3, norm, vec
 from missionkit.goal_pose import goal_of
 from missionkit.messages import Estimate, Goal, Guidance, Step
 from missionkit.plugin import Behavior
-from missionkit.units import Metres, MetresPerSecond, Point
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point
 
 HOME = "home"
 RECEDING = 0.7  # m/s away from the goal, level: it comes to rest before it turns round
@@ -31,6 +31,9 @@ class GoTo(Behavior):
     kind: ClassVar[str] = "go_to"
     target: str
     standoff: Point = (0.0, 0.0, 0.0)
+    turn_deg: Degrees = Field(
+        default=0.0, description="of the nose from facing the marker, clockwise"
+    )
     height: Metres | None = None
     speed: MetresPerSecond = Field(default=5.0, gt=0)
     within: Metres = Field(default=1.0, gt=0)
@@ -65,7 +68,9 @@ class GoTo(Behavior):
         target = seen.targets.get(self.target)
         if target is None:
             return None
-        pose = goal_of(target, self.standoff, seen.now) if any(self.standoff) else None
+        pose = None
+        if any(self.standoff):
+            pose = goal_of(target, self.standoff, seen.now, self.turn_deg)
         if pose is None:
             return self._at_height(target.position, None, seen)
         level = vec(pose.position[0], pose.position[1], target.position[2] - self.standoff[2])

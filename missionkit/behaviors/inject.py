@@ -12,7 +12,7 @@ from missionkit.geometry import Vec3, norm, rotate, vec
 from missionkit.goal_pose import bound_of, goal_of
 from missionkit.messages import Estimate, Guidance, Step, Target
 from missionkit.plugin import Behavior
-from missionkit.units import Metres, MetresPerSecond, Point, Seconds
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
 WAITING_ERROR_SHARE = 0.6  # share of `within`: with a larger error the goal waits for the vehicle
 LONGEST_SLIDE = 0.2  # s; after a longer gap the goal must not leap
@@ -47,6 +47,9 @@ class Inject(Behavior):
     kind: ClassVar[str] = "inject"
     target: str
     standoff: Point = (1.2, 0.0, 0.0)
+    turn_deg: Degrees = Field(
+        default=0.0, description="of the nose from facing the marker, clockwise"
+    )
     depth: Metres = Field(default=0.4, ge=0)
     hold: Seconds = 3.0
     speed: MetresPerSecond = Field(default=0.1, gt=0)
@@ -68,7 +71,7 @@ class Inject(Behavior):
         at_rest = before._replace(last=seen.now)
         here = at_rest if waiting else self._slide(before, seen.now)
         out, right, up = self.standoff
-        goal = goal_of(target, (out - here.depth, right, up), seen.now)
+        goal = goal_of(target, (out - here.depth, right, up), seen.now, self.turn_deg)
         if goal is None:
             return Step(note=f"the orientation of {self.target} is unknown", memory=at_rest)
         progress = self._advance(here, norm(seen.position - goal.position), seen.now)

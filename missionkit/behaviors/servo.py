@@ -12,7 +12,7 @@ from missionkit.geometry import norm, rotate, vec
 from missionkit.goal_pose import bound_of, goal_of
 from missionkit.messages import Estimate, Goal, Guidance, Step, Target
 from missionkit.plugin import Behavior
-from missionkit.units import Metres, MetresPerSecond, Point, Seconds
+from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
 
 class Servo(Behavior):
@@ -20,16 +20,19 @@ class Servo(Behavior):
 
     T_goal = T_marker · T_offset  (P1, section 2.3)
 
-    The vehicle looks at the marker on the way, so that it stays in view, and turns to the goal's
-    own heading within `align` of it. Without a sighting for `patience` it stops and waits; nearer
-    to the marker's plane than the goal it backs off to that first. The plane through the goal,
-    parallel to the marker, is never crossed: it is approached as fast as the vehicle can brake
-    before it.
+    The vehicle looks at the marker on the way, so that it stays in view, and turns to the
+    goal's own heading, turned by `turn_deg` from facing the marker, within `align` of it.
+    Without a sighting for `patience` it stops and waits; nearer to the marker's plane than the
+    goal it backs off to that first. The plane through the goal, parallel to the marker, is
+    never crossed: it is approached as fast as the vehicle can brake before it.
     """
 
     kind: ClassVar[str] = "servo"
     target: str
     standoff: Point = (1.2, 0.0, 0.0)
+    turn_deg: Degrees = Field(
+        default=0.0, description="of the nose from facing the marker, clockwise"
+    )
     speed: MetresPerSecond = Field(default=1.0, gt=0)
     align: Metres = Field(default=0.6, gt=0)
     patience: Seconds = 0.7
@@ -42,7 +45,7 @@ class Servo(Behavior):
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
         target = seen.targets.get(self.target)
-        goal = None if target is None else goal_of(target, self.standoff, seen.now)
+        goal = None if target is None else goal_of(target, self.standoff, seen.now, self.turn_deg)
         if target is None or goal is None:
             return Step(note=f"{self.target} was never seen")
         bound = bound_of(target, self.standoff[0])

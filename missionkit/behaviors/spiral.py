@@ -31,9 +31,11 @@ class Spiral(Behavior):
     p(t) = p_center + r(t) [cos θ(t), sin θ(t), 0]  (P1, section 3.4)
 
     The centre lies `back` further from the target than where the search began, since a camera
-    sees more from afar. `form` is `steady` (constant ground speed, turns a camera `footprint`
-    apart) or `paper` (r = v_r t with `growth`, θ = ω t with `rate`). Both keep to `speed`. The
-    plane `standoff` off the target's marker is never crossed.
+    sees more from afar; with `centre` target it is the target's place, at the height of the
+    vehicle, for what lies on the ground. r(t) begins with `inner` r_0. `form` is `steady` (constant
+    ground speed, turns a camera `footprint` apart) or `paper` (r = r_0 + v_r t with `growth`,
+    θ = ω t with `rate`). Both keep to `speed`. Round a target's place the vehicle flies over it;
+    otherwise the plane `standoff` off the target's marker is never crossed.
     """
 
     kind: ClassVar[str] = "spiral"
@@ -41,7 +43,11 @@ class Spiral(Behavior):
     form: Literal["steady", "paper"] = "steady"
     speed: MetresPerSecond = Field(default=0.8, gt=0)
     footprint: Metres = Field(default=1.5, gt=0)
+    inner: Metres = Field(default=0.0, ge=0, description="first radius, r_0")
     outer: Metres = Field(default=4.0, gt=0)
+    centre: Literal["here", "target"] = Field(
+        default="here", description="where the search began, or the target's place"
+    )
     back: Metres = Field(default=1.5, ge=0)
     growth: MetresPerSecond = Field(default=0.15, gt=0)
     rate: RadiansPerSecond = Field(default=0.6, gt=0)
@@ -55,9 +61,14 @@ class Spiral(Behavior):
     @cached_property
     def _curve(self) -> Curve:
         if self.form == "steady":
-            return Curve.steady(self.speed, self.footprint, self.outer)
+            return Curve.steady(self.speed, self.footprint, self.outer, self.inner)
         return Curve.paper(
-            self.growth, self.rate, speed=self.speed, footprint=self.footprint, outer=self.outer
+            self.growth,
+            self.rate,
+            speed=self.speed,
+            footprint=self.footprint,
+            outer=self.outer,
+            inner=self.inner,
         )
 
     @property
@@ -72,6 +83,8 @@ class Spiral(Behavior):
             return Centre(seen.position, seen.now)
         away = seen.position - target.position
         away[2] = 0.0
+        if self.centre == "target":
+            return Centre(seen.position - away, seen.now)
         gap = norm(away)
         step = away * (self.back / gap) if gap > 0.1 else 0.0 * away
         return Centre(seen.position + step, seen.now)
@@ -86,7 +99,7 @@ class Spiral(Behavior):
         if target is not None:
             offset = target.position - seen.position
             yaw = math.atan2(offset[1], offset[0])
-            bound = bound_of(target, self.standoff) or _before(target, self.standoff, centre)
+            bound = self._bound(target, centre)
             nearest = position if bound is None else inside(position, bound)
             velocity = velocity if nearest is position else 0.0 * velocity
             position = nearest
@@ -97,6 +110,11 @@ class Spiral(Behavior):
             memory=centre,
             bound=bound,
         )
+
+    def _bound(self, target: Target, centre: Centre) -> HalfSpace | None:
+        if self.centre == "target":
+            return None
+        return bound_of(target, self.standoff) or _before(target, self.standoff, centre)
 
     @override
     def targets(self) -> tuple[str, ...]:

@@ -24,6 +24,10 @@ class SuccessTolerances(Protocol):
         """Out of the marker, to its right, up along it (m)."""
 
     @property
+    def turn_deg(self) -> float:
+        """Of the nose from facing the marker, clockwise (deg)."""
+
+    @property
     def position(self) -> float:
         """Allowed distance from the goal (m)."""
 
@@ -97,7 +101,11 @@ def true_goal(marker: Marker, standoff: tuple[float, float, float]) -> Transform
 
 
 def judge_visit(
-    rows: Mat, marker: Marker, standoff: tuple[float, float, float], span: tuple[float, float]
+    rows: Mat,
+    marker: Marker,
+    standoff: tuple[float, float, float],
+    span: tuple[float, float],
+    turn_deg: float = 0.0,
 ) -> GradedVisit:
     """Measure the visit that lasted over `span` (s).
 
@@ -106,6 +114,7 @@ def judge_visit(
         marker: the target's marker where it really hangs.
         standoff: out, right, up (m).
         span: when the state was entered and left, or the end of the flight.
+        turn_deg: of the nose from facing the marker, clockwise.
     """
     goal = true_goal(marker, standoff)
     times = rows[:, 0]
@@ -114,7 +123,9 @@ def judge_visit(
     gaps = rows[first:last, 1:4] - goal.translation
     normal = rotate(marker.attitude, vec(0.0, 0.0, 1.0))
     sideways = gaps - np.outer(gaps @ normal, normal)
-    yaw_error = abs(wrap(yaw_of(rows[first, 7:11]) - yaw_of(goal.rotation)))
+    yaw_error = abs(
+        wrap(yaw_of(rows[first, 7:11]) - yaw_of(goal.rotation) - math.radians(turn_deg))
+    )
     return GradedVisit(
         _length(gaps[0]),
         yaw_error if math.hypot(normal[0], normal[1]) > NO_HEADING_BELOW else None,
@@ -146,7 +157,7 @@ def grade(
     """
     visit = None
     if success is not None and marker is not None and span is not None:
-        visit = judge_visit(rows, marker, success.standoff, span)
+        visit = judge_visit(rows, marker, success.standoff, span, success.turn_deg)
     last = TrueState.of(rows[-1])
     flying = rows[:, 14] == 0.0
     landed = last.on_ground and not last.armed and not last.crashed and bool(flying.any())

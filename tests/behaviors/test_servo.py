@@ -83,3 +83,13 @@ def test_the_plane_before_the_goal_is_never_to_be_crossed_also_while_it_waits():
         np.testing.assert_allclose(step.bound.normal, (-1.0, 0.0, 0.0), atol=1e-12)
         assert step.bound.point[0] == pytest.approx(18.5 + 0.15)
     assert step.guidance is None
+
+
+@pytest.mark.parametrize("turn", [0.0, 30.0, -90.0, 170.0])
+def test_the_nose_may_be_turned_from_facing_the_marker(turn):
+    servo = Servo(target="trunk", standoff=(2.0, 0.0, 0.0), turn_deg=turn)
+    target = marker(10.0, 0.0, -3.0, faces_deg=180.0)
+    (step,) = play(servo, [at(10.0, 8.0, 0.0, -3.0, targets={"trunk": target})])
+    np.testing.assert_allclose(step.goal.position, (8.0, 0.0, -3.0), atol=1e-9)
+    assert step.guidance.yaw == pytest.approx(math.radians(turn))  # north, and turned from that
+    assert step.goal.yaw == step.guidance.yaw

@@ -100,3 +100,22 @@ def test_a_target_too_near_to_decide_a_side_sets_no_bound():
     near = marker(14.5, 5.0, -4.0)._replace(attitude=None)
     (step, *_) = searched(FORMS["steady"].model_copy(update={"back": 0.0}), 0.1, trunk=near)
     assert step.bound is None
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_search_about_the_target_begins_at_the_first_radius_and_flies_over_it(form):
+    spiral = Spiral(**FORMS[form].model_dump() | {"inner": 1.0, "centre": "target"})
+    steps = searched(spiral, 30.0, trunk=TRUNK)
+    centre = steps[0].goal.position
+    np.testing.assert_allclose(centre, (20.0, 5.0, -4.0))
+    places = np.array([step.guidance.position for step in steps])
+    radii = np.linalg.norm(places[:, :2] - centre[:2], axis=1)
+    assert radii[0] == pytest.approx(1.0)
+    assert radii.min() >= 1.0 - 1e-9
+    assert places[:, 0].max() > 21.0  # beyond the marker's plane
+    assert {step.bound for step in steps} == {None}
+
+
+def test_an_inner_radius_that_leaves_nothing_to_search_is_refused():
+    with pytest.raises(ValidationError, match="inner < outer"):
+        Spiral(target="trunk", inner=4.0, outer=4.0)

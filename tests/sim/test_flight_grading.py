@@ -21,6 +21,7 @@ class Wanted(NamedTuple):
     standoff: tuple[float, float, float] = (1.2, 0.0, 0.0)
     position: float = 0.1
     yaw_deg: float = 5.0
+    turn_deg: float = 0.0
 
 
 def track(*positions: tuple[float, float, float], yaw: float = 0.0) -> np.ndarray:

@@ -36,6 +36,8 @@ def reach_of(state: State) -> Reach | None:
     kind, plugin = state.behavior.kind, state.behavior.plugin
     standoff, target = getattr(plugin, "standoff", None), str(getattr(plugin, "target", ""))
     if kind == "spiral":
+        if getattr(plugin, "centre", "here") == "target":
+            return None  # it flies over its target
         out = float(standoff or 0.0)
         return Reach(target, (out, 0.0, 0.0), (out, 0.0, 0.0), kind)
     if kind not in {"servo", "inject"} or standoff is None:

@@ -62,6 +62,9 @@ class Success(MissionPart):
     visit: StateName | None = Field(default=None, description="must have been entered")
     target: TargetName | None = Field(default=None, description="to be in front of on entry")
     standoff: Place3 = (0.0, 0.0, 0.0)
+    turn_deg: Degrees = Field(
+        default=0.0, description="of the nose from facing the marker, clockwise"
+    )
     position: Metres = Field(default=0.1, gt=0, description="largest distance from the goal")
     yaw_deg: Degrees = Field(default=5.0, gt=0, description="largest heading error")
     done: StateName | None = Field(default=None, description="its behaviour must have finished")
@@ -85,7 +88,7 @@ class Success(MissionPart):
         if all(getattr(self, name) is None for name in names):
             wanted = ", ".join(f"'{name}'" for name in names)
             raise sentences(sentence(f"needs at least one of {wanted}"))
-        goal = {"target", "standoff", "yaw_deg"} & self.model_fields_set
+        goal = {"target", "standoff", "turn_deg", "yaw_deg"} & self.model_fields_set
         if self.visit is None and self.docked is None:
             goal |= {"position"} & self.model_fields_set
         if self.visit is None and goal:
