@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.geometry import Mat, conjugate, rotate
+from missionkit.geometry import Mat, conjugate, from_euler, rotate
 from missionkit.messages import CameraModel
 from missionkit.perception.aruco import Aruco
 from missionkit.units import Point
@@ -14,17 +14,19 @@ from missionkit.units import Point
 CORNERS = ((-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5))  # of a marker: right, up
 
 
-def unseen(camera: CameraModel, marker: Aruco, standoff: Point) -> str:
+def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float = 0.0) -> str:
     """Return why a camera does not see a marker, "" if it does; its lens does not distort.
 
     Args:
-        camera: on a body that is level and faces the marker.
+        camera: on a body that is level and faces the marker, but for a turn.
         marker: hangs upright.
         standoff: (3,), m, out, right and up of the vehicle from the target.
+        turn_deg: deg, of the body from facing the marker, clockwise as seen from above.
     """
     out, right, up = standoff
     across, above, ahead = marker.offset
     back = conjugate(camera.mount.rotation)
+    unturned = from_euler(0.0, 0.0, -math.radians(turn_deg))
     corners = [
         (
             out - ahead,
@@ -33,7 +35,8 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point) -> str:
         )
         for x, y in CORNERS
     ]
-    seen = [rotate(back, np.array(it) - camera.mount.translation) for it in corners]
+    body = [rotate(unturned, np.array(it)) for it in corners]
+    seen = [rotate(back, it - camera.mount.translation) for it in body]
     if any(float(it[2]) <= 0.0 for it in seen):
         return "the marker lies beside or behind the camera"
     pixels = np.array([(camera.matrix @ it / it[2])[:2] for it in seen])

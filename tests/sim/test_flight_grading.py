@@ -58,6 +58,13 @@ def test_goal_stands_off_and_faces_the_marker(
     assert ahead == pytest.approx([math.cos(yaw), math.sin(yaw), 0.0])
 
 
+def test_a_heading_may_be_wanted_that_is_turned_from_the_marker() -> None:
+    rows = track((0, 0, -2.5), (8.83, 2.04, -2.5), (0, 0, -2.5), yaw=0.5)
+    turned = grade(rows, Wanted(turn_deg=math.degrees(0.5)), MARKER, (1.0, 2.0))
+    assert turned.visit is not None
+    assert turned.visit.yaw_error == pytest.approx(0.0, abs=1e-9)
+
+
 def test_visit_is_measured_on_entry_and_until_the_state_is_left() -> None:
     rows = track((0, 0, -2.5), (8.83, 2.04, -2.5), (9.2, 2.06, -2.5), (0, 0, -2.5), yaw=0.05)
     result = grade(rows, Wanted(), MARKER, (1.0, 2.0))

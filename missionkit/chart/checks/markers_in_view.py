@@ -31,7 +31,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         if not markers or not state.behavior.place.file:
             continue
         for point, level in ((reach.far, Level.ERROR), (reach.near, Level.WARNING)):
-            why = [unseen(camera, marker, point) for marker in markers]
+            why = [unseen(camera, marker, point, reach.turn_deg) for marker in markers]
             if all(why):
                 what = f"state {name!r}: at [{', '.join(f'{it:g}' for it in point)}] from"
                 yield _problem(state.behavior.place, f"{what} {reach.target!r} {why[0]}", level)

@@ -22,6 +22,7 @@ class Reach(NamedTuple):
     far: Point3
     near: Point3
     kind: str
+    turn_deg: float = 0.0  # of the nose from facing the marker
 
     @property
     def least(self) -> float:
@@ -44,7 +45,8 @@ def reach_of(state: State) -> Reach | None:
         return None
     out, right, up = standoff
     depth = float(getattr(plugin, "depth", 0.0))
-    return Reach(target, (out, right, up), (out - depth, right, up), kind)
+    turn = float(getattr(plugin, "turn_deg", 0.0))
+    return Reach(target, (out, right, up), (out - depth, right, up), kind, turn)
 
 
 def body_radius(chart: AnalysedChart) -> float:
