@@ -13,7 +13,7 @@ from missionkit.engine.clock import Pace, Unhurried, processor_time, stopwatch
 from missionkit.engine.flight_state import FlightMemory, FlightState
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.resume.reconciliation import ResumedFlight
-from missionkit.engine.resume.resumption import Resumption, wake
+from missionkit.engine.resume.resumption import Resumption, resume_flight
 from missionkit.engine.run_lifecycle import Lifecycle
 from missionkit.engine.tick import Ticked, tick
 from missionkit.engine.timed_containment import TimedContainment
@@ -145,7 +145,7 @@ class _FlightWatch:
         return FlightState(memory, self.flown, self.grounded_since, life.state == "aborting")
 
 
-class _Aside:
+class _ContainedCalls:
     """Calls what stands beside the command: observers and the keeper, which end no flight."""
 
     def __init__(self) -> None:
@@ -221,7 +221,7 @@ async def fly(
         stack.enter_context(marking_interrupts())
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(contain.interrupting())
-        life, watch, aside = _started(course), _FlightWatch(time_limit, course), _Aside()
+        life, watch, beside = _started(course), _FlightWatch(time_limit, course), _ContainedCalls()
         memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:
             count += 1
@@ -241,15 +241,15 @@ async def fly(
             )
             events = ()
             for n, observer in enumerate(observers, 1):
-                aside.call(f"observer {n}", observer, record, observation)
+                beside.call(f"observer {n}", observer, record, observation)
             end = watch.over(plan, done)
             if end is None:
-                aside.call("checkpoints", keeper, watch.course(memory, life), record)
-            notes = aside.take()
+                beside.call("checkpoints", keeper, watch.course(memory, life), record)
+            notes = beside.take()
     aborted = life.state == "aborting"
     life.finish()
     if reports is no_reports:
-        aside.raise_first()
+        beside.raise_first()
     why = watch.why if end in {FlightEnd.NOT_ARMED, FlightEnd.NEVER_LEFT} else ""
     return FlownFlight(end, aborted, memory.now, count, memory, why)
 
@@ -264,7 +264,7 @@ async def _opening(
     if resume is None:
         return ResumedFlight(FlightState(begin(plan)), (), ())
     since = resume() if callable(resume) else resume
-    return await wake(plan, vehicle, pace, since)
+    return await resume_flight(plan, vehicle, pace, since)
 
 
 def _started(course: FlightState) -> Lifecycle:

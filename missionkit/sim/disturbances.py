@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 
 from missionkit.geometry import Vec3, norm, vec
-from missionkit.sim.fault_injection import Mishaps
+from missionkit.sim.fault_injection import InjectedFaults
 
 TURN, ONSET = 60.0, 2.0  # s, of a velocity bias: once round, and until it has grown
 
 
-def extra_wind(mishaps: Mishaps, mean_wind: Vec3, now: float) -> Vec3 | None:
+def extra_wind(injected: InjectedFaults, mean_wind: Vec3, now: float) -> Vec3 | None:
     """Return the wind (3,), m/s, NED, that a gust adds along the mean wind; None without one.
 
     Args:
-        mishaps: the faults of the run.
+        injected: the faults of the run.
         mean_wind: (3,), m/s, NED; without one a gust blows to the north.
         now: s.
     """
-    gust = mishaps.since("wind_gust", now)
+    gust = injected.since("wind_gust", now)
     if gust is None:
         return None
     size = norm(mean_wind)
@@ -26,22 +26,22 @@ def extra_wind(mishaps: Mishaps, mean_wind: Vec3, now: float) -> Vec3 | None:
     return gust[0] * along
 
 
-def velocity_bias(mishaps: Mishaps, now: float) -> Vec3:
+def velocity_bias(injected: InjectedFaults, now: float) -> Vec3:
     """Return the bias (3,), m/s, NED, of the autopilot's own velocity at `now` (s)."""
-    bias = mishaps.since("velocity_bias", now)
+    bias = injected.since("velocity_bias", now)
     return vec(0.0, 0.0, 0.0) if bias is None else turning(*bias)
 
 
-def control_period(mishaps: Mishaps, now: float) -> float:
+def control_period(injected: InjectedFaults, now: float) -> float:
     """Return the period (s) of a slowed velocity loop at `now` (s); 0: that of the physics."""
-    slow = mishaps.since("control_slow", now)
+    slow = injected.since("control_slow", now)
     return 0.0 if slow is None else slow[0]
 
 
-def satellite_offset(mishaps: Mishaps, now: float) -> Vec3:
+def satellite_offset(injected: InjectedFaults, now: float) -> Vec3:
     """Return by how much (3,), m, NED, fixes are off at `now` (s): a jump and a drift."""
-    jump = mishaps.since("gnss_jump", now) or (0.0, 0.0)
-    drift = mishaps.since("gnss_drift", now) or (0.0, 0.0)
+    jump = injected.since("gnss_jump", now) or (0.0, 0.0)
+    drift = injected.since("gnss_drift", now) or (0.0, 0.0)
     return vec(jump[0] + drift[0] * drift[1], 0.0, 0.0)
 
 

@@ -185,7 +185,7 @@ def _value(name: str, text: str | None) -> float | None:
     return value
 
 
-class Mishaps(NamedTuple):
+class InjectedFaults(NamedTuple):
     """The faults of one run and when the states they wait for were first entered."""
 
     faults: tuple[Fault, ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from missionkit.messages import Command, Observation
-from missionkit.sim.fault_injection import Mishaps
+from missionkit.sim.fault_injection import InjectedFaults
 from missionkit.sim.ground_truth import TrueState, TrueTrack
 
 STRETCH = 10  # physics steps flown at once at most: 50 ms
@@ -19,7 +19,7 @@ class SimulatedPort(ABC):
     """
 
     track: TrueTrack
-    _mishaps: Mishaps
+    _injected: InjectedFaults
 
     @abstractmethod
     def advance(self, until: float) -> Observation:
@@ -50,4 +50,4 @@ class SimulatedPort(ABC):
 
     def entered(self, state: str, at: float) -> None:
         """Note that the mission entered `state` at `at` (s), for faults that wait for it."""
-        self._mishaps.entered.setdefault(state, at)
+        self._injected.entered.setdefault(state, at)

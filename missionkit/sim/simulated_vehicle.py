@@ -24,7 +24,7 @@ from missionkit.messages import (
 )
 from missionkit.sim import disturbances, kernel_layout
 from missionkit.sim.camera_feed import Feed
-from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
+from missionkit.sim.fault_injection import Fault, InjectedFaults, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.herd_grading import HerdTrack
@@ -75,7 +75,7 @@ class SimulatedVehicle(SimulatedPort):
         self.track = TrueTrack()
         self.herd = HerdTrack()
         self.payload: str | None = None  # actuator that is on
-        self._mishaps = Mishaps(tuple(faults), {})
+        self._injected = InjectedFaults(tuple(faults), {})
         self._plant = Plant(world, rngs)
         self._feed = Feed(camera, world, self._plant.things, rngs["camera"], rngs["boxes"])
         self._gnss = GnssSensor(world.sensors.gnss, rngs["gnss"])
@@ -160,7 +160,7 @@ class SimulatedVehicle(SimulatedPort):
             self._obey()
             self._sense()
         box, self._inbox = self._inbox, Inbox()
-        self._cycle = self._mishaps.load(until, self._cycle)
+        self._cycle = self._injected.load(until, self._cycle)
         return Observation(
             now=until,
             imu=tuple(box.imu),
@@ -185,7 +185,7 @@ class SimulatedVehicle(SimulatedPort):
     def _fly(self, stop: int) -> None:
         plant = self._plant
         first = plant.step // kernel_layout.IMU_EVERY + 1
-        faults = self._mishaps
+        faults = self._injected
         plant.mislead(
             disturbances.velocity_bias(faults, self.now),
             disturbances.control_period(faults, self.now),
@@ -193,13 +193,13 @@ class SimulatedVehicle(SimulatedPort):
         wind = vec(*self.world.wind.mean)
         rows = plant.advance(stop, disturbances.extra_wind(faults, wind, self.now))
         period = kernel_layout.IMU_EVERY / kernel_layout.RATE
-        biased = self._mishaps.since("imu_biased", self.now)
+        biased = self._injected.since("imu_biased", self.now)
         if biased is not None:
             rows[:, 0] += biased[0]
         self._inbox.imu += [
             Imu((first + n) * period, row[:3], row[3:]) for n, row in enumerate(rows)
         ]
-        sag = self._mishaps.since("battery_sag", self.now)
+        sag = self._injected.since("battery_sag", self.now)
         self._gauge.sag = max(self._gauge.sag, sag[0] if sag else 0.0)
         plant.memory[kernel_layout.POWERED] = float(self._charge > 0.0)
         self._remember()
@@ -230,7 +230,7 @@ class SimulatedVehicle(SimulatedPort):
         x, box = self._plant.state, self._inbox
         self._take_fix(step, now)
         if self._baro.beat.due(step):
-            stuck = self._mishaps.active("baro_stuck", now)
+            stuck = self._injected.active("baro_stuck", now)
             box.baro = self._baro.measure(now, x, stuck=stuck)
         if self._mag.beat.due(step):
             box.mag = self._mag.measure(now, x)
@@ -238,9 +238,9 @@ class SimulatedVehicle(SimulatedPort):
             box.flow = self._flow.measure(now, x)
         if self._range.beat.due(step):
             seen = self._range.measure(now, x)
-            box.range = None if self._mishaps.active("range_lost", now) else seen
+            box.range = None if self._injected.active("range_lost", now) else seen
         if self._outside is not None and self._outside.beat.due(step):
-            self._outside.expose(now, x, lost=self._mishaps.active("external_pose_lost", now))
+            self._outside.expose(now, x, lost=self._injected.active("external_pose_lost", now))
         if self._scan.due(step):
             box.scan = self._look_around(now)
         if step == self._feed.next_step:
@@ -250,13 +250,13 @@ class SimulatedVehicle(SimulatedPort):
     @property
     def _aiding(self) -> float:
         """Whether fixes correct the autopilot's own velocity, as in `kernel_layout.GNSS_OK`."""
-        return float(self._mishaps.without_fixes(self.now) is None)
+        return float(self._injected.without_fixes(self.now) is None)
 
     def _take_fix(self, step: int, now: float) -> None:
-        lost = self._mishaps.without_fixes(now) is not None
+        lost = self._injected.without_fixes(now) is not None
         self._plant.memory[kernel_layout.GNSS_OK] = self._aiding
         if self._gnss.beat.due(step):
-            offset = disturbances.satellite_offset(self._mishaps, now)
+            offset = disturbances.satellite_offset(self._injected, now)
             fix = self._gnss.measure(now, self._plant.state, offset)
             if not lost:
                 self._fixes.append(fix)
@@ -271,7 +271,7 @@ class SimulatedVehicle(SimulatedPort):
         return Scan(now, turned, model.range)
 
     def _expose(self, now: float) -> None:
-        faults = self._mishaps
+        faults = self._injected
         self._feed.expose(
             self._plant.state,
             self.robots,
@@ -284,7 +284,7 @@ class SimulatedVehicle(SimulatedPort):
 
     def _telemetry(self, step: int, now: float) -> None:
         battery, heartbeat = self._gauge.beat.due(step), self._heartbeat.due(step)
-        if self._mishaps.active("link_lost", now):
+        if self._injected.active("link_lost", now):
             return
         plant = self._plant
         if battery:

@@ -40,12 +40,12 @@ Snapshot = Mapping[str, Any]
 
 PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
-        *("payload", "_mishaps", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
+        *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
         *("_flow", "_range", "_outside"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle"),
     ),
     FreeFlyer: (
-        *("payload", "_mishaps", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),
+        *("payload", "_injected", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),
     ),
     FlyerPlant: ("step", "state", "memory", "_imu", "_uwb"),
     FeatureCamera: ("beat", "_noise", "_last"),

@@ -91,7 +91,7 @@ class SimulatedBody(SimulatedVehicle):
 
     def faulty(self, faults: Sequence[Fault]) -> None:
         """Let these faults take the place of all others from now on."""
-        self._mishaps = self._mishaps._replace(faults=tuple(faults))
+        self._injected = self._injected._replace(faults=tuple(faults))
 
     def kill(self) -> None:
         """Stop the rotors, also in flight."""

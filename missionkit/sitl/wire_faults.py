@@ -14,8 +14,8 @@ from missionkit.errors import UsageError, nearest
 from missionkit.sim.fault_injection import (
     FAULT_KINDS,
     Fault,
+    InjectedFaults,
     Kind,
-    Mishaps,
     fault_in,
     name_in,
     parse_fault,
@@ -136,15 +136,15 @@ class WireFaults:
 
     def active(self, name: str, now: float) -> tuple[float, float] | None:
         """Return (value, age in s) of the newest active fault of that name, or `None`."""
-        return self._mishaps.since(name, now)
+        return self._injected.since(name, now)
 
     def without_fixes(self, now: float) -> float | None:
         """Return for how long (s) there have been no satellites, `None` when there are."""
-        return self._mishaps.without_fixes(now)
+        return self._injected.without_fixes(now)
 
     @property
-    def _mishaps(self) -> Mishaps:
-        return Mishaps(tuple(reversed(self._faults)), self.entered)
+    def _injected(self) -> InjectedFaults:
+        return InjectedFaults(tuple(reversed(self._faults)), self.entered)
 
     def strikes(self, name: str, now: float) -> float | None:
         """Return the value of a fault that happens once, when it does."""

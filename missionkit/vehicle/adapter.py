@@ -189,9 +189,9 @@ class MavsdkVehicle:
             self._let_go()
             raise
 
-    def tend(self) -> None:
+    def maintain(self) -> None:
         """Ask for streams that are missing, and for the vehicle's time. Call it now and then."""
-        self._joined.streams.tend()
+        self._joined.streams.maintain()
         self._joined.time_sync.ask()
 
     async def observe(self, until: float) -> Observation:
@@ -201,7 +201,7 @@ class MavsdkVehicle:
         self._now = until
         if not self._camera.running:
             self._camera.start(self)
-        self.tend()
+        self.maintain()
         self._take_reports(parts)
         events = self._notes.take_events()
         frame = self._camera.latest(min(until, parts.observer.moved_until))

@@ -94,7 +94,7 @@ class ConnectedVehicle:
         self._check.report_to(
             self.authority, self._rebooted, lambda: self.streams.request(HEARTBEAT)
         )
-        self.streams.tend()
+        self.streams.maintain()
         self.streamer.start()
         self.commander.start()
 

@@ -45,7 +45,7 @@ def test_a_closed_connection_is_reopened_and_frames_arrive_whole():
         first.close()
         end.until(lambda: link._file is None)
         link.write(FRAME)  # lost: there is no peer
-        link.tend()
+        link.maintain()
         with listening.accept()[0] as second:
             second.sendall(FRAME)
             end.until(lambda: end.taken == [FRAME, FRAME])

@@ -35,7 +35,7 @@ class Autopilot:
     def write(self, data):
         self.heard += data
 
-    def tend(self):
+    def maintain(self):
         pass
 
     def drop(self):

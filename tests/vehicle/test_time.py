@@ -113,7 +113,7 @@ def run(made, cache, wall, seconds, rate=20.0, boot=0.0):
         cache.put("LOCAL_POSITION_NED", {"time_boot_ms": int(1e3 * (boot + n / rate))})
         if n % rate == 0:
             cache.put("HEARTBEAT", {})
-        made.tend()
+        made.maintain()
 
 
 def test_streams_are_requested_once_and_again_only_if_missing():
@@ -122,7 +122,7 @@ def test_streams_are_requested_once_and_again_only_if_missing():
     assert wire.ids == [32]
     for _ in range(60):
         wall.now += 0.05
-        made.tend()
+        made.maintain()
     assert wire.ids.count(32) in {3, 4}
 
 
@@ -143,10 +143,10 @@ def test_rates_are_sent_again_after_a_reboot():
 def test_rates_are_sent_again_when_the_link_comes_back():
     made, cache, wall, wire = streams({115: 50.0}, frozenset((115,)))
     cache.put("HEARTBEAT", {})
-    made.tend()
+    made.maintain()
     wall.now += 4.0
-    made.tend()
+    made.maintain()
     assert wire.ids == [115]
     cache.put("HEARTBEAT", {})
-    made.tend()
+    made.maintain()
     assert wire.ids == [115, 115]

@@ -27,7 +27,7 @@ class Resumption(NamedTuple):
     notes: tuple[str, ...] = ()  # further messages
 
 
-async def wake(
+async def resume_flight(
     plan: PreparedMission, vehicle: Vehicle, pace: Pace, since: Resumption
 ) -> ResumedFlight:
     """Listen until the vehicle has reported its state, then adapt the memory to it.
@@ -53,8 +53,8 @@ async def wake(
         senses, _ = sense(plan, heard, await vehicle.observe(now), Containment())
         heard = heard._replace(now=now, senses=senses)
         calm = calm + plan.period if _sound(plan, saved.memory, heard) else 0.0
-    woken = reconciled(plan, saved, heard, changed=since.changed)
-    return woken._replace(notes=woken.notes + since.notes)
+    resumed = reconciled(plan, saved, heard, changed=since.changed)
+    return resumed._replace(notes=resumed.notes + since.notes)
 
 
 def _enough(before: FlightMemory, heard: FlightMemory, *, waited: float, calm: float) -> bool:

@@ -26,7 +26,7 @@ from missionkit.messages import (
     Wrench,
 )
 from missionkit.sim import kernel_layout
-from missionkit.sim.fault_injection import Fault, Mishaps, refuse_foreign
+from missionkit.sim.fault_injection import Fault, InjectedFaults, refuse_foreign
 from missionkit.sim.free_flyer import flyer_layout as at
 from missionkit.sim.free_flyer.feature_camera import FeatureCamera
 from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
@@ -64,7 +64,7 @@ class FreeFlyer(SimulatedPort):
         self.world = world
         self.track = TrueTrack()
         self.payload: str | None = None  # actuator that is on
-        self._mishaps = Mishaps(tuple(faults), {})
+        self._injected = InjectedFaults(tuple(faults), {})
         self._plant = FlyerPlant(world, rngs)
         self._camera = FeatureCamera(world, rngs["camera"])
         self._gauge = BatteryGauge(world.battery)
@@ -139,7 +139,7 @@ class FreeFlyer(SimulatedPort):
         return self._delivered(until)
 
     def _delivered(self, now: float) -> Observation:
-        self._cycle = self._mishaps.load(now, self._cycle)
+        self._cycle = self._injected.load(now, self._cycle)
         box, self._inbox = self._inbox, Inbox()
         return Observation(
             now=now,
@@ -153,7 +153,7 @@ class FreeFlyer(SimulatedPort):
         )
 
     def _fly(self, stop: int) -> None:
-        plant, faults, now = self._plant, self._mishaps, self.now
+        plant, faults, now = self._plant, self._injected, self.now
         imu, uwb = plant.step // kernel_layout.IMU_EVERY + 1, plant.first_range
         many = faults.since("uwb_outliers", now)
         share = self.world.sensors.uwb.outliers if many is None else many[0]
@@ -174,9 +174,9 @@ class FreeFlyer(SimulatedPort):
 
     def _health(self, now: float) -> Mat:
         """Return the share of its thrust that each nozzle gives, (10,)."""
-        weak = self._mishaps.since("nozzle_weak", now)
+        weak = self._injected.since("nozzle_weak", now)
         health = np.full(NOZZLES, 1.0 if weak is None else weak[0])
-        for nozzle in self._mishaps.values("nozzle_stuck", now):
+        for nozzle in self._injected.values("nozzle_stuck", now):
             health[int(nozzle) - 1] = 0.0
         return health
 
@@ -188,18 +188,20 @@ class FreeFlyer(SimulatedPort):
 
     def _expose(self) -> None:
         if self._camera.beat.due(self._plant.step):
-            on = self.payload == CAMERA_PAYLOAD and not self._mishaps.active("camera_off", self.now)
-            frozen = self._mishaps.active("camera_frozen", self.now)
+            on = self.payload == CAMERA_PAYLOAD and not self._injected.active(
+                "camera_off", self.now
+            )
+            frozen = self._injected.active("camera_frozen", self.now)
             seen = self._camera.measure(self.now, self._plant.state, on=on, frozen=frozen)
             if seen is not None:
                 self._inbox.features.append(seen)
 
     def _telemetry(self) -> None:
         plant, now = self._plant, self.now
-        sag = self._mishaps.since("battery_sag", now)
+        sag = self._injected.since("battery_sag", now)
         self._gauge.sag = max(self._gauge.sag, sag[0] if sag else 0.0)
         battery, heartbeat = self._gauge.beat.due(plant.step), self._heartbeat.due(plant.step)
-        if self._mishaps.active("link_lost", now):
+        if self._injected.active("link_lost", now):
             return
         if battery:
             self._inbox.battery = self._gauge.measure(now, self._energy, self.world.vehicle.power)

@@ -81,7 +81,7 @@ class AutopilotLink(Protocol):
     def write(self, data: bytes) -> None:
         """Send whole frames; lost where that would have to wait."""
 
-    def tend(self) -> None:
+    def maintain(self) -> None:
         """Connect again where that is needed; called about once a second."""
 
     def drop(self) -> None:
@@ -156,7 +156,7 @@ class Datagrams:
             with suppress(OSError):
                 self._socket.sendto(data, peer)
 
-    def tend(self) -> None:
+    def maintain(self) -> None:
         """Nothing to do."""
 
     def drop(self) -> None:
@@ -232,7 +232,7 @@ class Line:
         del self._waiting[:sent]
         self._poller.writing(self._file, wanted=bool(self._waiting))
 
-    def tend(self) -> None:
+    def maintain(self) -> None:
         """Connect again."""
         if self._file is None and self._connect is not None:
             with suppress(OSError):

@@ -238,7 +238,7 @@ class Relay:
             self._stop(now)
         if now - self._tended > TENDED * self._pace and self.link is not None:
             self._tended = now
-            self.link.tend()
+            self.link.maintain()
 
     def _stop(self, now: float) -> None:
         to, dialect = self._to, self._dialect

@@ -133,7 +133,7 @@ class Streams:
         """Ask for one message now, by its id."""
         self._ask(REQUEST, ident, 0.0)
 
-    def tend(self) -> int:
+    def maintain(self) -> int:
         """Ask for what is missing; return how many requests that took. Call it now and then."""
         now = self._cache.wall()
         everything = self._all_due.is_set()

@@ -90,7 +90,7 @@ async def wait_for_messages(vehicle: MavsdkVehicle, names: Iterable[str], patien
         patience: s, real time.
     """
     for _ in range(round(patience / LOOK_INTERVAL)):
-        vehicle.tend()
+        vehicle.maintain()
         if all(_is_told(vehicle.cache, name) for name in names):
             return True
         await asyncio.sleep(LOOK_INTERVAL)
@@ -100,7 +100,7 @@ async def wait_for_messages(vehicle: MavsdkVehicle, names: Iterable[str], patien
 async def _watched(vehicle: MavsdkVehicle, span: float) -> None:
     """Listen for some time (s, wall), in which two vehicles with one system id show."""
     for _ in range(TIMES_TENDED):
-        vehicle.tend()
+        vehicle.maintain()
         await asyncio.sleep(span / TIMES_TENDED)
 
 
