@@ -12,6 +12,7 @@ import numpy.typing as npt
 from missionkit.messages import Detection, Image
 from missionkit.perception.marker_selection import area_of
 from missionkit.perception.opencv_helpers import dictionary, grey
+from missionkit.perception.search_region import Region
 
 Corners = npt.NDArray[np.float64]  # (4, 2), px
 
@@ -32,29 +33,46 @@ class MarkerDetector:
         markers = dictionary(name)
         self.name = name
         self._modules = markers.markerSize + 2  # with the black border
-        self._sharp = cv2.aruco.ArucoDetector(markers, _parameters(5, 10.0, longest_side))
-        self._smooth = cv2.aruco.ArucoDetector(markers, _parameters(13, 7.0, longest_side))
+        self._longest = longest_side
+        self._sharp, self._smooth = _parameters(5, 10.0), _parameters(13, 7.0)
+        self._detector = cv2.aruco.ArucoDetector(markers)
 
-    def detect(self, image: Image, wanted: Set[int] | None = None) -> tuple[Detection, ...]:
-        """Return the markers in a grey or BGR image, of the `wanted` ids or of all."""
+    def detect(
+        self, image: Image, wanted: Set[int] | None = None, region: Region | None = None
+    ) -> tuple[Detection, ...]:
+        """Return the markers in an image.
+
+        Args:
+            image: grey or BGR.
+            wanted: ids; None: all.
+            region: where to look; None: everywhere.
+        """
         flat = grey(image)
-        found = self._pass(self._sharp, flat, flat, wanted)
+        left, top, right, bottom = region or (0, 0, flat.shape[1], flat.shape[0])
+        part = np.ascontiguousarray(flat[top:bottom, left:right])
+        at = np.array([left, top], np.float32)
+        found = self._pass(self._sharp, part, at, flat, wanted)
         if found:
             return found
-        smooth = np.asarray(cv2.blur(flat, (3, 3)), np.uint8)
-        return self._pass(self._smooth, smooth, flat, wanted)
+        smooth = np.asarray(cv2.blur(part, (3, 3)), np.uint8)
+        return self._pass(self._smooth, smooth, at, flat, wanted)
 
     def _pass(
         self,
-        detector: cv2.aruco.ArucoDetector,
-        prepared: Image,
+        parameters: cv2.aruco.DetectorParameters,
+        part: Image,
+        at: npt.NDArray[np.float32],
         original: Image,
         wanted: Set[int] | None,
     ) -> tuple[Detection, ...]:
-        quads, ids, _ = detector.detectMarkers(prepared)
+        whole = part.shape == original.shape
+        longest = self._longest if whole else max(part.shape)
+        parameters.minMarkerPerimeterRate = MIN_PERIMETER / longest
+        self._detector.setDetectorParameters(parameters)
+        quads, ids, _ = self._detector.detectMarkers(part)
         numbers = [] if ids is None else [int(i) for i in ids.ravel()]
         return tuple(
-            self._detection(number, np.asarray(quad, np.float32).reshape(4, 2), original)
+            self._detection(number, np.asarray(quad, np.float32).reshape(4, 2) + at, original)
             for number, quad in zip(numbers, quads, strict=True)
             if wanted is None or number in wanted
         )
@@ -68,12 +86,11 @@ class MarkerDetector:
         return Detection(self.name, number, corners, area_of(corners))
 
 
-def _parameters(window: int, contrast: float, longest_side: int) -> cv2.aruco.DetectorParameters:
+def _parameters(window: int, contrast: float) -> cv2.aruco.DetectorParameters:
     """Threshold once, in a `window` (px), at `contrast` grey levels below the local mean."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.adaptiveThreshWinSizeMin = window
     parameters.adaptiveThreshWinSizeMax = window
     parameters.adaptiveThreshConstant = contrast
-    parameters.minMarkerPerimeterRate = MIN_PERIMETER / longest_side
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
     return parameters
