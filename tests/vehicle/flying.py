@@ -26,6 +26,8 @@ BRISK = 8.0  # where nothing depends on how soon something is done
 UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine does not count as silence
 
 
+PROBE = 0.01  # s of processor time
+
 PORTS = itertools.count(20000 + os.getpid() % 60 * 200)
 """Below the ports that the system gives to any socket: none of those can take one meanwhile."""
 
@@ -50,9 +52,9 @@ def affordable(speed):
     computer, which has to fly in real time.
     """
     wall, busy = time.perf_counter(), time.thread_time()
-    while time.thread_time() - busy < 0.03:
+    while time.thread_time() - busy < PROBE:
         pass
-    share = 0.03 / (time.perf_counter() - wall)
+    share = PROBE / (time.perf_counter() - wall)
     load = os.getloadavg()[0] / (os.cpu_count() or 1)
     return max(1.0, speed * min(1.0, share, 1.5 / max(load, 0.1)))
 
