@@ -97,9 +97,20 @@ def _with_default_behavior(state: Schema, catalogue: Catalogue) -> Schema:
     without = sorted(kind for kind in bare if kind != GROUP_KIND)
     include = {"type": "string", "description": "a file that says what the state is"}
     given = {"type": "object", "description": "values of the file's parameters"}
+    listed = {"anyOf": [{"type": "array", "minItems": 1}, {"$ref": "#/$defs/parameter"}]}
+    loop = {
+        "type": "object",
+        "description": "lists of what $name stands for, one copy of the state for each item",
+        "minProperties": 1,
+        "additionalProperties": listed,
+    }
+    retries = {"type": "integer", "minimum": 0, "description": "how often `to: retry` leads back"}
     return {
         **state,
-        "properties": {"include": include, "with": given, **state["properties"]},
+        "properties": {
+            **{"for_each": loop, "retries": retries, "include": include, "with": given},
+            **state["properties"],
+        },
         "required": [],
         "anyOf": [{"required": [key]} for key in ("include", "kind", *SHAPE_KEYS)],
         "if": {

@@ -9,7 +9,6 @@ including file defines.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
@@ -20,10 +19,11 @@ from missionkit.chart.text.located_data import (
     LocatedList,
     LocatedTable,
     Text,
-    place_of,
     shown,
 )
 from missionkit.chart.text.parameter_expansion import Expanded, filled
+from missionkit.chart.text.table_edits import merged, together, with_value, without
+from missionkit.chart.text.unrolling import unrolled
 from missionkit.chart.text.yaml_reader import Document, read_file
 from missionkit.errors import FileError, Place, Problem
 
@@ -37,17 +37,20 @@ MAX_FILES = 100
 def inlined(expanded: Expanded, file: str) -> Expanded:
     """Return a document with the files it includes in place of the states that include them.
 
+    Loops, `for_each`, are written out before.
+
     Args:
         expanded: the document, parameters replaced.
         file: where it stands; includes are beside it or in folders below.
     """
+    expanded = unrolled(expanded)
     if not isinstance(expanded.data, LocatedTable) or not _includes(expanded.data.get("states")):
         return expanded
     work = _IncludeWork(Path(file).parent, list(expanded.problems), dict(expanded.origins))
     states = work.states(expanded.data.get("states"), _Around((Path(file),)))
-    data = _with(expanded.data, "states", states)
+    data = with_value(expanded.data, "states", states)
     for section in SECTIONS:
-        data = _with(data, section, _merged(data.get(section), work.sections[section]))
+        data = with_value(data, section, merged(data.get(section), work.sections[section]))
     return Expanded(data, work.origins, tuple(work.problems), tuple(work.files))
 
 
@@ -96,15 +99,17 @@ class _IncludeWork:
             return state
         if KEY not in state:
             inside = self.states(state.get("states"), around)
-            return _with(state, "states", inside) if "states" in state else state
+            return with_value(state, "states", inside) if "states" in state else state
         here = around.inside(name)
         path = self._path(state, around.files)
         document = None if path is None else self._read(path, state, here)
         if path is None or document is None:
-            return _with(_without(state, (KEY, WITH)), "kind", state.get("kind", PLACEHOLDER_KIND))
+            return with_value(
+                without(state, (KEY, WITH)), "kind", state.get("kind", PLACEHOLDER_KIND)
+            )
         inner = self._filled(document, state)
         states = self.states(inner.get("states"), _Around((*around.files, path), here))
-        return self._joined(name, state, _with(inner, "states", states))
+        return self._joined(name, state, with_value(inner, "states", states))
 
     def _path(self, state: LocatedTable, chain: tuple[Path, ...]) -> Path | None:
         written = state[KEY]
@@ -140,10 +145,10 @@ class _IncludeWork:
             message = f"'with': expected a mapping (parameter: value), got {shown(given)}"
             self.problems.append(Problem(state.place_of(WITH), message))
         values = given if isinstance(given, LocatedTable) else LocatedTable(state.place)
-        expanded = filled(document, values)
+        expanded = unrolled(filled(document, values))
         self.problems += expanded.problems
         self.origins |= expanded.origins
-        return _without(expanded.data, ("params",))
+        return without(expanded.data, ("params",))
 
     def _joined(self, name: str, state: LocatedTable, inner: LocatedTable) -> LocatedTable:
         """Return the state with what the file says, where it does not say it itself."""
@@ -154,12 +159,12 @@ class _IncludeWork:
             ("variables", renaming.variable_section),
         ):
             if isinstance(inner.get(section), LocatedTable):
-                self.sections[section] = _merged(self.sections[section], rename(inner[section]))
-        joined: LocatedTable = renaming.state(_without(inner, SECTIONS))
-        for key, value in _without(state, (KEY, WITH)).items():
+                self.sections[section] = merged(self.sections[section], rename(inner[section]))
+        joined: LocatedTable = renaming.state(without(inner, SECTIONS))
+        for key, value in without(state, (KEY, WITH)).items():
             both = key == "transitions" and isinstance(value, LocatedList) and key in joined
-            new = _together(value, joined[key]) if both else value
-            joined = _with(joined, key, new, state.key_places[key], state.value_places[key])
+            new = together(value, joined[key]) if both else value
+            joined = with_value(joined, key, new, state.key_places[key], state.value_places[key])
         return joined
 
 
@@ -183,46 +188,3 @@ def _tree(states: object) -> list[str]:
         _tree(state.get("states")) for state in states.values() if isinstance(state, LocatedTable)
     )
     return [*states, *(name for names in inner for name in names)]
-
-
-def _with(
-    table: LocatedTable,
-    key: str,
-    value: Any,
-    key_place: Place | None = None,
-    at: Place | None = None,
-) -> LocatedTable:
-    """Return a copy with one value replaced or added, unless there is nothing to add."""
-    if value is None and key not in table:
-        return table
-    copy = _without(table, ())
-    key_place = key_place or table.key_places.get(key, table.place)
-    copy.put(key, value, key_place, at or table.value_places.get(key, place_of(value)))
-    return copy
-
-
-def _without(table: LocatedTable, keys: tuple[str, ...]) -> LocatedTable:
-    copy = LocatedTable(table.place)
-    for key, value in table.items():
-        if key not in keys:
-            copy.put(key, value, table.key_places[key], table.value_places[key])
-    return copy
-
-
-def _merged(one: Any, other: Mapping[str, Any]) -> Any:
-    """Return a mapping with the entries of another added; anything but a mapping stays as it is."""
-    if not other or not (one is None or isinstance(one, LocatedTable)):
-        return one
-    table = LocatedTable(place_of(other)) if one is None else _without(one, ())
-    if isinstance(other, LocatedTable):
-        for key, value in other.items():
-            table.put(key, value, other.key_places[key], other.value_places[key])
-    return table
-
-
-def _together(one: LocatedList, other: Any) -> Any:
-    row = LocatedList(one.place)
-    for each in (one, other if isinstance(other, LocatedList) else LocatedList(one.place)):
-        for item, place in zip(each, each.value_places, strict=True):
-            row.put(item, place)
-    return row

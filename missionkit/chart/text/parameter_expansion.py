@@ -16,7 +16,7 @@ from missionkit.chart.text.mistake import MAX_HINTS
 from missionkit.chart.text.yaml_reader import Document, read
 from missionkit.errors import FileError, Place, Problem, nearest
 
-SECTION = "params"
+SECTION, LOOP = "params", "for_each"
 PARAMETER_PATTERN = r"^\$[A-Za-z_][A-Za-z0-9_-]*$"
 _REFERENCE = re.compile(PARAMETER_PATTERN)
 
@@ -68,6 +68,7 @@ class _Expansion:
     problems: list[Problem]
     values: LocatedTable = field(init=False)
     origins: dict[Place, str] = field(default_factory=dict)
+    looped: frozenset[str] = frozenset()  # names of the loops around, replaced later
 
     def expanded(self, data: LocatedTable, values: LocatedTable) -> Expanded:
         """Return a document with the values in it."""
@@ -108,11 +109,7 @@ class _Expansion:
     def replaced(self, value: Any, place: Place) -> Any:
         """Return a value with each `$name` in it replaced."""
         if isinstance(value, LocatedTable):
-            table = LocatedTable(value.place)
-            for key, item in value.items():
-                at = value.value_places[key]
-                table.put(key, self.replaced(item, at), value.key_places[key], at)
-            return table
+            return self._replaced_table(value)
         if isinstance(value, LocatedList):
             row = LocatedList(value.place)
             for item, at in zip(value, value.value_places, strict=True):
@@ -121,6 +118,18 @@ class _Expansion:
         if isinstance(value, Text) and value.startswith("$"):
             return self._parameter(value, place)
         return value
+
+    def _replaced_table(self, value: LocatedTable) -> LocatedTable:
+        looped = value.get(LOOP)
+        outer = self.looped
+        inner = outer | looped.keys() if isinstance(looped, LocatedTable) else outer
+        table = LocatedTable(value.place)
+        for key, item in value.items():
+            at = value.value_places[key]
+            self.looped = outer if key == LOOP else inner
+            table.put(key, self.replaced(item, at), value.key_places[key], at)
+        self.looped = outer
+        return table
 
     def report_unused(self) -> None:
         """Add a problem for each parameter that stands nowhere."""
@@ -134,6 +143,8 @@ class _Expansion:
         if not _REFERENCE.match(value):
             return value
         name = value[1:]
+        if name in self.looped:
+            return value
         if name not in self.values:
             self._report(place, f"unknown parameter {value}", name)
             return None
