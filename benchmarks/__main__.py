@@ -15,6 +15,7 @@ from benchmarks import (
     engine,
     estimation,
     feature_navigator,
+    growth,
     perception,
     planning,
     recording,
@@ -27,6 +28,7 @@ from studies.markdown import table
 
 TOPICS: dict[str, Callable[[], list[Table]]] = {
     "cycle": cycle.tables,
+    "growth": growth.tables,
     "speed": speed.tables,
     "arena": arena.tables,
     "campaign": campaign.tables,
