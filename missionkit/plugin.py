@@ -98,6 +98,14 @@ class WindowGuard(Plugin):
         """Return the memory after a `gap` (s) without commands and observations."""
         return memory
 
+    def with_camera(self, camera: CameraModel) -> Self:  # noqa: ARG002
+        """Return the guard as it flies with the mission's camera: here itself.
+
+        Args:
+            camera: lens and mount.
+        """
+        return self
+
     def region(self) -> Region | None:
         """Declare what the guard reads and where it holds; None: unknown."""
         return None

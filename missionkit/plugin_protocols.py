@@ -66,7 +66,7 @@ class WindowGuardProtocol(Protocol):
 class NamedInput(NamedTuple):
     """Something of the mission that a guard reads, and where its parameters name it."""
 
-    what: Literal["guard", "variable", "target"]
+    what: Literal["guard", "variable", "target", "state"]
     name: str
     path: tuple[str | int, ...] = ()
 

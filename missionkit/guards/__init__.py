@@ -3,12 +3,14 @@
 from missionkit.guards.battery import BatteryBelow
 from missionkit.guards.camera_silence import CameraSilent
 from missionkit.guards.converged import Converged
+from missionkit.guards.coverage import Covered
 from missionkit.guards.detection_confidence import ArucoConfidence
 from missionkit.guards.distances import NearGoal, Within
 from missionkit.guards.disturbance import Disturbed
 from missionkit.guards.estimate_quality import EstimateBad, GnssLost
 from missionkit.guards.geofence import InsideFence
 from missionkit.guards.gps_to_visual import GpsToVisual
+from missionkit.guards.ground_height import HeightAboveGround
 from missionkit.guards.ground_touched import GroundTouched
 from missionkit.guards.link_loss import LinkLost
 from missionkit.guards.markov_steady_state import MarkovSteadyState
@@ -26,12 +28,15 @@ from missionkit.guards.tracked_targets import (
     TargetsInView,
     TimeToReversal,
 )
+from missionkit.guards.visits import Visited
+from missionkit.guards.wind_speed import WindAbove
 
 GUARDS = (
     ArucoConfidence,
     BatteryBelow,
     CameraSilent,
     Converged,
+    Covered,
     Disturbed,
     Done,
     Elapsed,
@@ -40,6 +45,7 @@ GUARDS = (
     GoalUnreachable,
     GpsToVisual,
     GroundTouched,
+    HeightAboveGround,
     InsideFence,
     LinkLost,
     MarkovSteadyState,
@@ -56,5 +62,7 @@ GUARDS = (
     TargetsInView,
     TickOverrun,
     TimeToReversal,
+    Visited,
+    WindAbove,
     Within,
 )

@@ -96,6 +96,15 @@ def test_a_state_without_states_inside_is_done_by_its_behaviour():
     assert walk.state == "poles/p2"
 
 
+def test_a_guard_that_names_a_state_means_that_of_its_copy():
+    looked = POLES.replace("when: {all: [a, {in: go}]}", "when: {use: visited, state: go}")
+    walk = Walk(looked)
+    walk.tick()
+    assert walk.state == "poles/p2/go"  # p1's was visited
+    with pytest.raises(FileError, match="unknown state 'goo'"):
+        parse(HEAD + looked.replace("state: go}", "state: goo}"), "m.yaml", CATALOGUE)
+
+
 def test_lists_go_together_and_loops_are_nested():
     text = """\
 targets: {p1: {position: [9, 0, -3]}, p2: {position: [0, 9, -3]}}

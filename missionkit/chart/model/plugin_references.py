@@ -169,3 +169,5 @@ def _known(it: NamedInput, scope: Scope) -> frozenset[str]:
             return scope.variables
         case "target":
             return scope.targets
+        case "state":
+            return scope.states

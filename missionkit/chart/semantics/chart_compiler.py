@@ -28,6 +28,7 @@ from missionkit.chart.semantics.guard_compiler import GuardCompiler
 from missionkit.chart.semantics.requirement_watch import PREFIX, WatchedRequirement
 from missionkit.chart.semantics.robustness import Formula, formula, leaves, opened_up
 from missionkit.errors import NO_PLACE
+from missionkit.messages import CameraModel
 from missionkit.plugin import Behavior
 from missionkit.plugin_containment import is_foreign
 from missionkit.plugin_protocols import BehaviorProtocol
@@ -43,7 +44,7 @@ def compile_mission(mission: Mission, catalogue: Catalogue) -> Chart:
     them needs it, a hover state.
     """
     mission = fulfilled(mission, catalogue)
-    asker = GuardCompiler(dict(mission.guards))
+    asker = GuardCompiler(dict(mission.guards), _camera(mission))
     return compile_with(asker, mission, catalogue.flying(mission.vehicle.use))
 
 
@@ -294,6 +295,10 @@ def _finals(state: StateModel) -> tuple[tuple[str, ...], ...]:
         return (tuple([name for name, inner in state.states.items() if inner.final]),)
     regions = (inner for inner in state.states.values() if inner.history is None)
     return tuple([group for region in regions for group in _finals(region)])
+
+
+def _camera(mission: Mission) -> CameraModel | None:
+    return None if mission.camera.use == "none" else mission.camera.model()
 
 
 def _shape(state: StateModel) -> Shape:

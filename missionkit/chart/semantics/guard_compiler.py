@@ -18,8 +18,8 @@ from missionkit.chart.semantics.compiled_chart import (
 from missionkit.chart.semantics.verdict_validation import is_sound, trusted
 from missionkit.errors import NO_PLACE
 from missionkit.guards.comparison import ComparedGuard, FlagGuard, compiled
-from missionkit.messages import Estimate, Verdict
-from missionkit.plugin import Plugin
+from missionkit.messages import CameraModel, Estimate, Verdict
+from missionkit.plugin import Plugin, WindowGuard
 from missionkit.plugin_containment import is_foreign
 from missionkit.plugin_protocols import (
     CompositeGuardProtocol,
@@ -42,8 +42,8 @@ _COMPARE: dict[str, Callable[[float, float], bool]] = {
 class GuardCompiler:
     """Compiles the guards of one mission; guards that remember share their slots by name."""
 
-    def __init__(self, named: dict[str, ex.Expression]) -> None:
-        self._named = named
+    def __init__(self, named: dict[str, ex.Expression], camera: CameraModel | None = None) -> None:
+        self._named, self._camera = named, camera
         self._compiled: dict[str, GuardFunction] = {}
         self._meanings: dict[str, object] = {name: name for name in named}
         self.slots: list[GuardMemory] = []
@@ -140,6 +140,8 @@ class GuardCompiler:
         foreign = is_foreign(plugin)
         if isinstance(plugin, CompositeGuardProtocol):  # it has all that a window guard has
             return answered(name, self._composite(name, plugin, foreign=foreign))
+        if isinstance(plugin, WindowGuard) and not foreign and self._camera is not None:
+            plugin = plugin.with_camera(self._camera)
         if isinstance(plugin, WindowGuardProtocol):
             advance = _advancing(name, plugin, foreign=foreign)
             slot = self._slot(GuardMemory(name, plugin.begin, advance, plugin.resumed))

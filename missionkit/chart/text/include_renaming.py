@@ -14,6 +14,7 @@ from missionkit.chart.text.located_data import LocatedList, LocatedTable, Text
 
 DONE_EVENT = "done.state."
 READING = ("matrix", "rows")  # parameters of guards that read others
+VISITED = "visited"  # the guard whose parameter `state` names one
 Change = Callable[[Any], Any]
 
 
@@ -55,7 +56,9 @@ class Renaming:
             "variable": self._variable_name,
         }
         if isinstance(data, LocatedTable) and "use" in data:
-            by_name = {"where": lambda guards: _each(guards, self._guard_name)}
+            by_name: dict[str, Change] = {"where": lambda guards: _each(guards, self._guard_name)}
+            if data["use"] == VISITED:
+                by_name["state"] = self._state_name
             return _changed(data, {**dict.fromkeys(READING, self._read), **by_name})
         return _changed(data, inner)
 
