@@ -46,6 +46,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.resume
 	$(BIN)/python -m studies.record_kills
 	$(BIN)/python -m studies.fuzz
+	$(BIN)/python -m studies.soundness
 	$(BIN)/python -m studies.hover
 	$(BIN)/python -m studies.known_map
 	$(BIN)/python -m studies.precision_landing

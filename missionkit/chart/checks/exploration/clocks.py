@@ -1,7 +1,8 @@
 """How long each active state has lasted, as intervals that time moves together.
 
-Ages are intervals from `low` up to, but not with, `high`; equal ends are one point. Every answer
-is an over-approximation: the hull of what is possible for each clock, not for all of them.
+Ages are intervals from `low` up to, but not with, `high`; equal ends are one point. States that
+were entered in the same tick have one age: they are a group. Every answer is an over-approximation:
+the hull of what is possible for each group, not for all of them.
 """
 
 from __future__ import annotations
@@ -19,11 +20,32 @@ class Age(NamedTuple):
 
     low: float
     high: float
+    group: int = -1  # of the states with the same age; -1: entered just now
 
 
 Ages = Mapping[str, Age]
 Limits = Mapping[str, tuple[float, ...]]  # ages (s) of a state that decide something, ascending
 ENTERED = Age(0.0, 0.0)
+
+
+class Group(NamedTuple):
+    """States with one age, and the ages that decide something for any of them."""
+
+    age: Age
+    limits: tuple[float, ...]
+
+
+def groups(ages: Ages, limits: Limits) -> dict[int, Group]:
+    """Return the groups of some states by their numbers."""
+    found: dict[int, Group] = {}
+    for name, age in ages.items():
+        known = found.get(age.group)
+        if known is None:
+            found[age.group] = Group(age, limits[name])
+        elif known.limits != limits[name]:
+            both = tuple(sorted({*known.limits, *limits[name]}))
+            found[age.group] = Group(age, both)
+    return found
 
 
 def following(age: float, limits: tuple[float, ...]) -> float:
@@ -33,47 +55,55 @@ def following(age: float, limits: tuple[float, ...]) -> float:
 
 def resting(ages: Ages, limits: Limits) -> dict[str, Age]:
     """Return the ages while nothing happens, until the first limit is reached."""
-    left = _left(ages, limits)
-    return {
-        name: Age(low, min(high + left, following(low, limits[name])))
-        for name, (low, high) in ages.items()
+    every = groups(ages, limits)
+    left = _left(every)
+    later = {
+        number: Age(age.low, min(age.high + left, following(age.low, each)), number)
+        for number, (age, each) in every.items()
     }
+    return {name: later[age.group] for name, age in ages.items()}
 
 
 def passed(ages: Ages, limits: Limits) -> Iterator[tuple[float, dict[str, Age]]]:
     """Yield what time alone leads to: s from now at least, and the ages then."""
-    left = _left(ages, limits)
-    for name, (low, high) in ages.items():
-        limit = following(low, limits[name])
+    every = groups(ages, limits)
+    left = _left(every)
+    for number, (age, each) in every.items():
+        limit = following(age.low, each)
         if math.isinf(limit):
             continue
-        least, most = max(0.0, limit - high), min(limit - low, left)
+        least, most = max(0.0, limit - age.high), min(limit - age.low, left)
         if least > most:
             continue
         later = {
-            other: Age(limit, limit + TICK)
-            if other == name
-            else Age(age.low + least, age.high + most + TICK)
-            for other, age in ages.items()
+            other: Age(limit, limit + TICK, other)
+            if other == number
+            else Age(its.low + least, its.high + most + TICK, other)
+            for other, (its, _) in every.items()
         }
-        for part in split(later, limits):
+        for part in split({name: later[its.group] for name, its in ages.items()}, limits):
             yield least, part
 
 
-def _left(ages: Ages, limits: Limits) -> float:
+def _left(every: Mapping[int, Group]) -> float:
     """Return the time (s) in which some limit is reached at the latest."""
-    return min((following(low, limits[name]) - low for name, (low, _) in ages.items()), default=0.0)
+    return min(
+        (following(age.low, limits) - age.low for age, limits in every.values()), default=0.0
+    )
 
 
 def split(ages: Ages, limits: Limits) -> Iterator[dict[str, Age]]:
-    """Yield the ages in parts in which no limit lies."""
-    parts = [list(_parts(age, limits[name])) for name, age in ages.items()]
+    """Yield the ages in parts in which no limit lies, their groups numbered from 0."""
+    every = groups(ages, limits)
+    numbers = {group: number for number, group in enumerate(every)}
+    parts = [list(_parts(age, limits)) for age, limits in every.values()]
     for each in product(*parts):
-        yield dict(zip(ages, each, strict=True))
+        numbered = [Age(age.low, age.high, number) for number, age in enumerate(each)]
+        yield {name: numbered[numbers[age.group]] for name, age in ages.items()}
 
 
 def _parts(age: Age, limits: tuple[float, ...]) -> Iterator[Age]:
-    low, high = age
+    low, high, _ = age
     if not limits or low >= limits[-1]:
         yield Age(limits[-1] if limits else 0.0, math.inf)
         return
@@ -86,17 +116,19 @@ def _parts(age: Age, limits: tuple[float, ...]) -> Iterator[Age]:
 
 def widened(ages: Ages, limits: Limits) -> dict[str, Age]:
     """Return all ages between the same limits."""
-    return {
-        name: Age(
-            max((limit for limit in limits[name] if limit <= low), default=0.0),
-            following(low, limits[name]),
+    wide = {
+        number: Age(
+            max((limit for limit in each if limit <= age.low), default=0.0),
+            following(age.low, each),
+            number,
         )
-        for name, (low, _) in ages.items()
+        for number, (age, each) in groups(ages, limits).items()
     }
+    return {name: wide[age.group] for name, age in ages.items()}
 
 
 def inside(ages: Ages, others: Ages) -> bool:
-    """Say whether ages lie within others."""
+    """Say whether ages lie within others, of the same states in the same groups."""
     return all(
-        others[name].low <= low and high <= others[name].high for name, (low, high) in ages.items()
+        others[name].low <= age.low and age.high <= others[name].high for name, age in ages.items()
     )

@@ -47,7 +47,7 @@ def _cause(chart: ExploredChart, step: Step) -> str:
         return chart.failsafes[first]
     way = chart.ways[first]
     if way.model.event is not None:
-        return f"event {step.event or way.model.event[0]!r}"
+        return f"event {' and '.join(step.events) or way.model.event[0]!r}"
     read = {quantity for box in way.truth.may for quantity in box}
     boxes = tuple({q: span for q, span in box.items() if q in read} for box in step.boxes)
     return example(boxes) or way.reason

@@ -28,7 +28,7 @@ from missionkit.chart.semantics.compiled_chart import (
     GuardFunction,
     Watch,
 )
-from missionkit.guards.state_progress import Elapsed
+from missionkit.guards.state_progress import Done, Elapsed
 from missionkit.messages import Estimate, Verdict
 from missionkit.states.contract import StateKind
 
@@ -73,6 +73,7 @@ class ExploredChart:
             for name, ways in analysed.ways.items()
             for compiled_way, way in zip(states[name].transitions, ways, strict=True)
         }
+        self.judges_itself = _judges_itself(analysed)
         self.off_ground = off_ground(analysed, self.ways)
         self.failsafes = {way.number: way.text for way in failsafes}
         _note_uses(asker, analysed)
@@ -165,6 +166,33 @@ class ExploredChart:
             for name, value in variables.items()
             if name in self.most
         )
+
+
+def _judges_itself(analysed: AnalysedChart) -> bool:
+    """Say whether an invariant or failsafe reads the chart: then it matters in which tick it acts.
+
+    What reads the world alone may hold or not in the next tick, whatever happened in this one.
+    """
+    waiting = [each.when for each in analysed.mission.failsafes]
+    waiting += [
+        state.invariant.holds
+        for _, state, _ in analysed.tree.states.values()
+        if state.invariant.holds is not None
+    ]
+    opened: set[str] = set()
+    for guard in waiting:
+        for part in ex.parts_of(guard):
+            if _of_chart(part):
+                return True
+            if isinstance(part, ex.Named) and part.name not in opened:
+                opened.add(part.name)
+                waiting.append(analysed.mission.guards[part.name])
+    return False
+
+
+def _of_chart(part: ex.Expression) -> bool:
+    progress = isinstance(part, ex.Use) and isinstance(part.plugin, Elapsed | Done)
+    return progress or isinstance(part, ex.VariableGuard | ex.In | ex.Finished)
 
 
 def _note_uses(asker: OracleCompiler, analysed: AnalysedChart) -> None:

@@ -13,6 +13,7 @@ from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Oracle, Situation
 from missionkit.chart.checks.interval_boxes import EVERYWHERE
 from missionkit.chart.semantics.chart_memory import ChartMemory, begin
+from missionkit.chart.semantics.compiled_chart import CompiledTransition
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.entry_exit_sets import Move
 from missionkit.chart.semantics.step import decide
@@ -23,6 +24,7 @@ from missionkit.plugin_containment import Containment
 MOST_TICKS = 25_000  # ticks tried in one chart
 MOST_AGES = 6  # intervals of the clocks kept apart, for one situation of the chart
 MOST_INTERVALS = 400_000  # of quantities, worked out on the way
+MOST_EVENTS = 2  # from outside in one tick, where their order can matter
 MICROSTEPS = 8  # that take as long as a tick
 STATES = 8  # that make a tick take as long again
 NOWHERE = cast("Any", ())
@@ -35,7 +37,7 @@ class Step(NamedTuple):
     """How one node of the search leads to another."""
 
     seconds: float  # that pass before it, at least
-    event: str  # from outside; empty if none
+    events: tuple[str, ...]  # from outside, in this order
     taken: tuple[int, ...]  # numbers of the transitions
     boxes: Boxes  # where the quantities may lie
     forced: str = ""  # why it leads away where no transition of the file does
@@ -44,6 +46,7 @@ class Step(NamedTuple):
 class Node(NamedTuple):
     """One situation of the chart between two ticks."""
 
+    number: int
     memory: ChartMemory
     ages: Ages
     before: Node | None
@@ -66,7 +69,8 @@ class Tick(NamedTuple):
     moves: Sequence[Move]
     step: Step
     circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
-    orders: Sequence[Action] = ()
+    orders: Sequence[Action]
+    waits: bool  # a guard holds that has not held for long enough: it cannot stay so
 
 
 class Disarming(NamedTuple):
@@ -77,34 +81,54 @@ class Disarming(NamedTuple):
     moves: Sequence[Move]
 
 
+class Example(NamedTuple):
+    """The first tick in which something happens."""
+
+    node: Node
+    step: Step
+    undone: bool  # the tick does not come to rest, so that the engine undoes it
+
+
 class Exploration(NamedTuple):
     """What a chart can do."""
 
     nodes: Sequence[Node]
-    taken: Mapping[int, Node]  # transition -> the first node in which it is taken
+    taken: Mapping[int, Example]  # by the number of the transition
     reached: Mapping[str, Node]
     left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
     circles: Sequence[Circle]
     disarming: Sequence[Disarming]
+    rests: Mapping[int, Boxes]  # by the number of the node: where a tick changes nothing
     complete: bool  # nothing else can happen
     ticks: int  # tried, those of large charts count more
 
 
 class LongAgo:
-    """Since when a guard has held: chosen when it is asked for."""
+    """Since when a guard has held: chosen when it is asked for.
 
-    def __init__(self, oracle: Oracle, source: str, hold: float) -> None:
+    Args:
+        oracle: chooses.
+        way: whose guard it is.
+        others: of the same tick; one guard has held as long for all that wait for it.
+    """
+
+    def __init__(self, oracle: Oracle, way: CompiledTransition, others: list[LongAgo]) -> None:
         self.oracle = oracle
-        self.source = source
-        self.hold = hold
+        self.way = way
+        self.others = others
         self.since: float | None = None
 
     def __rsub__(self, now: float) -> float:
         if self.since is None:
-            situation = self.oracle.situation
-            able = not self.source or situation.ages.get(self.source, math.inf) >= self.hold
-            self.since = LONG_AGO if able and situation.pick(2) else now
+            situation, source = self.oracle.situation, self.way.source
+            able = not source or situation.ages.get(source, math.inf) >= self.way.hold
+            refused = any(it.since == now and self._longer_than(it) for it in self.others)
+            self.since = LONG_AGO if able and not refused and situation.pick(2) else now
         return now - self.since
+
+    def _longer_than(self, other: LongAgo) -> bool:
+        mine, its = self.way, other.way
+        return mine.ask is its.ask and mine.source == its.source and mine.hold >= its.hold
 
 
 class Search:
@@ -117,17 +141,19 @@ class Search:
         self.nodes: list[Node] = []
         self.waiting: deque[Node] = deque()
         self.known: dict[Any, list[Ages]] = {}
-        self.taken: dict[int, Node] = {}
+        self.taken: dict[int, Example] = {}
+        self.rests: dict[int, Boxes] = {}
         self.reached: dict[str, Node] = {}
         self.left: dict[str, dict[int, float]] = {}
         self.circles: list[Circle] = []
         self.disarming: list[Disarming] = []
         self.complete = True
+        self.held: list[LongAgo] = []
 
     def run(self) -> Exploration:
         """Return everything that can happen, or what was found up to the bound."""
         first = begin(self.chart.chart, 0.0)
-        self._add(Node(first, self._ages(first.active), None, None))
+        self._add(Node(0, first, self._ages(first.active), None, None))
         while self.waiting:
             if self._exhausted():
                 self.complete = False
@@ -135,24 +161,27 @@ class Search:
             self._follow(self.waiting.popleft())
         return Exploration(
             *(self.nodes, self.taken, self.reached, self.left),
-            *(self.circles, self.disarming, self.complete, self.ticks),
+            *(self.circles, self.disarming, self.rests),
+            *(self.complete, self.ticks),
         )
 
     def _exhausted(self) -> bool:
         return self.ticks >= self.most or self.chart.oracle.work >= MOST_INTERVALS
 
     def _ages(self, active: Sequence[str]) -> dict[str, Age]:
-        return {name: ENTERED for name in active if self.chart.limits[name]}
+        return {name: Age(0.0, 0.0, 0) for name in active if self.chart.limits[name]}
 
     def _add(self, node: Node) -> None:
         """Keep a node unless the same is known for all its ages already."""
         memory, limits = node.memory, self.chart.limits
-        cell = tuple([clocks.following(age.low, limits[name]) for name, age in node.ages.items()])
+        every = clocks.groups(node.ages, limits)
+        cell = tuple([clocks.following(age.low, each) for age, each in every.values()])
         key = (
             *(memory.active, memory.started, memory.ended, node.aloft, cell),
             tuple(memory.history.items()),
             self.chart.capped(memory.variables),
             tuple([each.event for each in memory.delayed]),
+            tuple([age.group for age in node.ages.values()]),
         )
         known = self.known.setdefault(key, [])
         if any(clocks.inside(node.ages, each) for each in known):
@@ -160,6 +189,7 @@ class Search:
         if len(known) >= MOST_AGES:
             node = node._replace(ages=clocks.widened(node.ages, limits))
         known.append(node.ages)
+        node = node._replace(number=len(self.nodes))
         self.nodes.append(node)
         self.waiting.append(node)
         for name in memory.active:
@@ -172,26 +202,28 @@ class Search:
         rests = False
         if node.memory.started and (node.step is None or node.step.taken):
             situation = Situation(self.chart.oracle, (), 0.0)
-            self._note(node, ages, self._tick(node, situation, ABORT))
-        for event in ("", *self._events(node.memory)):
-            for tick in self._paths(node, ages, event):
+            self._note(node, ages, self._tick(node, situation, (ABORT,)))
+        every = [(), *self._events(node.memory, ())]
+        for events in every:
+            for tick in self._paths(node, ages, events):
                 rests = self._note(node, ages, tick) or rests
-        if not rests:
-            return
+                if tick.moves and self.chart.judges_itself:
+                    every += [it for it in self._events(tick.memory, events) if it not in every]
         for seconds, later in clocks.passed(node.ages, limits):
-            step = Step(seconds, "", (), EVERYWHERE)
-            self._add(Node(node.memory, later, node, step, node.aloft))
+            if not rests and seconds > clocks.TICK:
+                continue  # something happens at every tick
+            step = Step(seconds, (), (), EVERYWHERE)
+            self._add(Node(0, node.memory, later, node, step, node.aloft))
 
     def _note(self, node: Node, ages: Ages, tick: Tick) -> bool:
         """Add what a path leads to; say whether nothing happens on it."""
-        for number in tick.step.taken:
-            self.taken.setdefault(number, node)
+        self._note_taken(node, tick)
         if tick.circle:
             self.circles.append(Circle(node, tick.step, tick.circle))
             for active, _ in self.chart.moves.noted:
                 self.reached.update(dict.fromkeys(active, node) | self.reached)
         if not tick.moves:
-            return not tick.step.event
+            return not tick.step.events and self._note_rest(node, tick)
         kept = set(node.memory.active)
         for move in tick.moves:
             kept &= set(move.kept)
@@ -205,8 +237,19 @@ class Search:
             if self.chart.limits[name]
         }
         for part in clocks.split(later, self.chart.limits):
-            self._add(Node(tick.memory, part, node, tick.step, aloft))
+            self._add(Node(0, tick.memory, part, node, tick.step, aloft))
         return False
+
+    def _note_taken(self, node: Node, tick: Tick) -> None:
+        for number in tick.step.taken:
+            known = self.taken.get(number)
+            if known is None or (known.undone and not tick.circle):
+                self.taken[number] = Example(node, tick.step, undone=bool(tick.circle))
+
+    def _note_rest(self, node: Node, tick: Tick) -> bool:
+        if not tick.waits or node.number not in self.rests:
+            self.rests[node.number] = tick.step.boxes
+        return True
 
     def _aloft(self, node: Node, tick: Tick) -> bool:
         """Say whether the vehicle may be in the air when a tick acts; note one that disarms it."""
@@ -225,23 +268,25 @@ class Search:
                 for number in tick.step.taken[:1]:
                     left[number] = max(age.low, left.get(number, 0.0))
 
-    def _events(self, memory: ChartMemory) -> Iterator[str]:
+    def _events(self, memory: ChartMemory, before: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+        """Yield some events, each with one more that may come from outside and is heard."""
         here = configuration(self.chart.chart, memory.active)
-        if memory.started:
-            yield from self.chart.from_outside(way[0] for ways in here.heard for way in ways)
+        if memory.started and len(before) < MOST_EVENTS:
+            heard = self.chart.from_outside(way[0] for ways in here.heard for way in ways)
+            yield from ((*before, event) for event in heard)
 
-    def _paths(self, node: Node, ages: Ages, event: str) -> Iterator[Tick]:
+    def _paths(self, node: Node, ages: Ages, events: tuple[str, ...]) -> Iterator[Tick]:
         plan: Sequence[Choice] | None = ()
         while plan is not None and not self._exhausted():
             situation = Situation(self.chart.oracle, plan, self._age(node.memory, ages))
             situation.ages = {name: age.high for name, age in ages.items()}
-            yield self._tick(node, situation, event)
+            yield self._tick(node, situation, events)
             plan = situation.following()
 
     def _age(self, memory: ChartMemory, ages: Ages) -> float:
         return ages[memory.state].high if memory.state in ages else math.inf
 
-    def _tick(self, node: Node, situation: Situation, event: str) -> Tick:
+    def _tick(self, node: Node, situation: Situation, events: tuple[str, ...]) -> Tick:
         """Take one path through a tick by the engine's own selection."""
         self.ticks += 1 + len(node.memory.active) // STATES
         chart, oracle = self.chart.chart, self.chart.oracle
@@ -254,7 +299,7 @@ class Search:
             entered_at=memory.entered[memory.state],
             done=self.chart.may_be_done(memory.state) and memory.started,
             goal=GOAL,
-            events=(event,) if event else (),
+            events=events,
             status=IN_AIR if in_air else None,
         )
         self.chart.moves.noted.clear()
@@ -265,8 +310,9 @@ class Search:
         taken = tuple([number for each in numbers for number in each if number > 0])
         circle = _period(numbers) if contain.failures else ()
         forced = "" if taken or not decision.fired else decision.fired[0].reason
-        step = Step(0.0, event, taken, situation.known.boxes, forced)
-        return Tick(after, decision.moves, step, circle, decision.orders)
+        step = Step(0.0, events, taken, situation.known.boxes, forced)
+        waits = any(each.since == SEEN.now for each in self.held)
+        return Tick(after, decision.moves, step, circle, decision.orders, waits)
 
     def _prepared(self, node: Node, situation: Situation) -> ChartMemory:
         """Return the memory of a node, as of now, with what is left open chosen when asked for."""
@@ -276,7 +322,11 @@ class Search:
             name: -node.ages[name].low if name in node.ages else LONG_AGO for name in memory.active
         }
         timed = (*here.timed, *(each for each in self.chart.chart.failsafes if each.hold))
-        held = {each.number: LongAgo(self.chart.oracle, each.source, each.hold) for each in timed}
+        held: dict[int, LongAgo] = {}
+        self.held = []
+        for each in timed:
+            held[each.number] = LongAgo(self.chart.oracle, each, self.held)
+            self.held.append(held[each.number])
         violated = {state.name: LONG_AGO for state in here.promising}
         prepared = memory._replace(
             entered=entered, held=cast("Any", held), violated=violated, windows=()
