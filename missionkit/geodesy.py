@@ -48,6 +48,17 @@ class Origin(NamedTuple):
         latitude, longitude = self._geodetic(north, east)
         return latitude, math.remainder(longitude, 360.0), self.altitude - down
 
+    def distance(self, latitude: float, longitude: float) -> float:
+        """Return how far away a place is (m), along the earth, to about 0.5 %.
+
+        The haversine formula.
+        """
+        lat, other = math.radians(self.latitude), math.radians(latitude)
+        across = math.radians(longitude - self.longitude)
+        half = math.sin((other - lat) / 2.0) ** 2
+        half += math.cos(lat) * math.cos(other) * math.sin(across / 2.0) ** 2
+        return 2.0 * _TYPICAL_RADIUS * math.asin(math.sqrt(min(1.0, half)))
+
     def _level(self, latitude: float, longitude: float) -> tuple[float, float]:
         if self.sphere is not None:
             shrink = math.cos(math.radians(self.latitude))

@@ -16,6 +16,7 @@ collects the positions whose height is above mean sea level.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Self
 
 from pydantic import (
@@ -40,6 +41,19 @@ NO_ORIGIN = (
     "a position in latitude and longitude needs the mission's 'origin: {lat:, lon:, alt:}', "
     "where its take-off point is"
 )
+
+
+UNREADABLE = Origin(0.0, 0.0, 0.0)
+"""Stands for an origin that is written wrongly, which is reported where it stands."""
+FARTHEST = 100_000.0  # m from the origin
+
+
+@dataclass(frozen=True)
+class ConversionContext:
+    """What a validation of positions needs as its context."""
+
+    origin: Origin | None
+    amsl: list[GeodeticPosition] = field(default_factory=list)  # found above mean sea level
 
 
 class GeodeticSpot(BaseModel):
@@ -118,6 +132,8 @@ class PositionForms:
             written = self.geodetic.model_validate(dict(data))
             if info.context is None or info.context.origin is None:
                 raise ValueError(NO_ORIGIN)
+            if wrong := _misplacement(info.context.origin, written):
+                raise ValueError(wrong)
             if isinstance(written, GeodeticPosition) and written.amsl is not None:
                 info.context.amsl.append(written)
             return written.metres(info.context.origin)
@@ -132,6 +148,16 @@ class PositionForms:
         heights = [{"required": [name]} for name in HEIGHTS if name in geodetic["properties"]]
         one = {"oneOf": heights} if heights else {}
         return {"anyOf": [handler(schema), {**geodetic, **one}]}
+
+
+def _misplacement(origin: Origin, written: GeodeticSpot) -> str:
+    away = origin.distance(written.lat, written.lon)
+    if away <= FARTHEST or origin is UNREADABLE:
+        return ""
+    return (
+        f"it lies {away / 1e3:,.0f} km from the mission's origin: check 'lat' and 'lon', their "
+        "order and signs"
+    )
 
 
 Position = Annotated[

@@ -10,7 +10,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.model.validation_problems import plain
 from missionkit.errors import FileError
 from missionkit.geodesy import Origin
-from missionkit.positions import GeodeticPosition, GroundPosition, Position
+from missionkit.positions import ConversionContext, GroundPosition, Position
 
 ORIGIN = "origin: {lat: 47.397742, lon: 8.545594, alt: 488.0}"
 HERE = Origin(47.397742, 8.545594, 488.0)
@@ -25,11 +25,6 @@ states:
   idle: {kind: idle, behavior: {use: take_off, height: 5}, transitions: [{to: land, when: done}]}
   land: {kind: land}
 """
-
-
-class Scoped(BaseModel):
-    origin: Origin | None = HERE
-    amsl: list[GeodeticPosition] = []
 
 
 class Pattern(BaseModel):
@@ -73,10 +68,11 @@ def test_degrees_become_metres_of_the_origin(height, down):
         ),
         ("{lat: 47, lon: east, agl: 5}", "'lon': expected a number (deg), got 'east'"),
         ("{lat: 47, agl: 5}", "missing key 'lon': a number (deg)"),
-        ("{lat: 47, lon: 8}", "its height is missing: add one of agl, amsl, above_home (m)"),
+        ("{lat: 47.4, lon: 8.5}", "its height is missing: add one of agl, amsl, above_home (m)"),
         ("{lat: 47, lon: 8, alt: 5}", "'alt' does not say what the height is measured from"),
         ("{lat: 47, lon: 8, agl: 5, amsl: 6}", "give one height, not agl and amsl"),
         ("{lat: 47, lon: 8, agl: 5, up: 1}", "unknown key 'up'"),
+        ("{lat: 8.5, lon: 47.4, agl: 5}", "it lies 5,664 km from the mission's origin: check"),
         ("[1, x, 3]", "'position', item 2: expected a number (m), got 'x'"),
         (
             "there",
@@ -105,12 +101,12 @@ def test_parameters_of_plugins_take_both_forms():
         "points": [[1, 2, -3], {"lat": 47.3985, "lon": 8.546, "above_home": 9}],
         "corners": [{"lat": 47.3985, "lon": 8.546}, [4, 5]],
     }
-    made = plain(Pattern, data, Scoped())
+    made = plain(Pattern, data, ConversionContext(HERE))
     north, east, _ = HERE.local(47.3985, 8.546, 488.0)
     assert made.points == ((1.0, 2.0, -3.0), (north, east, -9.0))
     assert made.corners == ((north, east), (4.0, 5.0))
     with pytest.raises(ValidationError, match="'lon': expected a number"):
-        plain(Pattern, {"points": [{"lat": 47, "lon": "east", "agl": 1}]}, Scoped())
+        plain(Pattern, {"points": [{"lat": 47, "lon": "east", "agl": 1}]}, ConversionContext(HERE))
 
 
 def test_corners_of_the_map_take_degrees():

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import Json, MissionFile, Plugins, Settings, System
+from missionkit.cli.command_options import Json, Plugins, Settings, System
+from missionkit.errors import UsageError
 
 
 def preflight(
@@ -28,14 +29,22 @@ def preflight(
 
 
 def fence(
-    address: Annotated[str, typer.Argument(metavar="ADDRESS", help="udpin://0.0.0.0:14540")],
-    mission: MissionFile,
+    places: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="[ADDRESS] MISSION.yaml", help="udpin://0.0.0.0:14540, and the mission file"
+        ),
+    ],
     margin: Annotated[
         float, typer.Option(min=0.0, help="m beyond the mission's own fence, which acts first")
     ] = 5.0,
     rally: Annotated[
         list[str] | None,
         typer.Option(metavar="NORTH,EAST,HEIGHT", help="a place to return to (m, from home)"),
+    ] = None,
+    export: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.plan", help="write a plan for QGroundControl instead, or too"),
     ] = None,
     system: System = None,
     settings: Settings = None,
@@ -45,10 +54,24 @@ def fence(
     from missionkit.cli.fence_command import FenceOptions  # noqa: PLC0415
     from missionkit.cli.fence_command import fence as command  # noqa: PLC0415
 
+    address, mission = _address_and_mission(places, export)
     points = tuple(rally or ())
     files = tuple(settings or ()), tuple(plugin or ())
-    wanted = FenceOptions(address, mission, *files, margin, points, system)
+    wanted = FenceOptions(address, mission, *files, margin, points, system, export)
     raise typer.Exit(command(wanted))
+
+
+def _address_and_mission(places: list[str], export: Path | None) -> tuple[str | None, Path]:
+    """Return the address, None if the fence is only exported, and the mission file."""
+    *addresses, mission = places
+    if len(addresses) > 1 or (not addresses and export is None):
+        raise UsageError(
+            "usage: missionkit fence ADDRESS MISSION.yaml, or "
+            "missionkit fence MISSION.yaml --export FILE.plan"
+        )
+    if Path(mission).suffix not in {".yaml", ".yml"}:
+        raise UsageError(f"{mission} is not a mission file; usage: fence ADDRESS MISSION.yaml")
+    return (addresses[0] if addresses else None), Path(mission)
 
 
 def sitl(
@@ -78,6 +101,9 @@ def sitl(
     ] = None,
     *,
     as_json: Annotated[bool, typer.Option("--json", help="say the ports as JSON")] = False,
+    tied: Annotated[
+        bool, typer.Option("--tied", hidden=True, help="end when standard input closes")
+    ] = False,
 ) -> None:
     """Simulate an autopilot that speaks MAVLink; Ctrl-C ends it."""
     from missionkit.cli.sitl_command import SitlOptions  # noqa: PLC0415
@@ -96,5 +122,6 @@ def sitl(
         as_json=as_json,
         system=system,
         parameters=tuple(parameter or ()),
+        tied=tied,
     )
     raise typer.Exit(command(wanted))

@@ -10,16 +10,14 @@ from typing import NamedTuple
 
 from missionkit.api.missions import assemble
 from missionkit.api.vehicle_flight import origin_wanted
-from missionkit.chart.checks.geofence_violations import walls
 from missionkit.chart.load import load
-from missionkit.chart.model.mission import Mission
+from missionkit.cli.autopilot_fence import AutopilotFence, fence_of, plan_file
 from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError, VehicleError
 from missionkit.geodesy import Origin
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.command.fence_upload import (
-    Ground,
-    box,
+    polygon,
     rally,
     set_fence,
     set_rally,
@@ -32,68 +30,39 @@ HEIGHTS = {"PX4": "GF_MAX_VER_DIST", "ArduPilot": "FENCE_ALT_MAX"}
 HOME_TIMEOUT = 10.0  # s to wait for home
 
 
-class FenceBox(NamedTuple):
-    """Box to stay inside of, relative to the take-off point."""
-
-    north: Ground  # m, south and north limit
-    east: Ground  # m, west and east limit
-    height: float  # m
-
-
 class FenceOptions(NamedTuple):
     """Options of the command."""
 
-    address: str
+    address: str | None  # None: nothing is uploaded
     mission: Path
     settings: Sequence[str]
     plugins: Sequence[Path]
     margin: float  # m beyond the mission's own fence
     rally: Sequence[str]
     system: int | None = None  # MAVLink system id, where several vehicles share the link
+    export: Path | None = None  # file to write
 
 
 def fence(wanted: FenceOptions) -> ExitCode:
-    """Upload, read back, and say what the autopilot has now.
+    """Upload, read back, and say what the autopilot has now; or write a file for QGroundControl.
 
     Raises:
         FileError: the mission cannot be used.
         UsageError: it has no fence, or a rally point or the address is none.
         VehicleError: no vehicle answers, it flies, or it has not accepted the fence.
     """
-    if Path(wanted.address).suffix in {".yaml", ".yml"}:
-        raise UsageError(
-            f"{wanted.address} is not an address; usage: missionkit fence ADDRESS MISSION.yaml"
-        )
     mission = load(wanted.mission, assemble(wanted.plugins), overrides(wanted.settings))
-    around = box_of(mission, wanted.margin)
+    around = fence_of(mission, wanted.margin)
     points = [_point(text) for text in wanted.rally]
-    vehicle = MavsdkVehicle(
-        parse(wanted.address), system=wanted.system, guard=None, wanted=origin_wanted(mission)
-    )
-    print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
+    if wanted.export is not None:
+        wanted.export.write_text(plan_file(mission, around, points), encoding="utf-8")
+        print("\n".join((f"{wanted.export}: written", *_shape(around, points))))  # noqa: T201
+    if wanted.address is not None:
+        origin = origin_wanted(mission)
+        address = parse(wanted.address)
+        vehicle = MavsdkVehicle(address, system=wanted.system, guard=None, wanted=origin)
+        print("\n".join(asyncio.run(_given(vehicle, around, points))))  # noqa: T201
     return ExitCode.SUCCESS
-
-
-def box_of(mission: Mission, margin: float) -> FenceBox:
-    """Return the box round all fences of the mission's failsafes, `margin` (m) wider.
-
-    The mission's own failsafe is to act first, and the autopilot's if that fails.
-
-    Raises:
-        UsageError: no failsafe has a fence.
-    """
-    found = walls(mission)
-    if not found:
-        raise UsageError(
-            f"mission {mission.name!r}: no failsafe has a fence; add one such as "
-            "{when: {not: {use: inside_fence, north: [-20, 120], east: [-40, 60], height: 30}}, "
-            "to: land}"
-        )
-    return FenceBox(
-        (min(it.north[0] for it in found) - margin, max(it.north[1] for it in found) + margin),
-        (min(it.east[0] for it in found) - margin, max(it.east[1] for it in found) + margin),
-        max(it.height for it in found) + margin,
-    )
 
 
 def _point(text: str) -> Point:
@@ -107,12 +76,14 @@ def _point(text: str) -> Point:
     return north, east, height
 
 
-async def _given(vehicle: MavsdkVehicle, around: FenceBox, points: Sequence[Point]) -> list[str]:
+async def _given(
+    vehicle: MavsdkVehicle, around: AutopilotFence, points: Sequence[Point]
+) -> list[str]:
     await vehicle.connect()
     try:
         home = await _home(vehicle)
-        corners = box(home, around.north, around.east)
-        await vehicle.call(set_fence, vehicle.link, corners)
+        items = polygon(home, around.corners, around.holes)
+        await vehicle.call(set_fence, vehicle.link, items)
         if points:
             await vehicle.call(set_rally, vehicle.link, rally(home, points))
         name = HEIGHTS[vehicle.dialect.name]
@@ -140,12 +111,18 @@ async def _home(vehicle: MavsdkVehicle) -> Origin:
     return vehicle.observer.origin
 
 
-def _said(url: str, home: Origin, around: FenceBox, points: Sequence[Point]) -> Iterable[str]:
-    (south, north), (west, east) = around.north, around.east
+def _said(url: str, home: Origin, around: AutopilotFence, points: Sequence[Point]) -> Iterable[str]:
     yield f"{url}: the autopilot has the fence; it was read back as sent"
-    yield f"  home   {home.latitude:.7f}, {home.longitude:.7f}"
-    yield f"  north  {south:g} to {north:g} m"
-    yield f"  east   {west:g} to {east:g} m"
+    yield f"  origin {home.latitude:.7f}, {home.longitude:.7f}"
+    yield from _shape(around, points)
+
+
+def _shape(around: AutopilotFence, points: Sequence[Point]) -> Iterable[str]:
+    norths, easts = zip(*around.corners, strict=True)
+    yield f"  north  {min(norths):g} to {max(norths):g} m"
+    yield f"  east   {min(easts):g} to {max(easts):g} m"
+    yield f"  {len(around.corners)} corners, {len(around.holes)} holes"
+    yield from (f"  not in it: {what}" for what in around.left_out)
     for n, point in enumerate(points, 1):
         yield "  rally {}  {:g} m north, {:g} m east, {:g} m above home".format(n, *point)
 

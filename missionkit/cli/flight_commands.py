@@ -30,6 +30,13 @@ def run(
         str | None,
         typer.Option(metavar="ADDRESS", help="MAVLink, such as udpin://0.0.0.0:14540"),
     ] = None,
+    sitl: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DIALECT",
+            help="px4 or ardupilot: start a simulated autopilot, fly it over MAVLink, and end it",
+        ),
+    ] = None,
     system: System = None,
     camera: Annotated[
         str | None,
@@ -76,11 +83,15 @@ def run(
 
     if mission is None and resume is None:
         raise UsageError("name the mission file to fly, or --resume RUN")
-    if camera is not None and vehicle is None:
+    if sitl is not None and (vehicle is not None or resume is not None):
+        other = "--vehicle" if vehicle is not None else "--resume"
+        raise UsageError(f"--sitl starts an autopilot of its own: leave out {other}")
+    over_mavlink = vehicle is not None or sitl is not None
+    if camera is not None and not over_mavlink:
         raise UsageError("--camera needs --vehicle: the simulator draws what the camera sees")
     if system is not None and vehicle is None:
         raise UsageError("--system needs --vehicle: the simulator has one vehicle")
-    if share and vehicle is None:
+    if share and not over_mavlink:
         raise UsageError("--share needs --vehicle: the simulator has no autopilot to send to")
     order = RunOptions(
         mission or Path(),
@@ -93,6 +104,7 @@ def run(
         headless=headless,
         as_json=as_json,
         vehicle=vehicle,
+        sitl=sitl,
         system=system,
         source=camera,
         share=tuple(share or ()),

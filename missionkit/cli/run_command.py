@@ -6,6 +6,7 @@ from missionkit.api.missions import assemble, refuse
 from missionkit.api.run_origin import Origin, Origins, check_same, found_origin, origin_of
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
+from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.cli.key_events import planned
 from missionkit.cli.overrides import overrides
 from missionkit.cli.recalled_options import check_plugins, recalled
@@ -31,6 +32,8 @@ def run(order: RunOptions) -> ExitCode:
     origins = _origins(order, mission, before)
     for text in order.events:
         planned(text)
+    if order.sitl is not None:
+        return _in_sitl(order.sitl, order, mission, catalogue, origins)
     if order.vehicle is not None:
         from missionkit.cli.run_on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
 
@@ -38,6 +41,29 @@ def run(order: RunOptions) -> ExitCode:
     from missionkit.cli.run_in_simulator import run_in_simulator  # noqa: PLC0415 quick if refused
 
     return run_in_simulator(order, mission, catalogue, origins)
+
+
+def _in_sitl(
+    dialect: str, order: RunOptions, mission: Mission, catalogue: Catalogue, origins: Origins
+) -> ExitCode:
+    """Fly a simulated autopilot that is there for this run alone."""
+    from missionkit.api.vehicle_camera import RENDERED  # noqa: PLC0415 heavy
+    from missionkit.cli.run_on_vehicle import run_on_vehicle  # noqa: PLC0415 heavy
+    from missionkit.cli.simulated_autopilot import simulated_autopilot  # noqa: PLC0415 heavy
+
+    speed, source = order.speed or 1.0, order.source
+    if source is None and mission.camera.use == "device":
+        source = RENDERED  # as in the simulator
+    with simulated_autopilot(
+        dialect,
+        mission,
+        order.mission.parent,
+        speed=speed,
+        seed=order.seed,
+        faults=order.faults,
+    ) as address:
+        flown = order._replace(vehicle=address, source=source, faults=(), speed=speed)
+        return run_on_vehicle(flown, mission, catalogue, origins)
 
 
 def _origins(order: RunOptions, mission: Mission, before: Origin | None) -> Origins:

@@ -28,4 +28,5 @@ class RunOptions(NamedTuple):
     resume: Path | None = None  # the folder of the run to resume
     gap: float = DEFAULT_GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission
+    sitl: str | None = None  # dialect of a simulated autopilot to start, fly and end
     anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
+import sys
 import threading
 from pathlib import Path
 from typing import NamedTuple
@@ -32,6 +34,7 @@ class SitlOptions(NamedTuple):
     as_json: bool
     system: int = 1
     parameters: tuple[str, ...] = ()
+    tied: bool = False  # ends when standard input closes
 
 
 def sitl(wanted: SitlOptions) -> ExitCode:
@@ -59,6 +62,8 @@ def sitl(wanted: SitlOptions) -> ExitCode:
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
+    if wanted.tied:
+        threading.Thread(target=_until_closed, args=(stop,), name="tie", daemon=True).start()
     server = Server(setup)
     warm_up(corners=False)
     try:
@@ -67,6 +72,13 @@ def sitl(wanted: SitlOptions) -> ExitCode:
     finally:
         server.close()
     return ExitCode.SUCCESS
+
+
+def _until_closed(stop: threading.Event) -> None:
+    """Stop when whoever started this has ended, however it did."""
+    while os.read(sys.stdin.fileno(), 1024):
+        pass
+    stop.set()
 
 
 def _parameter(text: str) -> tuple[str, float]:

@@ -8,7 +8,7 @@ from missionkit.guards.detection_confidence import ArucoConfidence
 from missionkit.guards.distances import NearGoal, Within
 from missionkit.guards.disturbance import Disturbed
 from missionkit.guards.estimate_quality import EstimateBad, GnssLost
-from missionkit.guards.geofence import InsideFence
+from missionkit.guards.geofence import Inside, InsideFence
 from missionkit.guards.gps_to_visual import GpsToVisual
 from missionkit.guards.ground_height import HeightAboveGround
 from missionkit.guards.ground_touched import GroundTouched
@@ -46,6 +46,7 @@ GUARDS = (
     GpsToVisual,
     GroundTouched,
     HeightAboveGround,
+    Inside,
     InsideFence,
     LinkLost,
     MarkovSteadyState,

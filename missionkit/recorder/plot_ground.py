@@ -107,10 +107,12 @@ def draw_ground(axes: Axes, scene: MapScene) -> None:
         outline = obstacle.footprint()[:, ::-1]
         axes.add_patch(Polygon(outline, facecolor=WOOD, edgecolor=WOOD_EDGE, lw=1.0, zorder=2))
     for fence in scene.scenery.fences:
-        outline = fence.outline()[:, ::-1]
-        axes.add_patch(
-            Polygon(outline, fill=False, edgecolor=FENCE_COLOUR, lw=1.4, ls=FENCE_DASHES, zorder=2)
-        )
+        for corners in (fence.corners, *fence.holes):
+            shape = Polygon(
+                np.array(corners)[:, ::-1], fill=False, edgecolor=FENCE_COLOUR, zorder=2
+            )
+            shape.set(lw=1.4, ls=FENCE_DASHES)
+            axes.add_patch(shape)
     _draw_arena(axes, scene.scenery)
     _draw_paths(axes, scene.flown, scene.looks)
     _draw_places(axes, scene.flown, scene.scenery)

@@ -130,7 +130,7 @@ def _key(axes: Axes, scene: MapScene, goals: Goals) -> None:
 def _tell_hidden(axes: Axes, fences: tuple[Fence, ...]) -> None:
     """Write the limits of fences that are not seen whole."""
     for number, fence in enumerate(fences):
-        (south, north), (west, east) = fence.north, fence.east
+        (south, west), (north, east) = np.min(fence.corners, axis=0), np.max(fence.corners, axis=0)
         axes.annotate(
             f"fence: north {south:g} to {north:g} m, east {west:g} to {east:g} m",
             (1.0, 0.0),

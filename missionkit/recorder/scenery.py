@@ -72,15 +72,20 @@ class DrawnTarget(NamedTuple):
 
 
 class Fence(NamedTuple):
-    """Limits (m) at which a failsafe acts: south and north, west and east."""
+    """Lines on the ground (m, north and east) at which a failsafe acts."""
 
-    north: tuple[float, float]
-    east: tuple[float, float]
+    corners: tuple[Spot, ...]
+    holes: tuple[tuple[Spot, ...], ...] = ()
+
+    @classmethod
+    def box(cls, north: tuple[float, float], east: tuple[float, float]) -> Fence:
+        """Return the fence between two norths and two easts (m)."""
+        (south, top), (west, right) = north, east
+        return cls(((south, west), (top, west), (top, right), (south, right)))
 
     def outline(self) -> Ground:
-        """Return the corners (4, 2), m, north and east."""
-        (south, north), (west, east) = self.north, self.east
-        return np.array([(south, west), (north, west), (north, east), (south, east)])
+        """Return the corners (N, 2), m, north and east."""
+        return np.array(self.corners)
 
 
 class DrawnArena(NamedTuple):
@@ -128,7 +133,11 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
             for it in world.markers
         ),
         tuple(DrawnTarget(name, it.position[:2]) for name, it in targets.items()),
-        tuple(dict.fromkeys(Fence(it.north, it.east) for it in fences)),
+        tuple(
+            dict.fromkeys(
+                Fence(it.outline(), tuple(hole.polygon for hole in it.holes)) for it in fences
+            )
+        ),
         _arena(getattr(world, "arena", None)),
         over_ground=mission is None or VEHICLES[mission.vehicle.use].over_ground,
     )

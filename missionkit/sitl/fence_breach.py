@@ -12,6 +12,7 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
+from missionkit import polygons
 from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.geodetic import Earth, Spot
 from missionkit.sitl.pymavlink_dialect import mavlink
@@ -47,14 +48,7 @@ class FenceShape(NamedTuple):
         """Tell whether a place is inside."""
         if len(self.corners) == 1:
             return math.dist(place, self.corners[0]) <= self.radius
-        north, east = place
-        inside = False
-        for (n1, e1), (n2, e2) in zip(
-            self.corners, self.corners[1:] + self.corners[:1], strict=True
-        ):
-            if (e1 > east) != (e2 > east) and north < (n2 - n1) * (east - e1) / (e2 - e1) + n1:
-                inside = not inside
-        return inside
+        return polygons.contains(self.corners, place)
 
 
 @lru_cache(maxsize=8)

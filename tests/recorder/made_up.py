@@ -35,7 +35,7 @@ def poles(count: int, north: float, east: float, seed: int = 0) -> Scenery:
             for k, (n, e) in enumerate(spots)
         ),
         tuple(DrawnTarget(f"pole-{k}", spot) for k, spot in enumerate(spots)),
-        (Fence((-15.0, north + 15.0), (-0.5 * east - 15.0, 0.5 * east + 15.0)),),
+        (Fence.box((-15.0, north + 15.0), (-0.5 * east - 15.0, 0.5 * east + 15.0)),),
     )
 
 

@@ -85,7 +85,7 @@ def test_every_target_is_named_and_the_fence_is_drawn(page):
     outlines = [it.get_xy()[:4] for it in ground.patches if not it.get_fill()]
     np.testing.assert_allclose(outlines[0], scenery.fences[0].outline()[:, ::-1])
     labelled = any("fence: north" in it for it in named)
-    (south, north), (west, east) = scenery.fences[0]
+    (south, west), (north, east) = scenery.fences[0].corners[::2]
     seen = ground.get_ylim()[0] <= south and north <= ground.get_ylim()[1]
     seen = seen and ground.get_xlim()[0] <= west and east <= ground.get_xlim()[1]
     assert seen is not labelled
@@ -151,7 +151,7 @@ def test_more_states_than_rows_are_counted():
 
 
 def test_a_far_fence_is_written_where_it_is_not_seen_whole():
-    scenery = poles(2, 50.0, 20.0)._replace(fences=(Fence((-500.0, 500.0), (-400.0, 400.0)),))
+    scenery = poles(2, 50.0, 20.0)._replace(fences=(Fence.box((-500.0, 500.0), (-400.0, 400.0)),))
     with mpl.rc_context(PLOT_STYLE):
         figure = picture(flight(6, 8, scenery), scenery, "t")
     ground = panel(figure, "Map")

@@ -1,6 +1,7 @@
 """`missionkit fence`: what the autopilot keeps to is the mission's fence, a little wider."""
 
 import asyncio
+import json
 
 import pytest
 from samples import HOP
@@ -10,8 +11,9 @@ from vehicle.flying import flying, sitl
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
-from missionkit.cli.fence_command import FenceBox, box_of
+from missionkit.cli.autopilot_fence import fence_of
 from missionkit.errors import UsageError
+from missionkit.geodesy import Origin
 
 FENCE = "{{use: inside_fence, north: [{}, {}], east: [-40, 60], height: {}}}"
 INNER, OUTER = FENCE.format(-20, 100, 20), FENCE.format(-30, 90, 30)
@@ -34,12 +36,14 @@ def asked(tmp_path, monkeypatch, *words, text=None):
 
 def test_the_box_is_round_all_fences_and_wider():
     mission = parse(fenced(INNER, OUTER), "hop", builtin())
-    assert box_of(mission, 2.0) == FenceBox((-32.0, 102.0), (-42.0, 62.0), 32.0)
+    around = fence_of(mission, 2.0)
+    assert around.corners == ((-32.0, -42.0), (102.0, -42.0), (102.0, 62.0), (-32.0, 62.0))
+    assert around.height == 32.0
 
 
 def test_a_mission_without_a_fence_gets_an_example_of_one():
     with pytest.raises(UsageError, match="no failsafe has a fence; add one such as"):
-        box_of(parse(HOP, "hop", builtin()), 5.0)
+        fence_of(parse(HOP, "hop", builtin()), 5.0)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +63,70 @@ def test_fence_and_rally_points_reach_the_autopilot(dialect, height, said, tmp_p
         assert given_to(autopilot, tmp_path) == (4, 1)
         autopilot.ask(parameter=height, value=24.0)
         assert "height 24 m" in asked(tmp_path, monkeypatch, autopilot.url).stdout
+
+
+FIELD = """\
+origin: {lat: 47.397742, lon: 8.545594, alt: 488}
+fence:
+  polygon: [[-20, -20], [90, -20], [90, 40], [40, 60], [-20, 40]]
+  holes:
+    - [[30, 0], [34, 0], [34, 1], [30, 1]]
+    - {polygon: [[60, 10], [70, 10], [70, 25], [60, 25]], height: 8}
+    - [[-10, 20], [10, 20], [10, 40], [-10, 40]]
+  height: 30
+"""
+
+
+def field():
+    return f"{fenced('inside_fence').rstrip()}\n{FIELD}"
+
+
+def test_a_polygon_with_holes_reaches_the_autopilot(tmp_path, monkeypatch):
+    with sitl("px4") as autopilot:
+        given = asked(tmp_path, monkeypatch, autopilot.url, "--margin", "2", text=field())
+        assert given.exit_code == 0, given.output
+        assert "5 corners, 1 holes" in given.stdout
+        assert "not in it: hole 1, which is too narrow" in given.stdout
+        assert "not in it: hole 2, since it may be flown over" in given.stdout
+        assert given_to(autopilot, tmp_path) == (9, 0)
+
+
+def test_a_polygon_is_exported_for_the_ground_station(tmp_path):
+    mission, plan = tmp_path / "hop.yaml", tmp_path / "hop.plan"
+    mission.write_text(field())
+    words = ["fence", str(mission), "--export", str(plan), "--margin", "0", "--rally", "10,-5,20"]
+    given = CliRunner().invoke(app, words)
+    assert given.exit_code == 0, given.output
+    written = json.loads(plan.read_text())
+    shapes = written["geoFence"]["polygons"]
+    assert [it["inclusion"] for it in shapes] == [True, False, False]
+    origin = Origin(47.397742, 8.545594, 488.0)
+    corner = origin.local(*shapes[0]["polygon"][3], 488.0)
+    assert corner[:2] == pytest.approx((40.0, 60.0), abs=1e-3)
+    assert written["rallyPoints"]["points"][0][2] == 20.0
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["hop.yaml"], "usage: missionkit fence ADDRESS MISSION.yaml"),
+        (["hop.yaml", "udpin://127.0.0.1:9"], "is not a mission file"),
+        (["a", "b", "hop.yaml"], "usage: missionkit fence ADDRESS MISSION.yaml"),
+    ],
+)
+def test_what_is_missing_on_the_command_line_is_said(words, says):
+    given = CliRunner().invoke(app, ["fence", *words])
+    assert given.exit_code == 2
+    assert says in given.output
+
+
+def test_a_file_needs_an_origin(tmp_path):
+    mission = tmp_path / "hop.yaml"
+    mission.write_text(fenced(INNER))
+    given = CliRunner().invoke(app, ["fence", str(mission), "--export", str(tmp_path / "x.plan")])
+    assert given.exit_code == 2
+    assert "has no 'origin'" in given.output
+    assert not (tmp_path / "x.plan").exists()
 
 
 def given_to(autopilot, tmp_path):

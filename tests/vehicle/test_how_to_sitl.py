@@ -27,6 +27,7 @@ def fenced(text, language):
 def commands(text):
     """Return what a page tells one to type, in order."""
     lines = [line for block in fenced(text, "sh") for line in block.splitlines()]
+    lines = [line for line in lines if "--sitl" not in line]  # see test_own_sitl.py
     return [shlex.split(line) for line in lines]
 
 

@@ -18,7 +18,11 @@ MOST_LEGS = 5_000
 
 
 def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
-    """Yield every leg on which a failsafe that depends on the place alone would act."""
+    """Yield every leg on which a failsafe that depends on the place alone would act.
+
+    And the mission's section `fence`, if no failsafe keeps it.
+    """
+    yield from _unkept(chart.mission)
     fences = [
         (failsafe, acts, walls)
         for failsafe in chart.mission.failsafes
@@ -49,6 +53,17 @@ def _break(
     return None if at is None else _problem(leg, failsafe, at, acts)
 
 
+def _unkept(mission: Mission) -> Iterator[Problem]:
+    if mission.fence is not None and mission.fence not in walls(mission):
+        yield Problem(
+            mission.place("fence"),
+            "no failsafe keeps the mission's fence",
+            Level.WARNING,
+            "unkept-fence",
+            "add a failsafe such as {name: fence, when: {not: inside_fence}, to: land}",
+        )
+
+
 def walls(mission: Mission) -> tuple[InsideFence, ...]:
     """Return the fences at which a failsafe acts, whatever else is the case."""
     found = (
@@ -72,20 +87,13 @@ def outside(mission: Mission, places: Iterable[Point3]) -> float | None:
         return None
     return max(
         (
-            min(abs(margin(fence, place)) for fence in fences)
+            min(abs(fence.margin(place)) for fence in fences)
             for place in places
             for acts, fences in kept
             if acts(place)
         ),
         default=0.0,
     )
-
-
-def margin(fence: InsideFence, place: Point3) -> float:
-    """Return the distance (m) of a place to the nearest wall or the ceiling, negative outside."""
-    north, east, down = place
-    level = (north - fence.north[0], fence.north[1] - north, east - fence.east[0])
-    return min(*level, fence.east[1] - east, fence.height + down)
 
 
 def _fence(
@@ -118,16 +126,9 @@ def _holds(guard: ex.Expression, guards: Mapping[str, ex.Expression], point: Poi
         case ex.Not(part=part):
             return not _holds(part, guards, point)
         case ex.Use(plugin=plugin) if isinstance(plugin, InsideFence):
-            return inside(plugin, point)
+            return plugin.margin(point) >= 0.0
         case _:
             return False
-
-
-def inside(fence: InsideFence, point: Point3) -> bool:
-    """Say whether a point is inside a fence, walls included."""
-    north, east, down = point
-    level = fence.north[0] <= north <= fence.north[1] and fence.east[0] <= east <= fence.east[1]
-    return level and -down <= fence.height
 
 
 def _first_broken(leg: PlannedLeg, acts: Broken, walls: tuple[InsideFence, ...]) -> Point3 | None:
@@ -136,23 +137,13 @@ def _first_broken(leg: PlannedLeg, acts: Broken, walls: tuple[InsideFence, ...])
     Nothing changes between two crossings of walls, so that the crossings and one point between
     each two of them are enough.
     """
-    cuts = sorted({0.0, 1.0, *(cut for wall in walls for cut in _crossings(leg, wall))})
+    cuts = sorted({0.0, 1.0, *(cut for wall in walls for cut in wall.cuts(leg.start, leg.end))})
     middles = [(one + other) / 2.0 for one, other in pairwise(cuts)]
     for share in sorted({*cuts, *middles}):
         point = _along(leg, share)
         if acts(point):
             return point
     return None
-
-
-def _crossings(leg: PlannedLeg, fence: InsideFence) -> Iterator[float]:
-    planes = ((0, fence.north), (1, fence.east), (2, (-fence.height,)))
-    for axis, limits in planes:
-        step = leg.end[axis] - leg.start[axis]
-        for limit in limits:
-            share = (limit - leg.start[axis]) / step if step else -1.0
-            if 0.0 < share < 1.0:
-                yield share
 
 
 def _along(leg: PlannedLeg, share: float) -> Point3:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 
 from missionkit.chart.checks.counterexample_text import example
-from missionkit.chart.checks.geofence_violations import margin
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, Guarded
 from missionkit.chart.checks.interval_boxes import covered
 from missionkit.chart.checks.planned_legs import Point3
@@ -76,7 +75,7 @@ def _spans(chart: AnalysedChart, charge: float, points: list[Point3]) -> Spans:
     for _, guard in chart.tree.guards():
         for fence in _fences(chart, guard):
             (quantity,) = fence.region().may[0]
-            left = [margin(fence, point) for point in points]
+            left = [fence.margin(point) for point in points]
             spans[quantity] = Interval(min(left), max(left))
     return spans
 

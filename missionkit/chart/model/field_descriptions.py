@@ -51,6 +51,17 @@ def models_of(field: FieldInfo) -> Iterator[type[BaseModel]]:
     yield from models_in(field.annotation)
 
 
+def forms_in(annotation: Any) -> Iterator[str]:
+    """Yield what is said of the values in a field that may be written in several forms."""
+    if isinstance(annotation, FieldInfo):
+        yield from (it.says for it in annotation.metadata if hasattr(it, "written_as"))
+        yield from forms_in(annotation.annotation)
+    elif hasattr(annotation, "written_as"):
+        yield annotation.says
+    for part in get_args(annotation):
+        yield from forms_in(part)
+
+
 def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
     """Yield the models that a type is made of."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):

@@ -17,6 +17,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "Mission.vehicle": "what flies",
     "Mission.navigation": "the filter that says where the vehicle is",
     "Mission.camera": "the camera, real or simulated",
+    "Mission.fence": "what the guard `inside_fence` without parameters stands for",
     "Mission.map": "what is known about the ground before the flight",
     "Mission.targets": "places by name; `home` is where the vehicle armed",
     "Mission.perception": "what is looked for in camera frames, an entry for each detector",

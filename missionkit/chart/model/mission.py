@@ -43,6 +43,7 @@ from missionkit.chart.text.located_data import LocatedTable, Text
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.control.controller_protocol import ControllerProtocol
+from missionkit.guards.geofence import InsideFence
 from missionkit.messages import Occupancy
 from missionkit.perception.camera_section import Camera
 from missionkit.planning.avoidance_planner import AvoidancePlanner
@@ -79,6 +80,7 @@ class Mission(MissionPart):
     )
     camera: Annotated[Camera, Plain] = Camera()
     map: Annotated[KnownMap, Plain] | None = None
+    fence: Annotated[InsideFence, Plain] | None = None
     targets: dict[Name, TargetPlace] = Field(default={})
     perception: Annotated[
         tuple[Annotated[Use[Plugin], PluginReference("detectors")], ...], Field(strict=False)

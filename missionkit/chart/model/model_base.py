@@ -19,6 +19,7 @@ from pydantic import (
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     PrivateAttr,
+    ValidationError,
     ValidationInfo,
     model_validator,
 )
@@ -31,8 +32,9 @@ from missionkit.chart.text.located_data import FILE_START, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.errors import Place
 from missionkit.geodesy import Origin
+from missionkit.guards.geofence import InsideFence
 from missionkit.messages import TRACKED, names_a_track
-from missionkit.positions import GeodeticPosition
+from missionkit.positions import UNREADABLE, ConversionContext, GeodeticPosition
 
 NAMES_KEY = "x-name"  # in a schema, marks a text that names something of the mission
 HERE = Path()
@@ -55,6 +57,7 @@ class Scope:
     files: list[Path] = field(default_factory=list)  # that were read for plug-ins
     origin: Origin | None = None  # of positions in latitude and longitude
     amsl: list[GeodeticPosition] = field(default_factory=list)  # those above mean sea level
+    fence: InsideFence | None = None  # of the guard `inside_fence` without parameters
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:
@@ -76,7 +79,8 @@ class Scope:
         kind = vehicle.get("use") if isinstance(vehicle, Mapping) else vehicle
         origin = _origin(data.get("origin"))
         names = states, targets, guards, variables
-        return cls(catalogue.flying(kind), *names, folder, origin=origin)
+        fence = _fence(data.get("fence"), origin)
+        return cls(catalogue.flying(kind), *names, folder, origin=origin, fence=fence)
 
 
 def _origin(section: object) -> Origin | None:
@@ -84,11 +88,23 @@ def _origin(section: object) -> Origin | None:
     if section is None:
         return None
     given = section if isinstance(section, Mapping) else {}
-    return Origin(*(_number(given.get(key)) for key in ("lat", "lon", "alt")))
+    origin = Origin(*(_number(given.get(key)) for key in ("lat", "lon", "alt")))
+    on_earth = abs(origin.latitude) <= 90.0 and abs(origin.longitude) <= 180.0
+    return origin if on_earth and math.isfinite(origin.altitude) else UNREADABLE
+
+
+def _fence(section: object, origin: Origin | None) -> InsideFence | None:
+    """Return the fence, any if what is written is wrong: that is reported where it stands."""
+    if section is None:
+        return None
+    try:
+        return plain(InsideFence, section, ConversionContext(origin))
+    except ValidationError:
+        return InsideFence(north=(-1.0, 1.0), east=(-1.0, 1.0), height=1.0)
 
 
 def _number(value: object) -> float:
-    return float(value) if isinstance(value, int | float) and math.isfinite(value) else 0.0
+    return float(value) if isinstance(value, int | float) else math.nan
 
 
 class _Unreadable(frozenset[str]):

@@ -16,6 +16,7 @@ from missionkit.chart.model.validation_problems import plain
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.chart.text.located_data import LocatedTable, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
+from missionkit.guards.geofence import InsideFence
 from missionkit.messages import names_a_track
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
@@ -101,6 +102,8 @@ def _made(
     plugin: type[Plugin], parameters: dict[str, Any], scope: Scope
 ) -> tuple[Plugin, list[InitErrorDetails]]:
     """Return a plug-in, and an error for each name it needs that does not exist."""
+    if plugin is InsideFence and not parameters and scope.fence is not None:
+        return scope.fence, []
     if not is_foreign(plugin):
         own = plain(plugin, parameters, scope)
         return own, unknown_targets(own, scope) + unknown_names(own, scope)

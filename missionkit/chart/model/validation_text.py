@@ -14,6 +14,7 @@ from missionkit.chart.model.field_descriptions import (
     Path,
     expected,
     field_at,
+    forms_in,
     keys_at,
     limits_of,
     unit_of,
@@ -84,7 +85,7 @@ def _wrong_value(error: Mapping[str, Any], field: FieldInfo | None) -> str:
         return f"must be {_bounds(field, context)}, got {shown(value)}"
     if kind == "union_tag_not_found":
         return "missing key 'use'"
-    wanted = _wanted(error["loc"], field)
+    wanted = _wanted(kind, field)
     if kind.endswith(_TYPE_ERRORS):
         return f"expected {wanted}, got {shown(value)}{_remedy(wanted, value)}"
     if kind in {"too_long", "too_short"}:
@@ -93,13 +94,13 @@ def _wrong_value(error: Mapping[str, Any], field: FieldInfo | None) -> str:
     return message[:1].lower() + message[1:]
 
 
-def _wanted(path: Path, field: FieldInfo | None) -> str:
+def _wanted(kind: str, field: FieldInfo | None) -> str:
     if field is None:
         return "a mapping"
-    inside = any(hasattr(metadata, "written_as") for metadata in field.metadata)
-    if inside and isinstance(path[-1], int):
-        return f"a number ({unit_of(field)})"
-    return expected(field)
+    said = next(forms_in(field), None)
+    if said is None:
+        return expected(field)
+    return f"a number ({unit_of(field)})" if kind.startswith("float") else said
 
 
 def _remedy(wanted: str, value: object) -> str:

@@ -14,6 +14,7 @@ from missionkit.vehicle.link.connection import Link
 from missionkit.vehicle.link.message_link import PlanItem
 
 INCLUSION = 5001  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+EXCLUSION = 5002  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
 EXCLUSION_CIRCLE = 5004  # MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
 RALLY_POINT = 5100  # MAV_CMD_NAV_RALLY_POINT
 FENCE_PLAN, RALLY_PLAN = 1, 2  # MAV_MISSION_TYPE
@@ -23,17 +24,25 @@ Ground = tuple[float, float]  # north, east, m
 _COMPARED_FIELDS = ("command", "x", "y", "mission_type")
 
 
-def polygon(origin: Origin, corners: Sequence[Ground]) -> tuple[PlanItem, ...]:
-    """Return the items of a fence to stay inside of; at least three corners."""
-    count = len(corners)
-    if count < 3:
-        raise VehicleError("a fence needs at least three corners")
-    items = []
-    for seq, corner in enumerate(corners):
-        x, y = _place(origin, corner)
-        items.append(
-            PlanItem(seq, INCLUSION, x, y, 0.0, FENCE_PLAN, FRAME_GLOBAL, param1=float(count))
-        )
+def polygon(
+    origin: Origin, corners: Sequence[Ground], holes: Sequence[Sequence[Ground]] = ()
+) -> tuple[PlanItem, ...]:
+    """Return the items of a fence to stay inside of, and of holes in it to stay out of.
+
+    Args:
+        origin: of the mission's world.
+        corners: m, at least three.
+        holes: corners of each, m.
+    """
+    items: list[PlanItem] = []
+    for command, shape in ((INCLUSION, corners), *((EXCLUSION, hole) for hole in holes)):
+        count = len(shape)
+        if count < 3:
+            raise VehicleError("a fence needs at least three corners")
+        for corner in shape:
+            x, y = _place(origin, corner)
+            rest = 0.0, FENCE_PLAN, FRAME_GLOBAL
+            items.append(PlanItem(len(items), command, x, y, *rest, param1=float(count)))
     return tuple(items)
 
 

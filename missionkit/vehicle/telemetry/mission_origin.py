@@ -7,7 +7,6 @@ barometer measures from there, and take-off, landing and the ground are there.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from missionkit.geodesy import Origin
@@ -35,12 +34,11 @@ def misplacement(wanted: MissionOrigin | None, home: Origin) -> str:
     if wanted is None:
         return ""
     origin = wanted.origin
-    north, east, _ = origin.local(home.latitude, home.longitude, home.altitude).tolist()
-    far = math.inf if _behind(origin, home) else math.hypot(north, east)
+    far = origin.distance(home.latitude, home.longitude)
     if far > FARTHEST:
         return (
-            f"home ({home.latitude:.6f}, {home.longitude:.6f}) is more than "
-            f"{FARTHEST / 1e3:g} km from the mission's origin ({origin.latitude:.6f}, "
+            f"home ({home.latitude:.6f}, {home.longitude:.6f}) is {far / 1e3:,.0f} km, more than "
+            f"{FARTHEST / 1e3:g} km, from the mission's origin ({origin.latitude:.6f}, "
             f"{origin.longitude:.6f}): correct 'origin', or take off near it"
         )
     if not wanted.by_fixes and far > MOST_UNMEASURED:
@@ -56,10 +54,3 @@ def misplacement(wanted: MissionOrigin | None, home: Origin) -> str:
             f"too {'high' if off > 0.0 else 'low'}; correct 'alt', or give heights above_home"
         )
     return ""
-
-
-def _behind(origin: Origin, home: Origin) -> bool:
-    """Say whether home is so far away that the tangent plane does not show it."""
-    apart = math.cos(math.radians(home.latitude - origin.latitude))
-    around = math.cos(math.radians(home.longitude - origin.longitude))
-    return apart < 0.99 or (around < 0.0 and abs(origin.latitude) < 89.0)
