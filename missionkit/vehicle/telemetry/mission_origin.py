@@ -37,9 +37,9 @@ def misplacement(wanted: MissionOrigin | None, home: Origin) -> str:
     far = origin.distance(home.latitude, home.longitude)
     if far > FARTHEST:
         return (
-            f"home ({home.latitude:.6f}, {home.longitude:.6f}) is {far / 1e3:,.0f} km, more than "
-            f"{FARTHEST / 1e3:g} km, from the mission's origin ({origin.latitude:.6f}, "
-            f"{origin.longitude:.6f}): correct 'origin', or take off near it"
+            f"home ({home.latitude:.6f}, {home.longitude:.6f}) is {far / 1e3:,.1f} km from the "
+            f"mission's origin ({origin.latitude:.6f}, {origin.longitude:.6f}): correct 'origin', "
+            "or take off near it"
         )
     if not wanted.by_fixes and far > MOST_UNMEASURED:
         return (
