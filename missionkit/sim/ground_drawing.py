@@ -86,7 +86,7 @@ def paint(canvas: Image, view: CanvasView, layers: tuple[Band, ...]) -> None:
         view: pose and lens of the camera.
         layers: textures by distance.
     """
-    rays = np.asarray(np.linalg.inv(view.projection), np.float64)  # canvas to ray, NED
+    rays = view.rays
     g = rays[2]
     width, height = view.size
     whole: Polygon = [(0, 0), (width - 1, 0), (width - 1, height - 1), (0, height - 1)]
@@ -142,6 +142,10 @@ def _paint_band(canvas: Image, polygon: Polygon, ground: Mat, band: Band) -> Non
 def _placed(ground: Mat, low: Vec3, sheet: Sheet) -> Mat:
     """Return canvas to unit square for a sheet laid out from east and north `low` (m)."""
     period = sheet.texel * sheet.tile
-    start = np.floor(low / period) * period
-    size = sheet.texel * np.array(sheet.image.shape[::-1])
-    return np.vstack([(ground[:2] - start[:, None] * ground[2]) / size[:, None], ground[2]])
+    rows, columns = sheet.image.shape
+    east, north = (math.floor(at / period) * period for at in low.tolist())
+    (a, b, c), (d, e, f), (g, h, i) = ground.tolist()
+    width, height = sheet.texel * columns, sheet.texel * rows
+    across = [(a - east * g) / width, (b - east * h) / width, (c - east * i) / width]
+    down = [(d - north * g) / height, (e - north * h) / height, (f - north * i) / height]
+    return np.array([across, down, [g, h, i]])

@@ -31,6 +31,8 @@ class CanvasView(NamedTuple):
     turn: Mat  # (3, 3), world to camera
     projection: Mat  # (3, 3), px, canvas matrix times turn
     size: tuple[int, int]  # width, height, px
+    rays: Mat  # (3, 3), canvas to ray, NED: inverse of the projection
+    sides: Mat  # (5, 3), inward normals of the pyramid of sight, NED, the last one ahead
 
 
 class Hull(NamedTuple):
@@ -59,7 +61,22 @@ class Face(NamedTuple):
 def view_of(camera: Transform, lens: Lens) -> CanvasView:
     """Return the view through `lens` of a camera at `camera` (camera to world)."""
     turn = to_matrix(camera.rotation).T
-    return CanvasView(camera.translation, turn, lens.matrix @ turn, lens.size)
+    projection = lens.matrix @ turn
+    rays = np.asarray(np.linalg.inv(projection), np.float64)
+    sides = _sides(rays, turn[2], lens.size)
+    return CanvasView(camera.translation, turn, projection, lens.size, rays, sides)
+
+
+def _sides(rays: Mat, ahead: Vec3, size: tuple[int, int]) -> Mat:
+    """Return the inward normals (5, 3) of the sides of the pyramid of sight, and `ahead`."""
+    width, height = size
+    corners = np.array([[0, width, width, 0], [0, 0, height, height], [1, 1, 1, 1]])
+    edges = (rays @ corners).T
+    x, y, z = edges.T
+    nx, ny, nz = edges[[1, 2, 3, 0]].T
+    sides = np.stack([ny * z - nz * y, nz * x - nx * z, nx * y - ny * x], axis=1)
+    sides /= np.copysign(np.linalg.norm(sides, axis=1), sides @ ahead)[:, None]
+    return np.vstack([sides, ahead])
 
 
 def in_sight(view: CanvasView, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_]:
@@ -73,12 +90,7 @@ def in_sight(view: CanvasView, centres: Mat, radii: Mat) -> npt.NDArray[np.bool_
     Returns:
         (N,).
     """
-    width, height = view.size
-    corners = np.array([[0, width, width, 0], [0, 0, height, height], [1, 1, 1, 1]])
-    rays = (np.linalg.inv(view.projection) @ corners).T
-    sides = np.cross(np.roll(rays, -1, axis=0), rays)
-    sides /= np.copysign(np.linalg.norm(sides, axis=1), sides @ view.turn[2])[:, None]
-    gaps = (centres - view.eye) @ np.vstack([sides, view.turn[2]]).T
+    gaps = (centres - view.eye) @ view.sides.T
     return np.asarray((gaps > -radii[:, None]).all(axis=1))
 
 
