@@ -49,6 +49,8 @@ def blow(memory: Vec3, noise: Vec3, air: Air, extra: Vec3, wind: Vec3) -> None:
 def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
     """Add this step's mean specific force R^T (Δv/dt - g) and rates to the inertial sums.
 
+    Rates are those of the turn made, Log(q_before* ⊗ q) / dt, whatever caused it: contact as well.
+
     Args:
         x: (17,) true state after the step.
         before: (17,) true state before it.
@@ -69,8 +71,29 @@ def feel(x: Vec3, before: Vec3, memory: Vec3) -> None:
     memory[at.FORCE_SUM + 2] += (
         2 * (i * k + w * j) * fn + 2 * (j * k - w * i) * fe + (1 - 2 * (i * i + j * j)) * fd
     )
-    for n in range(3):
-        memory[at.RATE_SUM + n] += 0.5 * (x[10 + n] + before[10 + n])
+    turn(x, before, memory)
+
+
+@compiled
+def turn(x: Vec3, before: Vec3, memory: Vec3) -> None:
+    """Add the mean rates of this step to the inertial sums.
+
+    Args:
+        x: (17,) true state after the step.
+        before: (17,) true state before it.
+        memory: sums since the last sample, changed in place.
+    """
+    w, i, j, k = before[6], before[7], before[8], before[9]
+    roll = w * x[7] - i * x[6] - j * x[9] + k * x[8]
+    pitch = w * x[8] + i * x[9] - j * x[6] - k * x[7]
+    yaw = w * x[9] - i * x[8] + j * x[7] - k * x[6]
+    half = math.sqrt(roll * roll + pitch * pitch + yaw * yaw)
+    rate = 2.0 / at.DT
+    if half > 1e-9:
+        rate *= math.atan2(half, w * x[6] + i * x[7] + j * x[8] + k * x[9]) / half
+    memory[at.RATE_SUM] += rate * roll
+    memory[at.RATE_SUM + 1] += rate * pitch
+    memory[at.RATE_SUM + 2] += rate * yaw
 
 
 @compiled

@@ -13,11 +13,14 @@ from missionkit.planning.rotor_power import RotorModel, rotor_power
 from missionkit.sim.kernel_layout import (
     CRASHED,
     ON_GROUND,
+    RATE,
     Body,
 )
 
 HARD = 2.0  # m/s, a faster touch of the ground is a crash
 STICKING = 0.05  # m/s and rad/s, slower motion on the ground stops
+LEVELLING = 0.1 * RATE  # 1/s, at which the ground turns the body level
+LEVEL = 1e-9  # rad
 
 
 @compiled
@@ -113,7 +116,8 @@ def touch(x: Vec3, memory: Vec3) -> None:
     """Keep the body on or above the ground; a touch faster than `HARD` is a crash.
 
     The feet are the origin of the body: at rest the position is (n, e, 0). Contact takes away the
-    sinking speed at once, and sliding, tilt and spin within some tens of milliseconds.
+    sinking speed at once, sliding and spin within some tens of milliseconds, and turns the body
+    level as fast, by its rates: ω = -k (φ, θ), with the tilt from the ground's normal in body axes.
     """
     grounded = x[2] >= 0.0
     memory[ON_GROUND] = 1.0 if grounded else 0.0
@@ -123,10 +127,9 @@ def touch(x: Vec3, memory: Vec3) -> None:
         memory[CRASHED] = 1.0
     x[2] = 0.0
     x[5] = min(0.0, x[5])
-    for n in (3, 4, 10, 11, 12):
+    for n in (3, 4, 12):
         x[n] = 0.85 * x[n] if abs(x[n]) > STICKING else 0.0
-    for n in (7, 8):
-        x[n] = 0.9 * x[n] if abs(x[n]) > 1e-9 else 0.0
-    size = math.sqrt(x[6] * x[6] + x[7] * x[7] + x[8] * x[8] + x[9] * x[9])
-    for n in range(6, 10):
-        x[n] /= size
+    roll = 2.0 * (x[8] * x[9] + x[6] * x[7])  # of the ground's normal, R^T e3
+    pitch = 2.0 * (x[6] * x[8] - x[7] * x[9])
+    x[10] = -LEVELLING * roll if abs(roll) > LEVEL else 0.0
+    x[11] = -LEVELLING * pitch if abs(pitch) > LEVEL else 0.0

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
 from missionkit.geometry import conjugate, exp, from_euler, multiply, rotate, yaw_of
+from missionkit.messages import Observation
+from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.kernel_layout import gauss_markov
 from missionkit.sim.random_blocks import Normals, streams
 from missionkit.sim.sensors import BaroSensor, BatteryGauge, Beat, GnssSensor, MagnetometerSensor
@@ -75,14 +77,38 @@ def test_inertial_samples_integrate_to_the_true_motion(perfect: World, pilot: Ma
     flight.fly((2.0, 1.0, 0.0), 3.0, spin=0.6)
     start, first = flight.vehicle.truth, len(flight.seen)
     flight.fly((-2.0, 2.0, -0.5), 3.0, spin=-0.8)
-    q, v = start.attitude, start.velocity
-    for s in (s for seen in flight.seen[first:] for s in seen.imu):
-        middle = multiply(q, exp(0.005 * s.gyro))
-        v = v + 0.01 * (rotate(middle, s.accel) + GRAVITY_NED)
-        q = multiply(q, exp(0.01 * s.gyro))
+    q, v = integrated(start, flight.seen[first:])
     truth = flight.vehicle.truth
     assert v == pytest.approx(truth.velocity, abs=0.01)
     assert abs(q @ truth.attitude) > 1 - 1e-6
+
+
+def test_inertial_samples_integrate_to_the_true_motion_through_a_touch_down(
+    perfect: World, pilot: Make
+) -> None:
+    flight = pilot(perfect)
+    flight.rise(1.0)
+    start, first = flight.vehicle.truth, len(flight.seen)
+    flight.fly((1.0, 0.5, 0.9), 0.9, spin=0.3)
+    flight.fly((-1.5, 1.5, 0.9), 0.8)  # it turns back as it touches, and leans
+    q, v = integrated(start, flight.seen[first:])
+    truth = flight.vehicle.truth
+    rows = flight.vehicle.track.rows
+    in_air = rows[rows[:, 14] == 0.0][-1]
+    assert flight.vehicle._plant.on_ground
+    assert np.linalg.norm(in_air[8:10]) > 0.05  # half a lean of 6 deg
+    assert v == pytest.approx(truth.velocity, abs=0.03)
+    assert abs(q @ truth.attitude) > 1 - 1e-6
+
+
+def integrated(start: TrueState, seen: Sequence[Observation]) -> tuple[np.ndarray, np.ndarray]:
+    """Return attitude and velocity after all inertial samples."""
+    q, v = start.attitude, start.velocity
+    for s in (s for it in seen for s in it.imu):
+        middle = multiply(q, exp(0.005 * s.gyro))
+        v = v + 0.01 * (rotate(middle, s.accel) + GRAVITY_NED)
+        q = multiply(q, exp(0.01 * s.gyro))
+    return q, v
 
 
 def test_fix_errors_have_white_and_correlated_parts() -> None:
