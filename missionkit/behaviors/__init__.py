@@ -2,6 +2,7 @@
 
 from missionkit.behaviors.area_search import ExpandingSquare, Sector
 from missionkit.behaviors.climb import Climb
+from missionkit.behaviors.climb_clear import ClimbClear
 from missionkit.behaviors.ddp_go_to import DdpGoTo
 from missionkit.behaviors.docking import DOCKING
 from missionkit.behaviors.follow import Follow
@@ -26,6 +27,7 @@ from missionkit.behaviors.waypoints import Waypoints
 BEHAVIORS = (
     *DOCKING,
     Climb,
+    ClimbClear,
     Corridor,
     DdpGoTo,
     ExpandingSquare,

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 ROBOT = GroundRobot()
 EVERY = 0.5  # s, between two decisions
 FRESH = 0.3  # s; a track is in view if it was seen so lately
+TURNS = {"front": "herd.front", "top": "herd.top"}  # events, by how the robot is to be turned
 CLEAR = 0.6  # of the height, under which it flies nowhere but up
 
 
@@ -48,8 +49,9 @@ class Herd(Behavior):
     middle of the arena, heading out. Those in view are tracked ones whose heading is known and that
     are likelier targets than obstacle robots. It flies to the choice, or to where that is
     expected; once it is in view it becomes the mission's `tracked`; done `within` of it, when the
-    policy says that the descent begins. While none is worth a landing it stays above the one that
-    comes next to it, and says what each is worth. From near the ground it climbs straight up first.
+    policy says that the descent begins, with the event `herd.front` or `herd.top`. While none is
+    worth a landing it stays above the one that comes next to it, and says what each is worth. From
+    near the ground it climbs straight up first.
 
     A state inside, that meets the robot, pauses it and keeps its memory.
 
@@ -187,6 +189,7 @@ class Herd(Behavior):
         return Step(
             Guidance(place, self.speed, ahead, yaw=on.yaw),
             done=done,
+            events=(TURNS[choice.action],) if done else (),
             goal=Goal(place, None, seen.now, TRACKED),
             note=f"{gap:.2f} m off {robot.name}, {choice.action} in {choice.start_in:.0f} s "
             f"({choice.text()})",

@@ -23,6 +23,7 @@ from missionkit.geometry import Mat, Vec3, vec
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Step, Target
 from missionkit.messages.robot_modes import OBSTACLE, is_obstacle, spins
+from missionkit.planning.obstacle_robots import nearest_approach, obstacle_robots
 from missionkit.plugin import Behavior
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, MetresPerSecond2, Seconds
 
@@ -32,7 +33,10 @@ OVER = 0.35  # m, level, from which it descends
 STRAYS = 0.1  # m, the vehicle off its plan, kept beside all distances
 TOO_LATE = 0.5  # m above the ground; lower, a spin no longer calls the descent off
 NEAR = 0.08  # m above the height of contact, that a plan counts as there
+GRACE = 0.3  # s that a descent stops for before it is given up
+UP = 1.5  # s, from the ground out of a robot's way
 NO_PLAN = "plan.none"
+GIVEN_UP = "meeting.given_up"
 
 
 class Meeting(NamedTuple):
@@ -44,6 +48,7 @@ class Meeting(NamedTuple):
     low: bool = False  # it descends
     ground: float = 0.0  # m, down, where the robot stands
     down_since: float | None = None  # s, when it was down
+    refused_since: float | None = None  # s, since when the robot must not be met
 
 
 class MeetRobot(Behavior):
@@ -57,6 +62,9 @@ class MeetRobot(Behavior):
     keep_out: Metres = Field(default=0.6, gt=0, description="from obstacle robots' centres")
     chance: Fraction = Field(default=0.1, description="most, that it is an obstacle robot")
     sd_deg: Degrees = Field(default=20.0, gt=0, description="largest 1-sigma of its heading")
+    patience: Seconds = Field(
+        default=2.0, description="until a meeting that is not possible is given up"
+    )
 
     @abc.abstractmethod
     def _reference(self, target: Target, on: Meeting, contact_in: float) -> Mat:
@@ -72,6 +80,11 @@ class MeetRobot(Behavior):
         """Height (m) above the ground at contact."""
 
     @property
+    def _stays(self) -> float:
+        """How long (s) it stays at the place of contact."""
+        return 0.0
+
+    @property
     @abc.abstractmethod
     def _ahead(self) -> float:
         """Distance (m) of the place of contact from the robot's centre, ahead of it."""
@@ -84,12 +97,13 @@ class MeetRobot(Behavior):
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
         on: Meeting = memory or self.begin(seen)  # None: begin failed
-        target = seen.targets.get(self.target)
+        target = seen.targets.get(on.robot or self.target)
         if target is None:
-            return _holding(on, f"{self.target} is not tracked")
+            return self._holding(seen, on, f"{on.robot or self.target} is not tracked")
         on = on._replace(robot=on.robot or target.name, ground=float(target.position[2]))
         if why := self._refusal(seen, target, on):
-            return _holding(on, why)
+            return self._holding(seen, on, why)
+        on = on._replace(refused_since=None)
         on, met = self._met(seen, target, on)
         if met or on.down_since is not None:
             return self._down(seen, on, done=met)
@@ -108,8 +122,6 @@ class MeetRobot(Behavior):
 
     def _refusal(self, seen: Estimate, target: Target, on: Meeting) -> str:
         """Say why the robot must not be met, or not yet; "": nothing is in the way."""
-        if target.name != on.robot:
-            return f"{on.robot} is lost, and {self.target} is {target.name} now"
         chance = target.classes.get(OBSTACLE, 0.0)
         if chance > self.chance:
             return f"{target.name} may be an obstacle robot ({chance:.2f})"
@@ -118,7 +130,25 @@ class MeetRobot(Behavior):
         committed = on.low and _height(seen, target) < TOO_LATE
         if math.degrees(target.heading_sd) > self.sd_deg and not committed:
             return f"the heading of {target.name} is uncertain"
-        return ""
+        return "" if committed else self._blocked(seen, target, on)
+
+    def _blocked(self, seen: Estimate, target: Target, on: Meeting) -> str:
+        """Say which obstacle robot comes too near to the place of contact before it is left."""
+        takes = self._contact_in(seen, target, on)
+        spot = target.position[:2] + (self._ahead + ROBOT.speed * takes) * _along(target)
+        others = (it for it in obstacle_robots(seen) if it.name != target.name)
+        away, robot = nearest_approach(others, (spot[0], spot[1]), takes + self._stays + UP)
+        if robot is None or away >= self.keep_out + STRAYS:
+            return ""
+        return f"{robot.name} with its tower comes within {away:.1f} m of the place"
+
+    def _holding(self, seen: Estimate, on: Meeting, why: str) -> Step:
+        """Return the step of a vehicle that must not go on; given up soon once it descends."""
+        since = seen.now if on.refused_since is None else on.refused_since
+        memory = on._replace(course=Course(), refused_since=since)
+        if seen.now - since >= (GRACE if on.low else self.patience) - 1e-6:
+            return Step(done=True, note=f"given up: {why}", memory=memory, events=(GIVEN_UP,))
+        return Step(note=f"holding: {why}", memory=memory, lands=on.low)
 
     def _turned_low(self, seen: Estimate, target: Target, on: Meeting) -> Meeting:
         """Return the memory with the decision to descend, or to call the descent off."""
@@ -193,9 +223,12 @@ class LandInFront(MeetRobot):
     ahead of the robot at `height`, then down to `lowest`, where it waits; done once the robot
     spins, or after `wait`, for from down there the camera may lose it.
 
-    It never lands before a robot that may be an obstacle robot, nor while the heading is not known;
-    then it holds and says so. A spin that begins above 0.5 m calls the descent off. The way keeps
-    clear of obstacle robots, which carry towers up to 2 m, as if they had any height.
+    It never lands before a robot that may be an obstacle robot, nor while the heading is not known,
+    nor where an obstacle robot would come within `keep_out` before it is up again; then it holds
+    and says so. After `patience`, and at once when it has begun to descend, it gives up: it is
+    done, with the event `meeting.given_up`, wherever it is then. A spin that begins above 0.5 m
+    calls the descent off. The way keeps clear of obstacle robots, which carry towers up to 2 m, as
+    if they had any height.
 
     Source: P4, sections IV and V; the goal is (35) with all six components.
     """
@@ -212,12 +245,20 @@ class LandInFront(MeetRobot):
             return super().step(seen, on)
         target = seen.targets.get(on.robot or "")
         turned = target is not None and spins(target)
-        return self._down(seen, on, done=turned or seen.now - on.down_since >= self.wait)
+        here = float(seen.position[0]), float(seen.position[1])
+        away = nearest_approach(obstacle_robots(seen), here, 2.0 * UP)[0]
+        over = seen.now - on.down_since >= self.wait or away < self.keep_out
+        return self._down(seen, on, done=turned or over)
 
     @property
     @override
     def _lowest(self) -> float:
         return self.lowest
+
+    @property
+    @override
+    def _stays(self) -> float:
+        return self.wait
 
     @property
     @override
@@ -271,12 +312,6 @@ class TouchTop(MeetRobot):
     @override
     def _met(self, seen: Estimate, target: Target, on: Meeting) -> tuple[Meeting, bool]:
         return on, on.low and _height(seen, target) <= self.plate + 0.01
-
-
-def _holding(on: Meeting, why: str) -> Step:
-    """Return the step of a vehicle that must not go on: it holds, and begins again afterwards."""
-    memory = on._replace(course=Course(), low=False)
-    return Step(note=f"holding: {why}", memory=memory)
 
 
 def _height(seen: Estimate, target: Target) -> float:

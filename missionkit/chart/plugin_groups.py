@@ -21,6 +21,7 @@ from missionkit.perception.aruco import Aruco
 from missionkit.perception.blob import Blob
 from missionkit.perception.haar.detector import Haar
 from missionkit.perception.template.detector import Template
+from missionkit.perception.tower import Tower
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
@@ -62,7 +63,7 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     "detectors": PluginGroup(
         "detector",
         (DetectorProtocol, BoxDetectorProtocol),
-        (AprilTag, Aruco, Blob, Haar, Template),
+        (AprilTag, Aruco, Blob, Haar, Template, Tower),
         bases=(Aruco,),
     ),
     "trackers": PluginGroup("tracker", (TrackerProtocol,), (MultiTargetTracker,)),

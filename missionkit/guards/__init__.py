@@ -16,6 +16,7 @@ from missionkit.guards.link_loss import LinkLost
 from missionkit.guards.markov_steady_state import MarkovSteadyState
 from missionkit.guards.markov_switch import MarkovSwitch
 from missionkit.guards.mdp_policy import MdpPolicy
+from missionkit.guards.obstacle_robots import ObstacleRobotNear
 from missionkit.guards.plugin_failure import PluginFailed
 from missionkit.guards.readiness import Ready
 from missionkit.guards.sequential_test import Sprt
@@ -53,6 +54,7 @@ GUARDS = (
     MarkovSwitch,
     MdpPolicy,
     NearGoal,
+    ObstacleRobotNear,
     PluginFailed,
     Ready,
     Sprt,

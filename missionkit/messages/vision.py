@@ -63,6 +63,7 @@ class BoxDetection(NamedTuple):
     score: float  # 0 to 1, how sure the detector is
     kind: str = ""  # of object, such as "robot"; "": the detector does not say
     id: int | None = None  # of this one object; None: the detector does not tell them apart
+    sized: bool = True  # False: it was searched for at one size, which therefore says nothing
 
 
 class GroundDetection(NamedTuple):
@@ -77,6 +78,7 @@ class GroundDetection(NamedTuple):
     height: float  # m, of the camera above the ground
     kind: str = ""  # as of its box
     id: int | None = None
+    sized: bool = True
 
 
 class GroundFrame(NamedTuple):

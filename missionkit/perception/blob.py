@@ -49,4 +49,4 @@ class Blob(SizedDetector):
             sign = 1.0 if self.brightness == "bright" else -1.0
             mask = blob_search.of_contrast(image, sign, self.contrast, spans[1])
         found = blob_search.round_parts(mask, gate)
-        return tuple(BoxDetection(self.kind, *it, self.object) for it in found)
+        return tuple(BoxDetection(self.kind, *it, self.object, sized=False) for it in found)

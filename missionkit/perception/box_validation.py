@@ -27,6 +27,7 @@ def _fault(box: object, camera: CameraModel) -> str:
         return f"a tuple with {type(box).__name__}, expected a BoxDetection"
     parts = {
         "detector, kind or id": _is_named(box),
+        "sized": isinstance(box.sized, bool),
         "centre": _is_point(box.centre),
         "size": _is_size(box.size),
         "score": _is_number(box.score) and 0.0 <= box.score <= 1.0,

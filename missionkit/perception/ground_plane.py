@@ -72,6 +72,7 @@ def on_ground(
         height=height,
         kind=box.kind,
         id=box.id,
+        sized=box.sized,
     )
 
 

@@ -117,4 +117,5 @@ def boxes_of(
         column, row = it.centre.tolist()
         if -0.5 <= column < camera.width - 0.5 and -0.5 <= row < camera.height - 0.5:
             score = law.score(it.margin, it.windows)
-            yield BoxDetection(detector, it.centre, (it.width, it.width * aspect), score, kind)
+            size = it.width, it.width * aspect
+            yield BoxDetection(detector, it.centre, size, score, kind, sized=False)

@@ -113,8 +113,63 @@ def test_it_does_not_go_on_with_another_robot():
         return named(robot(now, (0.0, 0.0, 0.0), "robot_4" if now < 11.0 else "robot_7"))
 
     *_, last = played(LandInFront(), targets, 2.0)
-    assert last[3].note == "holding: robot_4 is lost, and tracked is robot_7 now"
+    assert last[3].note == "holding: robot_4 is not tracked"
     assert last[3].guidance is None
+
+
+def test_it_gives_up_what_is_not_possible_and_at_once_when_it_descends():
+    def lost(now):
+        return named(robot(now, (0.0, 0.0, 0.0))) if now <= 12.2 else {}
+
+    rows = played(LandInFront(), lost, 6.0)
+    assert rows[-2][3].note == "holding: robot_4 is not tracked"
+    assert rows[-1][3].done
+    assert rows[-1][3].events == ("meeting.given_up",)
+    assert rows[-1][0] == pytest.approx(12.55)  # while it is 0.6 m up: a tower might come
+    *_, last = played(LandInFront(), lambda now: {}, 6.0)
+    assert (last[0], last[3].done) == (pytest.approx(12.0), True)
+
+
+def crossing(now, north, obstacle=0.95):
+    """An obstacle robot that drives towards the robot's way from its right."""
+    return robot(now, (0.0, 0.0, 0.0), "robot_9", obstacle=obstacle)._replace(
+        position=(north * WAY + 2.2 * RIGHT) - SPEED * (now - 10.0) * RIGHT,
+        heading=HEADING - 0.5 * math.pi,
+    )
+
+
+@pytest.mark.parametrize(("north", "blocked"), [(1.5, True), (5.5, False)])
+def test_it_does_not_land_where_an_obstacle_robot_comes_by(north, blocked):
+    def targets(now):
+        return named(robot(now, (0.0, 0.0, 0.0)), crossing(now, north))
+
+    rows = played(LandInFront(height=2.5), targets, 9.0)
+    says = "robot_9 with its tower comes within" in rows[-1][3].note
+    assert (rows[-1][3].done, says) == (True, blocked)
+    assert bool(rows[-1][1][2] < -1.9) is blocked
+
+
+def test_down_it_does_not_wait_for_an_obstacle_robot():
+    down = []
+
+    def targets(now):
+        near = (crossing(now, 2.4),) if down else ()
+        return named(robot(now, (0.0, 0.0, 0.0)), *near)
+
+    behavior, memory = LandInFront(block=1.5, wait=9.0), None
+    place = np.array((1.4, 0.8, -1.5))
+    for n in range(300):
+        now = 10.0 + n * TICK
+        step = behavior.step(at(now, *place, velocity=np.zeros(3), targets=targets(now)), memory)
+        memory = step.memory
+        if step.done:
+            break
+        if step.guidance is not None:
+            place = step.guidance.position
+        if step.note.startswith("down"):
+            down.append(now)
+    assert step.done
+    assert now - down[0] < 5.0
 
 
 def test_a_spin_calls_the_descent_off():

@@ -285,3 +285,39 @@ def test_a_place_is_inside_a_polygon_whichever_way_round_it_goes():
         assert inside(np.array([0.5, 0.9]), polygon)
         assert not inside(np.array([0.5, 1.1]), polygon)
     assert inside(np.array([9.0, 9.0]), None)
+
+
+def test_a_detector_that_takes_it_for_an_obstacle_robot_decides_its_class():
+    tracker = made()
+    frames = [
+        (
+            k,
+            [
+                at(*drives(k), sized=False, kind="robot"),
+                at(*drives(k), by="tower", kind="obstacle"),
+            ],
+        )
+        for k in range(0, 20)
+    ]
+    (robot,) = tracker.targets(watched(tracker, frames), 19 * DT).values()
+    assert robot.classes["obstacle"] > 0.99
+
+
+def test_a_size_that_was_searched_for_is_not_taken_for_a_measured_one():
+    tracker = made()
+    far = {"offset": 1.5, "height": 2.5}  # where a tower would make a box larger
+    likely = {}
+    for sized in (True, False):
+        frames = [(k, [at(*drives(k), sized=sized, kind="robot", **far)]) for k in range(5)]
+        (robot,) = tracker.targets(watched(tracker, frames), 4 * DT).values()
+        likely[sized] = robot.classes["obstacle"]
+    assert likely[True] < 0.02
+    assert 0.1 < likely[False] < 0.3
+
+
+def test_detections_of_two_kinds_by_one_detector_are_one_object():
+    (one,) = fused([at(0.0, 0.0, kind="robot"), at(0.05, 0.0, kind="obstacle")], 0.17)
+    assert one.kind == "obstacle"
+    sized = [at(0.0, 0.0, size=1.8), at(0.05, 0.0, by="tower", size=1.0, sized=False)]
+    (one,) = fused(sized, 0.17)
+    assert (one.size, one.sized) == (1.8, True)

@@ -12,6 +12,7 @@ from missionkit.estimation.target_tracking.multiple_models import BankState
 from missionkit.geometry import Mat, Vec3
 from missionkit.jit import compiled
 from missionkit.messages import GroundDetection
+from missionkit.messages.robot_modes import OBSTACLE
 
 MOST_DETECTIONS = 20
 """Raw detections of one frame that are looked at, those with the highest scores (P4 III-A)."""
@@ -28,28 +29,29 @@ def usable(detections: Sequence[GroundDetection]) -> list[GroundDetection]:
 def fused(detections: Sequence[GroundDetection], reach: float) -> list[GroundDetection]:
     """Return one detection of each object that several detectors found.
 
-    Detections by different detectors nearer than `reach` to each other are one: its place is that
-    of covariance intersection, since both come from the same pixels, and its score that of one
-    of the two being right, 1 - (1 - a)(1 - b). What the vehicle's pose is off by shifts all
-    detections of a frame alike, so the distance is in metres.
+    Detections by different detectors, or of different kinds, nearer than `reach` to each other are
+    one: its place is that of covariance intersection, since both come from the same pixels, and its
+    score that of one of the two being right, 1 - (1 - a)(1 - b). One that is an obstacle robot to
+    either is one. What the vehicle's pose is off by shifts all detections of a frame alike, so the
+    distance is in metres.
 
     Args:
         detections: sound, the surest first.
         reach: m, half a robot.
     """
-    objects: list[tuple[GroundDetection, frozenset[str]]] = []
+    objects: list[tuple[GroundDetection, frozenset[tuple[str, str]]]] = []
     for it in detections:
         near = [
             (math.dist(it.position, other.position), i)
             for i, (other, by) in enumerate(objects)
-            if it.detector not in by
+            if (it.detector, it.kind) not in by
         ]
         distance, i = min(near, default=(math.inf, -1))
         if distance < reach:
             other, by = objects[i]
-            objects[i] = _intersection(other, it), by | {it.detector}
+            objects[i] = _intersection(other, it), by | {(it.detector, it.kind)}
         else:
-            objects.append((it, frozenset({it.detector})))
+            objects.append((it, frozenset({(it.detector, it.kind)})))
     return [it for it, _ in objects]
 
 
@@ -120,9 +122,12 @@ def _intersection(a: GroundDetection, b: GroundDetection) -> GroundDetection:
     """Return one detection of two of the same object, at most as certain as the better of them."""
     A, B = np.linalg.inv(a.covariance), np.linalg.inv(b.covariance)
     covariance: Mat = np.linalg.inv(0.5 * (A + B)).astype(np.float64)
+    sized = [it.size for it in (a, b) if it.sized] or [a.size, b.size]
     return a._replace(
         position=covariance @ (0.5 * (A @ a.position + B @ b.position)),
         covariance=covariance,
         score=1.0 - (1.0 - a.score) * (1.0 - b.score),
-        size=0.5 * (a.size + b.size),
+        size=sum(sized) / len(sized),
+        sized=a.sized or b.sized,
+        kind=OBSTACLE if OBSTACLE in {a.kind, b.kind} else a.kind,
     )

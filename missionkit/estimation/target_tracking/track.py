@@ -28,6 +28,8 @@ WINDOW = 30
 INDEPENDENT_EVERY = 0.2
 """Sizes of boxes measured nearer to each other in time say the same again (s)."""
 LIKELY = 0.5  # probability of a spin
+SAID_OBSTACLE, SAID_TARGET = 3.0, -1.0
+"""Logarithm of the odds obstacle robot : target, of what a detector takes it for."""
 MOST_EVIDENCE = 12.0
 """Of sizes, a logarithm of odds: a class can still be wrong."""
 
@@ -120,9 +122,7 @@ def updated(how: Motion, known: Track, at: float, seen: GroundDetection) -> Trac
     )
     place = Place(at, seen.position, seen.covariance)
     weight = min((at - known.seen_at) / INDEPENDENT_EVERY, 1.0)
-    evidence = known.evidence + weight * size_evidence(
-        seen.size, seen.offset, seen.height, how.robot.diameter
-    )
+    evidence = known.evidence + weight * _class_evidence(seen, how.robot.diameter)
     after = known._replace(
         state=state,
         clock=_clocked(how, known, state, at),
@@ -132,6 +132,15 @@ def updated(how: Motion, known: Track, at: float, seen: GroundDetection) -> Trac
         evidence=min(max(evidence, -MOST_EVIDENCE), MOST_EVIDENCE),
     )
     return _oriented(how, _counted(after, seen))
+
+
+def _class_evidence(seen: GroundDetection, diameter: float) -> float:
+    """Return how much likelier a detection is that of an obstacle robot: a logarithm."""
+    if seen.kind == OBSTACLE:
+        return SAID_OBSTACLE
+    if not seen.sized:
+        return SAID_TARGET
+    return size_evidence(seen.size, seen.offset, seen.height, diameter)
 
 
 def _clocked(how: Motion, known: Track, state: BankState, at: float) -> ReversalClock:
