@@ -196,6 +196,7 @@ class Configuration:
     timers: tuple[tuple[float, str], ...]  # wait (s) and source of those without a guard
     guards: tuple[GuardRow, ...]  # of the transitions, each once, in the order of the record
     danger: tuple[GuardRow, ...]  # of the failsafes
+    alarms: frozenset[str]  # their names
     pure: bool  # `guards` need no more than the estimate
     simple: tuple[GuardRow, ...] | None  # all that is asked; None: that needs more
     simple_in_air: tuple[GuardRow, ...] | None  # the same where failsafes act

@@ -57,6 +57,7 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Configuration:
         guards=guards,
         danger=danger,
         pure=pure,
+        alarms=frozenset([name for _, _, name, *_ in danger]),
         simple=guards if alone else None,
         simple_in_air=(*danger, *guards) if alone and safe else None,
         crossings={},

@@ -13,6 +13,7 @@ from missionkit.chart.semantics.verdict_validation import is_sound
 from missionkit.messages import Estimate, Verdict
 
 Answers = dict[str, Verdict]
+UNNAMED = "?"  # a guard that is not one of the package alone
 _new = tuple.__new__  # quicker than the class's own
 
 
@@ -21,8 +22,8 @@ def asked(
     seen: Estimate,
     answers: Answers,
     question: GuardContext | None = None,
-) -> bool | None:
-    """Ask guards, and say whether one holds; None: one must be asked with care.
+) -> str | None:
+    """Ask guards, and return which one holds first; "": none; None: one must be asked with care.
 
     Args:
         guards: in the order of the record.
@@ -30,7 +31,7 @@ def asked(
         answers: are put in here; nothing odd is.
         question: for the guards that need more than the estimate.
     """
-    holding = False
+    first = ""
     try:
         for ask, takes, name, check, measure, rising, strict, threshold, why in guards:
             value = measure(seen)
@@ -40,7 +41,8 @@ def asked(
                 if margin - margin != 0.0:
                     return None
                 answers[name] = _new(Verdict, (holds, why, value, threshold, margin))
-                holding = holding or holds
+                if holds:
+                    first = first or name
             elif value is False:
                 answers[name] = FALSE_VERDICT
             else:
@@ -49,10 +51,11 @@ def asked(
                     if check is None
                     else answers.setdefault(name, _sound(check(seen)))
                 )
-                holding = holding or verdict[0] or (takes and verdict[0] is None)
+                if verdict[0] or (takes and verdict[0] is None):
+                    first = first or name or UNNAMED
     except Exception:  # noqa: BLE001 - asked again, contained
         return None
-    return bool(holding)
+    return first
 
 
 def none_holds(guards: Iterable[GuardRow], seen: Estimate) -> bool:

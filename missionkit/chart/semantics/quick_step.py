@@ -44,23 +44,20 @@ def decide(
         seen: the estimate at this tick, with the events that came since the last.
         contain: calls the guards; one that raises is unknown and noted.
     """
-    # a slice is a plain tuple, which is taken apart twice as fast
-    active, entered, windows, variables, _, _, held, violated, started, ended, delayed, _ = memory[
-        :
-    ]
+    known = memory[:]  # a plain tuple, which is taken apart twice as fast
+    active, entered, windows, variables, _, _, held, violated, started, ended, delayed, _ = known
     here = chart.configurations.get(active) or configuration(chart, active)
     status = seen.status
-    moored = status is None or (status.armed and not status.in_air)
-    flying = here.flying if moored or status is None else status.in_air
+    flying = here.flying if status is None else status.in_air or (status.armed and here.flying)
     usual = started and not (seen.events or delayed or violated or ended)
     simple = here.simple_in_air if flying else here.simple
     outcome: Outcome | None = None
     if usual and simple is not None and not held:
         answers: Answers = {}
         holding = asked(simple, seen, answers)
-        if holding is False and not (here.timers and _due(here, entered, seen.now)):
+        if holding == "" and not (here.timers and _due(here, entered, seen.now)):
             return memory, _new(Decision, (answers, (), (), False, (), ()))
-        if holding is not None and not (flying and _alarmed(here, answers)):
+        if holding is not None and not (flying and holding in here.alarms):
             outcome = _moved(chart, memory, here, seen, answers)
     if outcome is None:
         question = GuardContext(seen, windows, contain, active, variables)
@@ -78,14 +75,14 @@ def _in_context(
 ) -> Outcome | None:
     """Return the outcome of a tick, guards asked with all there is; None: it is unusual."""
     seen, answers = question.seen, question.answers
-    if flying and asked(here.danger, seen, answers, question) is not False:
+    if flying and asked(here.danger, seen, answers, question) != "":
         return None
     holding = asked(here.guards, seen, answers, question)
     if holding is None or (here.promising and invariants(here, memory, question)[0]):
         return None
     if flying and memory.monitors and requirement(chart, memory, here, seen.now) is not None:
         return None
-    memory = _remembering(chart, memory, here, question, holding=holding)
+    memory = _remembering(chart, memory, here, question, holding=bool(holding))
     outcome: Outcome | None = memory, _new(Decision, (answers, (), (), False, (), ()))
     if holding or _due(here, memory.entered, seen.now):
         outcome = _moved(chart, memory, here, seen, answers, question)
@@ -110,11 +107,6 @@ def _remembering(
     return _new(ChartMemory, (active, entered, windows, variables, pilot, history, held, *rest))
 
 
-def _alarmed(here: Configuration, answers: Answers) -> bool:
-    """Say whether a failsafe might have to act."""
-    return any(answers[name][0] is not False for _, _, name, *_ in here.danger)
-
-
 def _due(here: Configuration, entered: Mapping[str, float], now: float) -> bool:
     """Say whether a transition without a guard is ready."""
     return any(now - entered[source] >= wait for wait, source in here.timers)
@@ -137,7 +129,8 @@ def _moved(
     if crossing is None:
         return None
     move, there, to, outputs, restless = crossing
-    _, was_entered, windows, variables, pilot, history, held, violated, *_, monitors = memory[:]
+    known = memory[:]
+    before, was_entered, windows, variables, pilot, history, held, violated, *_, monitors = known
     active = move.active
     entered = dict.fromkeys(active, now)
     for name in move.kept:
@@ -146,9 +139,25 @@ def _moved(
         held = {number: since for number, since in held.items() if number not in move.gone}
     if move.history:
         history = {**history, **move.history}
-    stand = (active, entered, windows, variables, there.pilot, history, held, violated)
-    after = _new(ChartMemory, (*stand, True, False, (), monitors))
-    fresh = there.pilot != pilot or memory.state in move.exited
+    commands = there.pilot
+    after = _new(
+        ChartMemory,
+        (
+            active,
+            entered,
+            windows,
+            variables,
+            commands,
+            history,
+            held,
+            violated,
+            True,
+            False,
+            (),
+            monitors,
+        ),
+    )
+    fresh = commands != pilot or (pilot or before[-1]) in move.exited
     if restless and not _rests(there, after, seen, fresh=fresh):
         return None
     verdicts = tuple([(name, answers[name]) for name in way.reads if name in answers])
@@ -199,5 +208,6 @@ def _rests(there: Configuration, after: ChartMemory, seen: Estimate, *, fresh: b
         return False
     state = there.pilot or after.active[-1]
     done, goal = (False, None) if fresh else (seen.done, seen.goal)
-    later = _new(Estimate, (*seen[:-4], state, after.entered[state], done, goal))
+    stands = (state, after.entered[state], done, goal)
+    later = _new(Estimate, seen[:-4] + stands)
     return none_holds(there.guards, later)
