@@ -15,11 +15,13 @@ from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
 from missionkit.chart.semantics.requirement_watch import results
+from missionkit.engine.clock import date
 from missionkit.engine.flight_loop import Observer, Operator, keep_nothing
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.messages import Observation, Record
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import Background, Reports, Sinks, background
 from missionkit.recorder.run_folder import held
 from missionkit.recorder.run_summary import Summary, summarise
@@ -99,7 +101,14 @@ def fly(
         if folder is not None:
             Path(folder).mkdir(parents=True, exist_ok=True)
             whole.enter_context(held(Path(folder)))
-        book = Logbook(folder, plan, scene, sinks, mission.path)
+        book = Logbook(
+            folder,
+            plan,
+            scene,
+            sinks,
+            mission.path,
+            Georeference(lambda: vehicle.observer.origin, date),
+        )
         save = _saving(book, mission, vehicle, sinks)
         with book, ExitStack() as stack:
             for each in own:

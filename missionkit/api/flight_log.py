@@ -16,6 +16,7 @@ from missionkit.messages import Observation, Record
 from missionkit.recorder import flight_track as tracks
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.plot import draw
 from missionkit.recorder.record_sinks import CHECKPOINTS, RECORD, Sinks, contained
 from missionkit.recorder.run_folder import keep_mission
@@ -35,6 +36,7 @@ class Logbook:
         scenery: what stands around.
         sinks: take what is written, and reports of what fails.
         mission: path of the file that is flown, copied into the folder.
+        reference: where on the earth and when it flies.
 
     Raises:
         UsageError: the folder holds a flight record already.
@@ -47,6 +49,7 @@ class Logbook:
         scenery: Scenery,
         sinks: Sinks,
         mission: Path,
+        reference: Georeference | None = None,
     ) -> None:
         self.digest = ""
         self.folder = None if folder is None else Path(folder)
@@ -62,7 +65,12 @@ class Logbook:
                 )
             keep_mission(self.folder, mission)
             self.recorder = FlightRecorder(
-                self.folder, camera=plan.camera, scenery=self.scenery, sink=sinks.record
+                self.folder,
+                camera=plan.camera,
+                scenery=self.scenery,
+                known=plan.map,
+                reference=reference,
+                sink=sinks.record,
             )
 
     def __enter__(self) -> Self:

@@ -9,10 +9,11 @@ from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.missions import LoadedMission
 from missionkit.chart.model.mission import Mission
-from missionkit.engine.clock import RealTime
+from missionkit.engine.clock import RealTime, date
 from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.errors import UsageError, nearest
 from missionkit.outcome import outcome, reason
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
@@ -65,7 +66,14 @@ def rehearse(
     ready = stage(model, mission.catalogue, world, seed, wrong)
     sinks, operator = inline(), operator or Operator()
     scene = scenery_of(world, model)
-    with Logbook(folder, ready.plan, scene, sinks, mission.path) as log:
+    with Logbook(
+        folder,
+        ready.plan,
+        scene,
+        sinks,
+        mission.path,
+        Georeference.fixed(model.geodetic_origin, date),
+    ) as log:
         observing = log.observing(observers, lambda: ready.vehicle.truth)
         result = outside_loop(
             lambda: fly_simulated(

@@ -20,9 +20,11 @@ from missionkit.campaigns.visit_log import VisitLog
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
+from missionkit.engine.clock import date
 from missionkit.engine.flight_loop import Observer
 from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight_recorder import FlightRecorder
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.scenery import scenery_of
 from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault
@@ -107,7 +109,13 @@ def _flown(ready: Stage, diary: VisitLog, folder: Path | None) -> Rehearsal:
             shutil.rmtree(folder, ignore_errors=True)  # of a campaign that was killed
             folder.mkdir(parents=True)
             scenery = scenery_of(ready.world)
-            recorder = FlightRecorder(folder, camera=ready.plan.camera, scenery=scenery)
+            recorder = FlightRecorder(
+                folder,
+                camera=ready.plan.camera,
+                scenery=scenery,
+                known=ready.plan.map,
+                reference=Georeference.fixed(ready.mission.geodetic_origin, date),
+            )
             stack.enter_context(recorder)
             observers.append(
                 lambda record, seen: recorder.write(record, seen.frame, ready.vehicle.truth)

@@ -14,9 +14,10 @@ from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.cli.run_result import summed_up
-from missionkit.engine.clock import Pace, RealTime
+from missionkit.engine.clock import Pace, RealTime, date
 from missionkit.engine.flight_loop import Operator
 from missionkit.errors import ExitCode
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary
 from missionkit.recorder.scenery import scenery_of
@@ -61,7 +62,13 @@ def _flown(
 ) -> Summary:
     scenery = scenery_of(ready.world, ready.mission)
     sinks = inline()
-    recorder = folder.recorder(ready.plan, scenery, past, sinks.record)
+    recorder = folder.recorder(
+        ready.plan,
+        scenery,
+        past,
+        sinks.record,
+        Georeference.fixed(ready.mission.geodetic_origin, date),
+    )
     again = None if past is None else past.again
     save = RehearsalCheckpointWriter(
         folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past

@@ -21,11 +21,13 @@ from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
+from missionkit.engine.clock import date
 from missionkit.engine.flight_loop import Operator
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.errors import ExitCode, UsageError
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import background
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
@@ -87,7 +89,9 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
     mission, world, plan, vehicle, folder, past = ready
     scenery, speed = scenery_of(world, mission), order.speed or 1.0
     sinks = background()
-    recorder = folder.recorder(plan, scenery, past, sinks.record)
+    recorder = folder.recorder(
+        plan, scenery, past, sinks.record, Georeference(lambda: vehicle.observer.origin, date)
+    )
     save = VehicleCheckpointWriter(
         folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past
     )

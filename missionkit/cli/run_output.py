@@ -23,6 +23,7 @@ from missionkit.errors import printable
 from missionkit.recorder.checkpoint import Loaded
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.plot import draw
 from missionkit.recorder.record_sinks import Reports, Sink
 from missionkit.recorder.run_folder import (
@@ -57,7 +58,12 @@ class Folder(NamedTuple):
     stamp: str  # of what the flight stands on
 
     def recorder(
-        self, plan: PreparedMission, scenery: Scenery, past: Past | None, sink: Sink
+        self,
+        plan: PreparedMission,
+        scenery: Scenery,
+        past: Past | None,
+        sink: Sink,
+        reference: Georeference,
     ) -> FlightRecorder:
         """Return what records the flight, beside the records that are there already.
 
@@ -66,6 +72,7 @@ class Folder(NamedTuple):
             scenery: what is drawn around the flight.
             past: the flight before a resume, which goes first in the track.
             sink: gets everything that is recorded, as well as the file.
+            reference: where on the earth and when it flies.
         """
         return FlightRecorder(
             self.path,
@@ -73,6 +80,8 @@ class Folder(NamedTuple):
             scenery=scenery,
             name=free_name(self.path, "flight.mcap"),
             past=None if past is None else past.track,
+            known=plan.map,
+            reference=reference,
             sink=sink,
         )
 

@@ -12,15 +12,23 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from missionkit.messages import CameraModel, Frame, Record
-from missionkit.recorder import flight_track, json_fragments, message_encoding
+from missionkit.geodesy import Origin
+from missionkit.messages import CameraModel, Frame, Occupancy, Record
+from missionkit.recorder import (
+    flight_track,
+    geographic_messages,
+    json_fragments,
+    message_encoding,
+)
 from missionkit.recorder.flight_track import FlightTrack, Truth
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.mcap_channels import Channels
 from missionkit.recorder.problem_log import unsaid
 from missionkit.recorder.record_sinks import Job, Sink
 from missionkit.recorder.scenery import Scenery, scene_update
 
 LEVEL_INFO, LEVEL_WARNING = 2, 3
+FIX_RATE = 2.0  # Hz, of /fix
 
 
 class RateLimit:
@@ -59,6 +67,8 @@ class FlightRecorder:
         image_rate: camera frames a second at most; 0 keeps none.
         name: of the file; a flight that is resumed gets one for each part.
         past: the track of the parts before.
+        known: the mission's map, written once.
+        reference: where on the earth and when it flies.
         sink: writes what is recorded; without one that is done at once, and errors are raised.
 
     Raises:
@@ -74,6 +84,8 @@ class FlightRecorder:
         image_rate: float = 5.0,
         name: str = "flight.mcap",
         past: FlightTrack | None = None,
+        known: Occupancy | None = None,
+        reference: Georeference | None = None,
         sink: Sink | None = None,
     ) -> None:
         self.track: FlightTrack = past or flight_track.begin()
@@ -81,6 +93,11 @@ class FlightRecorder:
         self._channels = Channels(folder / name)
         self._camera = camera
         self._scenery = scenery
+        self._drawn = Scenery() if scenery is None else scenery
+        self._known = known
+        self._reference = reference
+        self._origin: Origin | None = None
+        self._fixes = RateLimit(FIX_RATE)
         self._standing, self._status, self._kept = RateLimit(10.0), RateLimit(1.0), RateLimit(20.0)
         self._images = RateLimit(image_rate) if image_rate > 0.0 else None
         self._seen = Seen()
@@ -111,6 +128,24 @@ class FlightRecorder:
         if shown is not None and not (self._images and self._images.due(record.now)):
             shown = None  # what is not recorded does not wait in memory either
         self._put(lambda: self._tick(record, shown, truth))
+        if self._reference is not None:
+            self._locate(record, self._reference)
+
+    def _locate(self, record: Record, reference: Georeference) -> None:
+        """Write where on the earth the vehicle is, once it is known where the origin is."""
+        origin, at = reference.origin(), json_fragments.nanoseconds(record.now)
+        stamp = json_fragments.stamp(record.now)
+        if origin is None:
+            return
+        if origin != self._origin:
+            self._origin, began = origin, reference.date() - record.now
+            said = geographic_messages.origin(stamp, origin, began)
+            shown = geographic_messages.places(origin, self._drawn)
+            self._put(lambda: self._channels.publish("/origin", at, said))
+            self._put(lambda: self._channels.publish("/places", at, shown))
+        if self._fixes.due(record.now) and record.estimate.health.aligned:
+            fix = geographic_messages.location(stamp, origin, record.estimate)
+            self._put(lambda: self._channels.publish("/fix", at, fix))
 
     def close(self) -> str:
         """Finish the file and return its digest, "" if that failed; closing twice does no harm."""
@@ -197,6 +232,9 @@ class FlightRecorder:
         if self._scenery is not None:
             publish("/scene", at, scene_update(self._scenery, stamp, message_encoding.NED_FRAME))
             self._scenery = None
+        if self._known is not None:
+            publish("/map", at, geographic_messages.grid(stamp, self._known))
+            self._known = None
 
     def _image(self, record: Record, frame: Frame, at: int) -> None:
         """Write a camera frame and the markers found in it, both at the time of exposure."""

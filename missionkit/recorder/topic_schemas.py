@@ -278,7 +278,41 @@ TIMING = _record(
     }
 )
 
-WALL_CLOCK = frozenset({"/timing"})
+LOCATION_FIX = _record(
+    {
+        "timestamp": TIME_SCHEMA,
+        "frame_id": TEXT_SCHEMA,
+        "latitude": NUMBER_SCHEMA,
+        "longitude": NUMBER_SCHEMA,
+        "altitude": NUMBER_SCHEMA,
+        "position_covariance": _list(NUMBER_SCHEMA),
+        "position_covariance_type": INTEGER,
+    }
+)
+ORIGIN_SCHEMA = _record(
+    {
+        "timestamp": TIME_SCHEMA,
+        "latitude": NUMBER_SCHEMA,
+        "longitude": NUMBER_SCHEMA,
+        "altitude": NUMBER_SCHEMA,
+        "utc": TEXT_SCHEMA,
+    }
+)
+GRID = _record(
+    {
+        "timestamp": TIME_SCHEMA,
+        "frame_id": TEXT_SCHEMA,
+        "pose": POSE,
+        "column_count": INTEGER,
+        "cell_size": POINT,
+        "row_stride": INTEGER,
+        "cell_stride": INTEGER,
+        "fields": _list(_record({"name": TEXT_SCHEMA, "offset": INTEGER, "type": INTEGER})),
+        "data": {"type": "string", "contentEncoding": "base64"},
+    }
+)
+
+WALL_CLOCK = frozenset({"/timing", "/origin"})
 """Topics that differ between two flights of the same seed, and are left out of the hash."""
 
 TOPICS = (
@@ -290,6 +324,10 @@ TOPICS = (
     Topic("/camera/calibration", "foxglove.CameraCalibration", CALIBRATION),
     Topic("/camera/markers", "foxglove.ImageAnnotations", ANNOTATIONS),
     Topic("/scene", "foxglove.SceneUpdate", SCENE),
+    Topic("/map", "foxglove.Grid", GRID),
+    Topic("/fix", "foxglove.LocationFix", LOCATION_FIX),
+    Topic("/places", "foxglove.GeoJSON", _record({"geojson": TEXT_SCHEMA})),
+    Topic("/origin", "missionkit.Origin", ORIGIN_SCHEMA),
     Topic("/log", "foxglove.Log", LOG_SCHEMA),
     Topic("/command", "missionkit.Command", COMMAND),
     Topic("/guards", "missionkit.Guards", GUARDS_SCHEMA),

@@ -2,12 +2,15 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from collections import Counter
 
 import numpy as np
 import pytest
+from documents import ROOT
 from mcap.reader import make_reader
 
+from missionkit.geodesy import Origin
 from missionkit.geometry import IDENTITY, Transform, rotate, vec
 from missionkit.messages import (
     AttitudeSetpoint,
@@ -15,6 +18,7 @@ from missionkit.messages import (
     Detection,
     Fired,
     Frame,
+    Occupancy,
     PositionSetpoint,
     Setpoint,
     Sighting,
@@ -24,10 +28,16 @@ from missionkit.messages import (
 from missionkit.perception.opencv_helpers import decode_grey
 from missionkit.recorder import message_encoding
 from missionkit.recorder.flight_recorder import FlightRecorder, RateLimit
+from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.message_encoding import UPRIGHT
 from missionkit.recorder.record_digest import hash_of
 from missionkit.recorder.record_reader import read
+from missionkit.recorder.scenery import DrawnTarget, Fence
 from missionkit.recorder.topic_schemas import COMMAND, TOPICS
+
+HERE = Origin(80.0, 179.9999, -430.0)
+DATE = 1767323045.0  # 2026-01-02 03:04:05 UTC
+COSTS = np.array([[1.0, 2.0, np.inf], [4.0, 1.0, np.inf]])
 
 
 def fly(folder, ticks, **options):
@@ -73,7 +83,12 @@ def a_frame_at(t):
 
 
 def test_every_message_follows_the_schema_embedded_beside_it(tmp_path, flight, orchard, camera):
-    with FlightRecorder(tmp_path, camera=camera, scenery=orchard) as recorder:
+    known, reference = (
+        Occupancy(COSTS, 0.5, (-1.0, 2.0), 0.3),
+        Georeference.fixed(HERE, lambda: DATE),
+    )
+    placed = {"known": known, "reference": reference}
+    with FlightRecorder(tmp_path, camera=camera, scenery=orchard, **placed) as recorder:
         for record, truth in flight(45.0):
             frame, sighting = a_frame_at(record.now)
             seen = record.estimate._replace(sightings=(sighting,))
@@ -85,6 +100,50 @@ def test_every_message_follows_the_schema_embedded_beside_it(tmp_path, flight, o
             assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
             seen_topics.add(channel.topic)
     assert seen_topics == {topic.name for topic in TOPICS}
+
+
+def test_the_record_says_where_on_the_earth_and_when(tmp_path, flight, orchard):
+    late = iter([None] * 40)  # home is known after 2 s
+    reference = Georeference(lambda: next(late, HERE), lambda: DATE)
+    fence = Fence.box((-10.0, 10.0), (-5.0, 5.0))
+    scenery = orchard._replace(targets=(DrawnTarget("tree", (30.0, -4.0)),), fences=(fence,))
+    fly(tmp_path, flight(10.0), scenery=scenery, reference=reference)
+    path = tmp_path / "flight.mcap"
+    (said,) = read(path, "/origin")
+    assert (said.data["latitude"], said.data["utc"]) == (80.0, "2026-01-02T03:04:03.000Z")
+    fixes = list(read(path, "/fix"))
+    assert len(fixes) == 16
+    poses = {entry.at: entry.data["pose"]["position"] for entry in read(path, "/pose")}
+    for entry in fixes:
+        place = [entry.data[name] for name in ("latitude", "longitude", "altitude")]
+        there = [poses[entry.at][axis] for axis in "xyz"]
+        np.testing.assert_allclose(HERE.local(*place), there, atol=1e-4)
+    (shown,) = read(path, "/places")
+    tree, fenced = json.loads(shown.data["geojson"])["features"]
+    longitude, latitude = tree["geometry"]["coordinates"]
+    np.testing.assert_allclose(HERE.local(latitude, longitude, -430.0)[:2], (30.0, -4.0), atol=1e-3)
+    assert len(fenced["geometry"]["coordinates"][0]) == 5
+
+
+def test_the_map_is_a_grid_of_its_own_costs(tmp_path, flight):
+    fly(tmp_path, flight(2.0), known=Occupancy(COSTS, 0.5, (-1.0, 2.0)))
+    (entry,) = read(tmp_path / "flight.mcap", "/map")
+    shades = np.frombuffer(base64.b64decode(entry.data["data"]), np.uint8)
+    assert shades.tolist() == [0, 50, 100, 75, 0, 100]
+    assert entry.data["column_count"] == 3
+    corner = entry.data["pose"]["position"]
+    assert (corner["x"], corner["y"]) == (2.0, -1.0)  # east, north
+
+
+def test_the_layout_shows_topics_that_exist():
+    text = (ROOT / "docs/how-to/foxglove-layout.json").read_text()
+    layout = json.loads(text)
+    topics = {topic.name for topic in TOPICS}
+    named = set(re.findall(r'"(/[a-z]+(?:/[a-z]+)?)[".]', text))
+    assert named <= topics
+    assert {"/pose", "/fix", "/state", "/map"} <= named
+    panels = re.findall(r'"([A-Za-z0-9]+![a-z]+)"', json.dumps(layout["layout"]))
+    assert set(panels) == set(layout["configById"])
 
 
 def test_rates_are_those_of_p1(tmp_path, flight, camera):

@@ -43,6 +43,7 @@ from missionkit.chart.text.located_data import LocatedTable, Text
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.control.controller import Control
 from missionkit.control.controller_protocol import ControllerProtocol
+from missionkit.geodesy import Origin
 from missionkit.guards.geofence import InsideFence
 from missionkit.messages import Occupancy
 from missionkit.perception.camera_section import Camera
@@ -165,6 +166,11 @@ class Mission(MissionPart):
     def included(self) -> tuple[Path, ...]:
         """The files that were included, in the order they were read, then those of the map."""
         return self._included
+
+    @property
+    def geodetic_origin(self) -> Origin | None:
+        """Where [0, 0, 0] is on the earth, if the mission says so."""
+        return None if self.origin is None else self.origin.geodetic
 
     @property
     def has_amsl(self) -> bool:
