@@ -145,7 +145,7 @@ def test_the_example_says_every_state_and_is_the_same_every_time(example: Path, 
     first, again = (list(explained(mission, catalogue)) for _ in range(2))
     assert first == again
     topics = [each.text.partition(",")[0] for each in first if each.topic]
-    assert topics[3:-3] == [*mission.states, "hover"]
+    assert topics[4:-3] == [*mission.states, "hover"]
 
 
 def test_the_control_of_each_mode_that_is_flown_is_described(catalogue):

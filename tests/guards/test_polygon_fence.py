@@ -9,6 +9,7 @@ from samples import calm
 from missionkit.api.missions import assemble
 from missionkit.chart.checks import findings
 from missionkit.chart.load import parse
+from missionkit.chart.prose.mission_text import explained
 from missionkit.errors import FileError
 from missionkit.guards.geofence import Hole, Inside, InsideFence
 
@@ -119,6 +120,12 @@ def test_a_wrong_fence_is_said_once_where_it_stands(polygon, holes, says):
         mission(polygon, holes)
     assert says in str(refused.value)
     assert str(refused.value).count("field.yaml:") == 1
+
+
+def test_explain_names_the_places():
+    text = " ".join(each.text for each in explained(mission(), assemble(())))
+    assert "far: 50 m north and 15 m east of the take-off point, 5 m above it (47.39819" in text
+    assert "The fence: 4 corners from -5 to 60 m north and -5 to 40 m east, up to 30 m" in text
 
 
 def test_a_fence_that_no_failsafe_keeps_is_told():

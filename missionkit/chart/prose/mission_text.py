@@ -12,6 +12,7 @@ from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.prose.control_text import control_text
 from missionkit.chart.prose.incoming_references import changes, entrances, readers
 from missionkit.chart.prose.phrases import actions, counted, guard, held, listed, value
+from missionkit.chart.prose.place_text import place_texts
 from missionkit.chart.prose.requirement_text import requirement_text
 from missionkit.chart.prose.state_text import (
     ExplainedChart,
@@ -44,6 +45,10 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     full = fulfilled(mission, catalogue)
     chart = ExplainedChart(mission, full, catalogue, entrances(full))
     yield from _whole(chart)
+    places = list(place_texts(mission)) if catalogue.vehicle.over_ground else []
+    if places:
+        yield topic("Places")
+        yield from map(item, places)
     yield from _variables(mission)
     yield from _guards(mission)
     yield from _failsafes(chart)
