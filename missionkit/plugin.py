@@ -67,6 +67,25 @@ class InFile:
         return {"type": "string"}
 
 
+@dataclass(frozen=True, slots=True)
+class InGroup:
+    """Marks a parameter that is a plug-in itself: `{use: kind, ...}`, or the bare kind.
+
+    It has a default. Kinds in `named` stay text: the plug-in that has the parameter makes them.
+    """
+
+    group: str  # key of `PLUGIN_GROUPS`
+    named: tuple[str, ...] = ()
+
+    def __get_pydantic_json_schema__(
+        self,
+        schema: CoreSchema,
+        handler: GetJsonSchemaHandler,
+    ) -> dict[str, Any]:
+        """Leave a mark, as references to plug-ins in a mission do; or `$name` of a parameter."""
+        return {"anyOf": [{"x-plugin": self.group}, {"type": "string", "pattern": r"^\$"}]}
+
+
 class Guard(Plugin):
     """A predicate over the estimate, answered with a verdict."""
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, field_validator
 from typing_extensions import override
 
 from missionkit.geometry import vec
@@ -16,7 +16,7 @@ from missionkit.messages.herd import Arena, HerdChoice, HerdObstacle, HerdRobot,
 from missionkit.messages.robot_modes import SPIN, is_obstacle, spins
 from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
-from missionkit.plugin import Behavior
+from missionkit.plugin import Behavior, InGroup
 from missionkit.plugin_protocols import HerdingPolicyProtocol
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Seconds
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from missionkit.planning.herding.remembered_herd import RememberedHerd, Sight
 
 ROBOT = GroundRobot()
+OWN = ("dynamic_programme", "nearest_to_goal")  # policies that it makes itself
 EVERY = 0.5  # s, between two decisions
 FRESH = 0.3  # s; a track is in view if it was seen so lately
 TURNS = {"front": "herd.front", "top": "herd.top"}  # events, by how the robot is to be turned
@@ -56,12 +57,13 @@ class Herd(Behavior):
     A state inside, that meets the robot, pauses it and keeps its memory.
 
     The arena is a square of `side` around `north`, `east`, its goal line in the direction
-    `goal_deg`; the mission ends at `length`. `policy` is a herding policy of missionkit, with
-    `turns` if it is `dynamic_programme`.
+    `goal_deg`; the mission ends at `length`. `policy` is a herding policy, of another package too.
+    By its bare kind `dynamic_programme` knows `turns`, `speed`, `land`, `climb`, `length` and the
+    sight from here; as `{use: dynamic_programme, ...}` it is taken as it is given.
     """
 
     kind: ClassVar[str] = "herd"
-    policy: Literal["dynamic_programme", "nearest_to_goal"] = Field(
+    policy: Annotated[Any, InGroup("herding_policies", OWN)] = Field(
         default="dynamic_programme", description="that chooses"
     )
     turns: Literal["front", "front_and_top"] = Field(
@@ -81,6 +83,13 @@ class Herd(Behavior):
     east: Metres = Field(default=0.0, description="of its centre")
     goal_deg: Degrees = Field(default=0.0, description="of the goal line, clockwise from north")
     length: Seconds = Field(default=600.0, description="of the mission")
+
+    @field_validator("policy")
+    @classmethod
+    def _chooses(cls, policy: object) -> object:
+        if policy in OWN or isinstance(policy, HerdingPolicyProtocol):
+            return policy
+        raise ValueError(f"expected a herding policy, got {policy!r}")
 
     @override
     def begin(self, seen: Estimate) -> Herding:
@@ -116,6 +125,8 @@ class Herd(Behavior):
             policy.choose(view)
 
     def _policy(self) -> HerdingPolicyProtocol:
+        if isinstance(self.policy, HerdingPolicyProtocol):
+            return self.policy
         if self.policy == "nearest_to_goal":
             return NearestToGoal()
         return DynamicProgramme(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from missionkit.chart.text.located_data import LocatedTable, place_of, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.guards.geofence import InsideFence
 from missionkit.messages import names_a_track
-from missionkit.plugin import Plugin
+from missionkit.plugin import InGroup, Plugin
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
 from missionkit.plugin_protocols import (
     BehaviorProtocol,
@@ -87,7 +88,8 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
         unknown = f"unknown {word} {shown(kind)}"
         raise sentences(sentence(unknown, "use", word=str(kind), known=known))
     given = with_files(known[kind], data, scope)
-    parameters = {key: value for key, value in given.items() if key != "use"}
+    inner = _inner_plugins(known[kind], given, scope)
+    parameters = {key: value for key, value in given.items() if key not in {"use", *inner}}
     try:
         plugin, errors = _made(known[kind], parameters, scope)
     except PluginError as error:
@@ -95,7 +97,19 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
         raise sentences(sentence(wrong, "use")) from error
     if errors:
         raise sentences(*errors)
-    return Use(kind, plugin, place_of(data))
+    return Use(kind, plugin.model_copy(update=inner) if inner else plugin, place_of(data))
+
+
+def _inner_plugins(
+    plugin: type[Plugin], data: Mapping[str, Any], scope: Scope
+) -> dict[str, Plugin]:
+    """Return the plug-ins that parameters name."""
+    return {
+        name: resolve(data[name], mark.group, scope).plugin
+        for name, field in plugin.model_fields.items()
+        for mark in field.metadata
+        if isinstance(mark, InGroup) and name in data and data[name] not in mark.named
+    }
 
 
 def _made(
