@@ -17,12 +17,14 @@ from typing import NamedTuple
 
 from missionkit.chart.checks.counterexample_text import point
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.requirement_proof import Proof, Standing, proofs
 from missionkit.chart.checks.exploration.search import Example, Exploration, Node, explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.load import parse
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import Chart
+from missionkit.chart.semantics.requirement_watch import results
 from missionkit.chart.semantics.step import Decision, begin, decide
 from missionkit.guards.battery import CHARGE
 from missionkit.guards.ground_touched import TOUCHED
@@ -31,7 +33,7 @@ from missionkit.messages import GROUND_TOUCHED
 from missionkit.messages.region import Box, Boxes, Quantity
 from missionkit.plugin_containment import Containment
 from studies.parallel import in_parallel
-from studies.soundness_charts import CATALOGUE, TICK, Seen, chart, estimate, flight
+from studies.soundness_charts import CATALOGUE, TICK, Seen, chart, estimate, flight, requirements
 
 INSISTENCE = 130  # ticks: the built-in failsafes wait for 6 s at most
 FLIGHTS = 6  # through each chart
@@ -45,7 +47,9 @@ times at random, and flies the example of each transition that the exploration s
 
 - Charts: {charts}, of which {complete} were explored completely.
 - Random ticks: {ticks}. A transition that can never fire fired, a state that is never reached was
-  reached, or a tick did not come to rest although none was found: **{contradictions}**.
+  reached, a tick did not come to rest although none was found, or a requirement was broken that
+  was proved, or fulfilled that no run can fulfil: **{contradictions}**.
+- Requirements: {proved} proved, {refuted} refuted, {open} open.
 - Examples of transitions and failsafes that need nothing of what guards remember: flown by the
   engine, **{plain}** happened.
 - Examples that need it, a latch that is set or a guard that has held for a while: **{past}**
@@ -62,6 +66,7 @@ class Judged(NamedTuple):
     ticks: int
     contradictions: tuple[str, ...]
     happened: tuple[int, int]  # examples: without a past, with one
+    standings: tuple[int, int, int]  # requirements proved, refuted, open
     missed: tuple[int, int]  # the same, of those that did not happen
 
 
@@ -71,6 +76,8 @@ class Flown(NamedTuple):
     entered: set[str]
     taken: set[str]
     rested: bool
+    broken: set[str]  # requirements
+    fulfilled: set[str]
 
 
 class Flight:
@@ -89,6 +96,12 @@ class Flight:
         self.memory, decision = decide(self.compiled, memory, given, self.contain)
         return decision
 
+    def judged(self) -> tuple[set[str], set[str]]:
+        """Return the names of the requirements that are broken, and of those that are fulfilled."""
+        watched, monitors = self.compiled.watch.requirements, self.memory.monitors
+        every = results(watched, monitors, over=False)
+        return tuple({it.name for it in every if it.fulfilled is end} for end in (False, True))
+
     def age(self, name: str) -> float:
         """Return how long (s) a state has been active."""
         return self.now - self.memory.entered[name]
@@ -103,27 +116,36 @@ def flown(compiled: Chart, every: Sequence[Seen]) -> Flown:
         decision = flight.tick(seen)
         entered.update(*(move.active for move in decision.moves))
         taken.update(fired.reason.partition(",")[0] for fired in decision.fired)
-    return Flown(entered, taken, not any("come to rest" in it for it in flight.contain.take()))
+    rested = not any("come to rest" in it for it in flight.contain.take())
+    return Flown(entered, taken, rested, *flight.judged())
 
 
 def happens(compiled: Chart, explored: Exploration, example: Example, name: str) -> bool:
     """Say whether the engine does what an example says, its times and situations made concrete."""
-    path: list[Node] = [example.node]
+    flight = _led(compiled, explored, example.node)
+    if flight is None:
+        return False
+    seen = concrete(example.step.boxes, example.step.events)
+    return any(name in _names(decision) for decision in _insisting(flight, seen))
+
+
+def _led(compiled: Chart, explored: Exploration, node: Node) -> Flight | None:
+    """Return a flight that has come to a node, None if it does not come there."""
+    path = [node]
     while path[-1].before is not None:
         path.append(path[-1].before)
     path.reverse()
     flight = Flight(compiled)
-    for node, following in pairwise(path):
+    for before, following in pairwise(path):
         step = following.step
         if step is None:
-            return False
+            return None
         if not step.taken and not step.events and not step.forced:
-            if not _waited(flight, following, explored.rests.get(node.number, ({},))):
-                return False
+            if not _waited(flight, following, explored.rests.get(before.number, ({},))):
+                return None
         elif not _reached(flight, following, concrete(step.boxes, step.events)):
-            return False
-    seen = concrete(example.step.boxes, example.step.events)
-    return any(name in _names(decision) for decision in _insisting(flight, seen))
+            return None
+    return flight
 
 
 def _reached(flight: Flight, following: Node, seen: Seen) -> bool:
@@ -185,17 +207,20 @@ def _true(box: Box, quantity: Quantity) -> bool:
 def judged(seed: int) -> Judged:
     """Explore one random chart and fly it."""
     random = Random(seed)  # noqa: S311 - nothing secret
-    mission = parse(chart(random), "m.yaml", CATALOGUE)
+    text = chart(random)
+    flights = [flight(random) for _ in range(FLIGHTS)]
+    text = "\n".join((text, *requirements(random)))
+    mission = parse(text, "m.yaml", CATALOGUE)
     catalogue = CATALOGUE.flying(mission.vehicle.use)
     explored_chart = ExploredChart(AnalysedChart(fulfilled(mission, catalogue), catalogue))
     explored = explore(explored_chart)
     compiled = compile_mission(mission, CATALOGUE)
-    flights = [flight(random) for _ in range(FLIGHTS)]
+    proved = list(proofs(explored_chart, explored))
     wrong: list[str] = []
     if explored.complete:
         names = {_name(explored_chart, number) for number in explored.taken}
-        for seen in flights:
-            wrong += _contradictions(explored, names, flown(compiled, seen))
+        for one in (flown(compiled, seen) for seen in flights):
+            wrong += [*_contradictions(explored, names, one), *_refused(proved, one)]
     examples = {_name(explored_chart, number): it for number, it in explored.taken.items()}
     examples = {n: it for n, it in examples.items() if n[:1] == "t" or n.startswith("failsafe x")}
     examples = {name: it for name, it in examples.items() if not it.undone}
@@ -205,7 +230,19 @@ def judged(seed: int) -> Judged:
     )
     happened, missed = ((counted[False, it], counted[True, it]) for it in (True, False))
     ticks = sum(map(len, flights))
-    return Judged(seed, explored.complete, ticks, tuple(wrong), happened, missed)
+    known = Counter(proof.standing for proof in proved)
+    standings = (known[Standing.PROVED], known[Standing.REFUTED], known[Standing.OPEN])
+    return Judged(seed, explored.complete, ticks, tuple(wrong), happened, standings, missed)
+
+
+def _refused(proved: Sequence[Proof], flown: Flown) -> Iterator[str]:
+    """Yield each requirement that was broken although proved, or fulfilled although no run can."""
+    for proof in proved:
+        name = proof.requirement.name
+        if proof.standing is Standing.PROVED and name in flown.broken:
+            yield f"{name} broken"
+        if proof.always and name in flown.fulfilled:
+            yield f"{name} fulfilled"
 
 
 def _has_past(compiled: Chart, example: Example) -> bool:
@@ -246,6 +283,9 @@ def page(found: Sequence[Judged], command: str) -> str:
         complete=sum(it.complete for it in found),
         ticks=sum(it.ticks for it in found),
         contradictions=sum(len(it.contradictions) for it in found),
+        proved=sum(it.standings[0] for it in found),
+        refuted=sum(it.standings[1] for it in found),
+        open=sum(it.standings[2] for it in found),
         plain=_of(*plain),
         past=_of(*past),
     )

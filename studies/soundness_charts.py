@@ -150,6 +150,31 @@ def _guard(random: Random, depth: int = 2) -> str:
     )
 
 
+def requirements(random: Random) -> list[str]:
+    """Return lines of random requirements, r0, r1 and so on."""
+
+    def moment() -> str:
+        entered = f"{{enter: {random.choice(STATES)}}}"
+        return random.choice((entered, f"{{in: {random.choice(STATES)}}}", _guard(random, 1)))
+
+    found = ["requirements:"]
+    for number in range(3):
+        scope = random.choice(("", "", f", after: {moment()}", f", while: {_guard(random, 1)}"))
+        within = random.choice(("", "", ", within: 0.5"))
+        answer = f"response: {{when: {moment()}, then: {moment()}{within}}}"
+        pattern = random.choice(
+            (
+                f"never: {moment()}{within}",
+                f"always: {_guard(random, 1)}{within}",
+                f"existence: {moment()}{within}",
+                f"precedence: {moment()}, before: {moment()}{within}",
+                answer,
+            )
+        )
+        found.append(f"  - {{name: r{number}, {pattern}{scope}}}")
+    return found
+
+
 def flight(random: Random) -> list[Seen]:
     """Return what a random flight of at most four seconds sees."""
     found = []

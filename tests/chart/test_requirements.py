@@ -197,3 +197,9 @@ def test_what_healed_before_its_time_bound_leads_nowhere_afterwards():
 def test_a_guard_that_remembers_and_stands_in_a_requirement_alone():
     walk = walk_of("never: {use: tally, name: go, count: 3}")
     assert [shown(walk, "go").holds for _ in range(4)] == [None, None, False, False]
+
+
+def test_a_latch_has_an_enter_of_its_own():
+    latch = "{hysteresis: {use: battery_below, floor: 0.5}, enter: 0.4, exit: 0.6}"
+    walk = walk_of(f"never: {latch}")
+    assert shown(walk).holds is None

@@ -8,6 +8,7 @@ from dataclasses import replace
 from missionkit.chart.checks import (
     battery_reserve,
     broken_on_entry,
+    broken_requirements,
     control_gains,
     default_failsafes,
     delayed_events,
@@ -102,6 +103,7 @@ def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem
         yield _unproven(chart)
     yield from livelocks.problems_of(explored_chart, explored)
     yield from disarming.problems_of(explored_chart, explored)
+    yield from broken_requirements.problems_of(explored_chart, explored)
     yield from reachability.unreachable(chart, explored)
     places = {problem.place for problem in told if problem.code in NEVER_FIRES}
     yield from never_fires.problems_of(explored_chart, explored, places)

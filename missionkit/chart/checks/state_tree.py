@@ -131,8 +131,9 @@ class StateTree:
                 yield name, state.invariant.holds
 
     def compared(self) -> Iterator[ex.VariableGuard]:
-        """Yield every comparison with a variable."""
+        """Yield every comparison with a variable, those of requirements included."""
         waiting = [*self.mission.guards.values(), *(guard for _, guard in self.guards())]
+        waiting += [each for it in self.mission.requirements for each in it.guards()]
         for guard in waiting:
             for part in ex.parts_of(guard):
                 if isinstance(part, ex.VariableGuard):

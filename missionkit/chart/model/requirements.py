@@ -35,7 +35,7 @@ class MomentField:
         """Parse it."""
 
         def validate(data: object, info: core_schema.ValidationInfo[Any]) -> Moment:
-            if not isinstance(data, LocatedTable) or "enter" not in data:
+            if not isinstance(data, LocatedTable) or "enter" not in data or "hysteresis" in data:
                 return parse(data, info.context)
             name, known = data["enter"], info.context.states
             odd = next((key for key in data if key != "enter"), None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from missionkit.chart.checks.broken_requirements import standings
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.model.state_contracts import fulfilled
@@ -54,8 +55,10 @@ def explained(mission: Mission, catalogue: Catalogue) -> Iterator[Sentences]:
     yield from _failsafes(chart)
     yield from _states(chart)
     if mission.requirements:
-        yield topic("Requirements, watched in flight; none is proved before it")
-        yield from (item(requirement_text(each)) for each in mission.requirements)
+        known = standings(mission, catalogue)
+        yield topic("Requirements, watched in flight")
+        for each in mission.requirements:
+            yield item(f"{requirement_text(each)} {known[each.name]}.")
     controlled = list(control_text(mission, catalogue))
     if controlled:
         yield topic("Control, near a goal, with the lag that the mission declares")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from missionkit.chart.checks.counterexample_text import example
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Node, Step
+from missionkit.chart.checks.exploration.observations import Step
+from missionkit.chart.checks.exploration.search import Node
 
 STEPS_SHOWN = 6
 START = "start"  # reason of the entry of the initial states
@@ -23,9 +26,14 @@ def run_text(chart: ExploredChart, node: Node, last: Step, to: str) -> str:
     while node.before is not None and node.step is not None:
         ways.append((node.step, node.memory.state))
         node = node.before
+    return steps_text(chart, ways[::-1])
+
+
+def steps_text(chart: ExploredChart, steps: Sequence[tuple[Step, str]]) -> str:
+    """Return steps in words, each with the state that it leads to."""
     now = 0.0
     shown: list[str] = []
-    for step, state in reversed(ways):
+    for step, state in steps:
         now += step.seconds
         if step.taken or step.forced or not shown:
             cause = _cause(chart, step)

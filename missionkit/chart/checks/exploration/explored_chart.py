@@ -59,6 +59,7 @@ class ExploredChart:
         self.oracle = Oracle(analysed.reader.places)
         mission = analysed.mission
         assigned = {act.variable for act in actions_of(mission) if isinstance(act, Assign)}
+        self.assigned = frozenset(assigned)
         constants = mission.variables.keys() - assigned
         asker = OracleCompiler(dict(mission.guards), analysed.reader, self.oracle, constants)
         compiled = compile_with(asker, mission, self.tree.catalogue)

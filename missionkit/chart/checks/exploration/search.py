@@ -10,8 +10,9 @@ from typing import Any, NamedTuple, cast
 from missionkit.chart.checks.exploration import clocks
 from missionkit.chart.checks.exploration.clocks import ENTERED, Age, Ages
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.observations import Edge, Edges, Observed, Step
 from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Oracle, Situation
-from missionkit.chart.checks.interval_boxes import EVERYWHERE
+from missionkit.chart.checks.interval_boxes import EVERYWHERE, kept_at_entry
 from missionkit.chart.semantics.chart_memory import ChartMemory, begin
 from missionkit.chart.semantics.compiled_chart import CompiledTransition
 from missionkit.chart.semantics.configuration import configuration
@@ -31,16 +32,6 @@ NOWHERE = cast("Any", ())
 GOAL = Goal(NOWHERE, None, 0.0)
 SEEN = Estimate(0.0, NOWHERE, NOWHERE, NOWHERE, NOWHERE, NOWHERE)
 IN_AIR = VehicleStatus(0.0, armed=True, in_air=True, ready=True, mode="")
-
-
-class Step(NamedTuple):
-    """How one node of the search leads to another."""
-
-    seconds: float  # that pass before it, at least
-    events: tuple[str, ...]  # from outside, in this order
-    taken: tuple[int, ...]  # numbers of the transitions
-    boxes: Boxes  # where the quantities may lie
-    forced: str = ""  # why it leads away where no transition of the file does
 
 
 class Node(NamedTuple):
@@ -70,6 +61,7 @@ class Tick(NamedTuple):
     step: Step
     circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
     orders: Sequence[Action]
+    fresh: bool  # a guard was asked after the commanding state was entered
     waits: bool  # a guard holds that has not held for long enough: it cannot stay so
 
 
@@ -99,6 +91,7 @@ class Exploration(NamedTuple):
     circles: Sequence[Circle]
     disarming: Sequence[Disarming]
     rests: Mapping[int, Boxes]  # by the number of the node: where a tick changes nothing
+    edges: Edges  # only of a chart with requirements
     complete: bool  # nothing else can happen
     ticks: int  # tried, those of large charts count more
 
@@ -140,7 +133,9 @@ class Search:
         self.ticks = 0
         self.nodes: list[Node] = []
         self.waiting: deque[Node] = deque()
-        self.known: dict[Any, list[Ages]] = {}
+        self.known: dict[Any, list[Node]] = {}
+        self.edges: dict[int, list[Edge]] = {}
+        self.observed = bool(chart.analysed.mission.requirements)
         self.taken: dict[int, Example] = {}
         self.rests: dict[int, Boxes] = {}
         self.reached: dict[str, Node] = {}
@@ -162,7 +157,7 @@ class Search:
         return Exploration(
             *(self.nodes, self.taken, self.reached, self.left),
             *(self.circles, self.disarming, self.rests),
-            *(self.complete, self.ticks),
+            *(self.edges, self.complete, self.ticks),
         )
 
     def _exhausted(self) -> bool:
@@ -171,8 +166,8 @@ class Search:
     def _ages(self, active: Sequence[str]) -> dict[str, Age]:
         return {name: Age(0.0, 0.0, 0) for name in active if self.chart.limits[name]}
 
-    def _add(self, node: Node) -> None:
-        """Keep a node unless the same is known for all its ages already."""
+    def _add(self, node: Node) -> int:
+        """Keep a node unless it is known for all its ages; return the number that stands for it."""
         memory, limits = node.memory, self.chart.limits
         every = clocks.groups(node.ages, limits)
         cell = tuple([clocks.following(age.low, each) for age, each in every.values()])
@@ -184,16 +179,18 @@ class Search:
             tuple([age.group for age in node.ages.values()]),
         )
         known = self.known.setdefault(key, [])
-        if any(clocks.inside(node.ages, each) for each in known):
-            return
+        for each in known:
+            if clocks.inside(node.ages, each.ages):
+                return each.number
         if len(known) >= MOST_AGES:
             node = node._replace(ages=clocks.widened(node.ages, limits))
-        known.append(node.ages)
         node = node._replace(number=len(self.nodes))
+        known.append(node)
         self.nodes.append(node)
         self.waiting.append(node)
         for name in memory.active:
             self.reached.setdefault(name, node)
+        return node.number
 
     def _follow(self, node: Node) -> None:
         """Add every node that one tick or time leads to."""
@@ -213,7 +210,8 @@ class Search:
             if not rests and seconds > clocks.TICK:
                 continue  # something happens at every tick
             step = Step(seconds, (), (), EVERYWHERE)
-            self._add(Node(0, node.memory, later, node, step, node.aloft))
+            to = self._add(Node(0, node.memory, later, node, step, node.aloft))
+            self._connect(node, Edge((to,), step, None))
 
     def _note(self, node: Node, ages: Ages, tick: Tick) -> bool:
         """Add what a path leads to; say whether nothing happens on it."""
@@ -223,6 +221,7 @@ class Search:
             for active, _ in self.chart.moves.noted:
                 self.reached.update(dict.fromkeys(active, node) | self.reached)
         if not tick.moves:
+            self._observe(node, tick, (node.number,))
             return not tick.step.events and self._note_rest(node, tick)
         kept = set(node.memory.active)
         for move in tick.moves:
@@ -236,9 +235,25 @@ class Search:
             for name in tick.memory.active
             if self.chart.limits[name]
         }
-        for part in clocks.split(later, self.chart.limits):
-            self._add(Node(0, tick.memory, part, node, tick.step, aloft))
+        parts = clocks.split(later, self.chart.limits)
+        nodes = (Node(0, tick.memory, part, node, tick.step, aloft) for part in parts)
+        self._observe(node, tick, tuple(map(self._add, nodes)))
         return False
+
+    def _observe(self, node: Node, tick: Tick, to: tuple[int, ...]) -> None:
+        """Note what a tick leads to and what requirements see at its end."""
+        if not self.observed:
+            return
+        entered = frozenset([entry.name for move in tick.moves for entry in move.entries])
+        boxes = tick.step.boxes
+        if tick.moves and not tick.fresh:  # no guard was asked since
+            boxes = kept_at_entry(boxes)
+        active, variables = tick.memory.active, tick.memory.variables
+        self._connect(node, Edge(to, tick.step, Observed(active, entered, variables, boxes)))
+
+    def _connect(self, node: Node, edge: Edge) -> None:
+        if self.observed:
+            self.edges.setdefault(node.number, []).append(edge)
 
     def _note_taken(self, node: Node, tick: Tick) -> None:
         for number in tick.step.taken:
@@ -312,7 +327,7 @@ class Search:
         forced = "" if taken or not decision.fired else decision.fired[0].reason
         step = Step(0.0, events, taken, situation.known.boxes, forced)
         waits = any(each.since == SEEN.now for each in self.held)
-        return Tick(after, decision.moves, step, circle, decision.orders, waits)
+        return Tick(after, decision.moves, step, circle, decision.orders, situation.fresh, waits)
 
     def _prepared(self, node: Node, situation: Situation) -> ChartMemory:
         """Return the memory of a node, as of now, with what is left open chosen when asked for."""

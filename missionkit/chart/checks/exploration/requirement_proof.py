@@ -1,0 +1,303 @@
+"""Requirements, decided before the flight where the chart alone decides them.
+
+A requirement is proved if no run of the exploration breaks it, whatever the guards say that it
+leaves open; it is refuted if some run surely does. How long a behaviour takes, and what a guard
+says of the world, is left open by the chart: what depends on that is open. So only what the chart
+itself decides, its states and variables, refutes that something holds or comes before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
+from heapq import heappop, heappush
+from math import inf
+from typing import Any, NamedTuple, TypeGuard, cast
+
+from missionkit.chart.checks.exploration import clocks
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.observations import Edge, Observed, Step, sooner
+from missionkit.chart.checks.exploration.search import Exploration
+from missionkit.chart.checks.interval_boxes import covered, intersection
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.model.requirements import Moment, Requirement
+from missionkit.chart.semantics.guard_compiler import of_chart
+from missionkit.chart.semantics.robustness import leaves, opened_up
+
+Run = tuple[tuple[Step, str], ...]  # each step and the state that it leads to
+
+
+class Standing(StrEnum):
+    """What is known of a requirement before the flight."""
+
+    PROVED = "proved"
+    REFUTED = "refuted"
+    OPEN = "open"
+
+
+class Proof(NamedTuple):
+    """What is known of a requirement, and the run that breaks it."""
+
+    requirement: Requirement
+    standing: Standing
+    run: Run = ()
+    always: bool = False  # every run breaks it
+
+
+class Truth(NamedTuple):
+    """Whether something may hold and surely holds, and may fail and surely fails."""
+
+    may: bool
+    surely: bool
+    may_not: bool
+    surely_not: bool
+
+
+HOLDS, FAILS = Truth(True, True, False, False), Truth(False, False, True, True)  # noqa: FBT003
+
+
+class State(NamedTuple):
+    """How far a requirement has come on a run."""
+
+    opened: bool
+    closed: bool = False
+    seen: bool = False  # what must come before has come
+
+
+Product = tuple[int, State]
+Came = Mapping[Product, tuple[Product, Edge]]
+
+
+def proofs(chart: ExploredChart, explored: Exploration) -> Iterator[Proof]:
+    """Yield what is known of each requirement of a chart, in the order of the file."""
+    for requirement in chart.analysed.mission.requirements:
+        yield _Prover(chart, explored, requirement).proof()
+
+
+class _Prover:
+    """Searches the runs of a chart for one that breaks a requirement."""
+
+    def __init__(
+        self, chart: ExploredChart, explored: Exploration, requirement: Requirement
+    ) -> None:
+        self.chart = chart
+        self.explored = explored
+        self.model = requirement
+        self.guards = chart.analysed.mission.guards
+        self.limit = inf if requirement.limit is None else requirement.limit
+        self.refuting = False  # only the chart's own states and variables count as sure
+        self.truths: dict[tuple[int, str], Truth] = {}
+
+    def proof(self) -> Proof:
+        """Return what is known of the requirement."""
+        if self.model.existence is not None or self.model.response is not None:
+            return self._of_what_must_come()
+        self.refuting = True
+        run = self._breaking(sure=True)
+        self.refuting = False
+        if run:
+            return Proof(self.model, Standing.REFUTED, run)
+        if self.explored.complete and not self._breaking(sure=False):
+            return Proof(self.model, Standing.PROVED)
+        return Proof(self.model, Standing.OPEN)
+
+    def _of_what_must_come(self) -> Proof:
+        """Refute what never comes, or not in time, once it is called for."""
+        model, response = self.model, self.model.response
+        wanted = model.existence if response is None else response.then
+        called = model.after if response is None else response.when
+        if not self.explored.complete:
+            return Proof(model, Standing.OPEN)
+        ends = [it for it in self._edges() if self._truth(wanted, it[1]).may]
+        soon = sooner(self.explored.edges, ends)
+        if called is None:
+            late = self._too_late(soon.get(0, inf))
+            return Proof(model, Standing.REFUTED if late else Standing.OPEN, always=late)
+        calls = [(n, edge) for n, edge in self._edges() if self._truth(called, edge).may]
+        scoped = model.while_ is not None or (
+            response is not None and (model.after or model.before)
+        )
+        if not calls or (not scoped and all(self._answered(wanted, edge) for _, edge in calls)):
+            return Proof(model, Standing.PROVED)
+        for number, edge in () if scoped else calls:
+            late = self._too_late(min(soon.get(to, inf) for to in edge.to))
+            if late and self._truth(called, edge).surely and not self._truth(wanted, edge).may:
+                return Proof(model, Standing.REFUTED, self._path(number, edge))
+        return Proof(model, Standing.OPEN)
+
+    def _too_late(self, seconds: float) -> bool:
+        return seconds == inf or seconds > self.limit
+
+    def _answered(self, wanted: Moment | None, edge: Edge) -> bool:
+        return self._truth(wanted, edge).surely
+
+    def _edges(self) -> Iterator[tuple[int, Edge]]:
+        for number, edges in self.explored.edges.items():
+            yield from ((number, edge) for edge in edges if edge.observed is not None)
+
+    def _breaking(self, *, sure: bool) -> Run:
+        """Return a run that breaks a safety requirement, empty if there is none.
+
+        Args:
+            sure: it must break it; otherwise it is enough that it may.
+        """
+        first = (0, State(opened=self.model.after is None))
+        costs: dict[Product, float] = {first: 0.0}  # s since the requirement counts, at the least
+        came: dict[Product, tuple[Product, Edge]] = {}
+        waiting = [(0.0, 0, first)]
+        while waiting:
+            cost, _, here = heappop(waiting)
+            if cost > costs[here]:
+                continue
+            for edge, later, after, broken in self._following(here, cost, sure=sure):
+                if broken:
+                    return self._run(came, here, edge)
+                for there in ((to, after) for to in edge.to):
+                    if later < costs.get(there, inf):
+                        costs[there], came[there] = later, (here, edge)
+                        heappush(waiting, (later, len(came), there))
+        return ()
+
+    def _following(
+        self, here: Product, cost: float, *, sure: bool
+    ) -> Iterator[tuple[Edge, float, State, bool]]:
+        """Yield the edges from a place in the search, the time then, and what they do.
+
+        Args:
+            here: the node, and how far the requirement has come there.
+            cost: s since it counts, at the least.
+            sure: look for what surely breaks it.
+        """
+        number, state = here
+        for edge in self.explored.edges.get(number, ()):
+            later = cost + edge.step.seconds if state.opened else 0.0
+            after, broken = state, False
+            if edge.observed is not None:
+                after, broken = self._stepped(number, state, edge, sure=sure)
+            if later > self.limit and self._timed:
+                continue  # it no longer counts
+            if not after.closed:
+                yield edge, later, after, broken
+
+    @property
+    def _timed(self) -> bool:
+        return self.model.precedence is None
+
+    def _stepped(self, number: int, state: State, edge: Edge, *, sure: bool) -> tuple[State, bool]:
+        """Return how far the requirement has come after a tick, and whether that breaks it."""
+        model = self.model
+        opened = state.opened or self._happens(model.after, edge, sure=sure)
+        if not opened:
+            return state, False
+        if model.precedence is None and self._happens(model.before, edge, sure=not sure):
+            return State(opened, closed=True), False
+        during = model.while_ is None or self._happens(model.while_, edge, sure=sure)
+        if model.precedence is not None:
+            seen = state.seen or self._happens(model.precedence, edge, sure=not sure)
+            called = self._happens(model.before, edge, sure=sure)
+            late = seen and not sure and not self._in_time(number, edge)
+            return State(opened, seen=seen), called and during and (not seen or late)
+        if model.never is not None:
+            return State(opened), during and self._happens(model.never, edge, sure=sure)
+        always = model.always
+        fails = None if always is None else ex.Not(always, always.place)
+        return State(opened), during and self._happens(fails, edge, sure=sure)
+
+    def _in_time(self, number: int, edge: Edge) -> bool:
+        """Say whether what came before a moment surely did so within the time bound."""
+        if self.limit == inf:
+            return True
+        first, observed = self.model.precedence, edge.observed
+        if not isinstance(first, ex.Enter) or observed is None:
+            return False
+        if first.state in observed.entered:
+            return True
+        node = self.explored.nodes[number]
+        age = clocks.resting(node.ages, self.chart.limits).get(first.state)
+        return age is not None and age.high <= self.limit
+
+    def _happens(self, moment: Moment | None, edge: Edge, *, sure: bool) -> bool:
+        if moment is None:
+            return False
+        truth = self._truth(moment, edge)
+        if sure and self.refuting:
+            return truth.surely and all(map(self._is_of_chart, self._leaves(moment)))
+        return truth.surely if sure else truth.may
+
+    def _leaves(self, moment: Moment) -> Iterator[Moment]:
+        yield from leaves(opened_up(moment, self.guards))
+
+    def _is_of_chart(self, leaf: Moment) -> bool:
+        return isinstance(leaf, ex.Enter | ex.In | ex.Finished) or self._assigned(leaf)
+
+    def _truth(self, moment: Moment | None, edge: Edge) -> Truth:
+        """Return what is known of a guard or an entry at the end of a tick."""
+        observed = edge.observed
+        if moment is None or observed is None:
+            return FAILS
+        opened = opened_up(moment, self.guards)
+        return self._of(opened, observed)
+
+    def _of(self, moment: Moment, observed: Observed) -> Truth:
+        match moment:
+            case ex.All(parts=parts):
+                return _all([self._of(part, observed) for part in parts])
+            case ex.Any(parts=parts):
+                return _not(_all([_not(self._of(part, observed)) for part in parts]))
+            case ex.Not(part=part):
+                return _not(self._of(part, observed))
+            case ex.Enter(state=state):
+                return HOLDS if state in observed.entered else FAILS
+            case _:
+                return self._leaf(moment, observed)
+
+    def _leaf(self, guard: ex.Expression, observed: Observed) -> Truth:
+        if isinstance(guard, ex.In | ex.Finished) or self._assigned(guard):
+            return HOLDS if of_chart(guard)(cast("Any", observed)).holds else FAILS
+        key = (id(observed.boxes), ex.text(guard))
+        if key not in self.truths:
+            truth, boxes = self.chart.analysed.reader.truth(guard), observed.boxes
+            self.truths[key] = Truth(
+                bool(intersection(boxes, truth.may, sure=False)),
+                covered(boxes, truth.surely),
+                bool(intersection(boxes, truth.may_not, sure=False)),
+                covered(boxes, truth.surely_not),
+            )
+        return self.truths[key]
+
+    def _assigned(self, guard: Moment) -> TypeGuard[ex.VariableGuard]:
+        """Say whether a guard compares a variable that the chart itself sets."""
+        return isinstance(guard, ex.VariableGuard) and guard.name in self.chart.assigned
+
+    def _run(self, came: Came, here: Product, edge: Edge) -> Run:
+        """Return the steps to where a search has come, and one more."""
+        steps = [self._step(edge)]
+        while here in came:
+            here, before = came[here]
+            steps.append(self._step(before))
+        return tuple(reversed(steps))
+
+    def _path(self, number: int, edge: Edge) -> Run:
+        """Return the shortest run to a tick that is an edge from a node."""
+        steps = [self._step(edge)]
+        node = self.explored.nodes[number]
+        while node.before is not None and node.step is not None:
+            steps.append((node.step, node.memory.state))
+            node = node.before
+        return tuple(reversed(steps))
+
+    def _step(self, edge: Edge) -> tuple[Step, str]:
+        return edge.step, self.explored.nodes[edge.to[0]].memory.state
+
+
+def _all(parts: list[Truth]) -> Truth:
+    return Truth(
+        all(part.may for part in parts),
+        all(part.surely for part in parts),
+        any(part.may_not for part in parts),
+        any(part.surely_not for part in parts),
+    )
+
+
+def _not(truth: Truth) -> Truth:
+    return Truth(truth.may_not, truth.surely_not, truth.may, truth.surely)
