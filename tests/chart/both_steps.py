@@ -17,7 +17,13 @@ def both(
     quick = quick_step.decide(chart, memory, seen, contain)
     reference = Containment()
     general = step.decide(chart, memory, seen, reference)
-    assert repr(quick) == repr(general)
     assert quick == general
+    assert shown(quick) == shown(general)
     assert contain.failures[noted:] == reference.failures
     return quick
+
+
+def shown(outcome: tuple[ChartMemory, Decision]) -> str:
+    """Return what equality leaves open: the order of answers, the signs of zeros, types."""
+    memory, decision = outcome
+    return repr((memory, *decision._replace(moves=())))
