@@ -70,7 +70,8 @@ def _address_and_mission(places: list[str], export: Path | None) -> tuple[str | 
             "missionkit fence MISSION.yaml --export FILE.plan"
         )
     if Path(mission).suffix not in {".yaml", ".yml"}:
-        raise UsageError(f"{mission} is not a mission file; usage: fence ADDRESS MISSION.yaml")
+        usage = "missionkit fence ADDRESS MISSION.yaml"
+        raise UsageError(f"{mission} is not a mission file; usage: {usage}")
     return (addresses[0] if addresses else None), Path(mission)
 
 

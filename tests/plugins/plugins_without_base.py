@@ -57,7 +57,7 @@ class Climb(BaseModel):
     """A behaviour: straight up to `height` (m)."""
 
     model_config = CONFIG
-    kind: ClassVar[str] = "climb"
+    kind: ClassVar[str] = "bare_climb"
     height: float
 
     def begin(self, seen: Any) -> Any:

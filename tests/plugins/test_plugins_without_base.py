@@ -18,7 +18,7 @@ from missionkit.plugin import Plugin
 FILE = Path(__file__).with_name("plugins_without_base.py")
 FOUND = {
     "guards": {"high_enough", "high_for_long"},
-    "behaviors": {"climb"},
+    "behaviors": {"bare_climb"},
     "navigators": {"plain"},
     "detectors": {"blind"},
     "trackers": {"standing"},
@@ -37,7 +37,7 @@ states:
   idle: {kind: idle, behavior: {use: take_off, height: 3}, transitions: [{to: up, when: done}]}
   up:
     kind: gps
-    behavior: {use: climb, height: 6}
+    behavior: {use: bare_climb, height: 6}
     transitions: [{to: wait, when: {use: high_enough, height: 5}}]
   wait: {kind: hover, transitions: [{to: land, when: {use: high_for_long, height: 4}}]}
   land: {kind: land}
