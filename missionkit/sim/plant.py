@@ -135,8 +135,6 @@ class Plant:
             return self.on_ground
         if not self.armed:
             return False
-        if action is Action.RETURN:
-            return False  # it knows no way home: a mission flies there itself
         modes = {Action.TAKE_OFF: at.TAKE_OFF, Action.HOLD: at.HOLD, Action.LAND: at.LAND}
         memory[at.HEIGHT] = 2.5 if height is None else height
         self._enter(modes[action])

@@ -32,6 +32,7 @@ from missionkit.sim.obstacle_distance import ring
 from missionkit.sim.plant import Plant
 from missionkit.sim.position_control import velocity_for
 from missionkit.sim.random_blocks import Normals, streams
+from missionkit.sim.return_flight import ReturnFlight, velocity_home
 from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import (
     BaroSensor,
@@ -94,6 +95,8 @@ class SimulatedVehicle(SimulatedPort):
         self._link = rngs["link"]
         self._fixes: deque[Gnss] = deque()
         self._orders: deque[tuple[int, Action, float | None]] = deque()
+        self._home = (0.0, 0.0)  # m, north and east, where it armed
+        self._return: ReturnFlight | None = None  # while the autopilot flies home
         self._cycle = NO_CYCLE
         self._ids = frozenset(marker.id for marker in world.markers)
         self._inbox = Inbox()
@@ -127,7 +130,8 @@ class SimulatedVehicle(SimulatedPort):
         """Send a command; it arrives 20 to 40 ms later.
 
         Without setpoint and action a vehicle in offboard mode has to hold; one that takes off,
-        lands or holds is left alone. RETURN is refused, which an event says.
+        lands, holds or flies home is left alone. RETURN is refused, which an event says, on the
+        ground and without satellites.
 
         Raises:
             VehicleError: the setpoint is one that is not flown here.
@@ -136,16 +140,14 @@ class SimulatedVehicle(SimulatedPort):
         due = self.now + low + (high - low) * self._link.random()
         self.payload = command.payload
         action = command.action
-        if (
-            action is None
-            and command.setpoint is None
-            and self._plant.mode == kernel_layout.OFFBOARD
-        ):
+        steered = self._plant.mode == kernel_layout.OFFBOARD and self._return is None
+        if action is None and command.setpoint is None and steered:
             action = Action.HOLD
         if action is not None:
             step = max(self._plant.step + 1, round(due * kernel_layout.RATE))
             self._orders.append((step, action, command.height))
         if command.setpoint is not None:
+            self._return = None
             self._plant.tell(velocity_for(command.setpoint, self._plant.state), due)
 
     @override
@@ -184,6 +186,7 @@ class SimulatedVehicle(SimulatedPort):
 
     def _fly(self, stop: int) -> None:
         plant = self._plant
+        self._fly_home()
         first = plant.step // kernel_layout.IMU_EVERY + 1
         faults = self._injected
         plant.mislead(
@@ -222,8 +225,37 @@ class SimulatedVehicle(SimulatedPort):
     def _obey(self) -> None:
         while self._orders and self._orders[0][0] <= self._plant.step:
             _, action, height = self._orders.popleft()
-            if not self._plant.order(action, height, ready=self.ready):
+            if not self._ordered(action, height):
                 self._inbox.events.append(f"{action}_refused")
+
+    def _ordered(self, action: Action, height: float | None) -> bool:
+        """Carry out an action now; return whether the autopilot accepted it."""
+        plant = self._plant
+        if action is Action.RETURN:
+            able = plant.armed and not plant.on_ground
+            if not able or plant.memory[kernel_layout.GNSS_OK] <= 0.0:
+                return False
+            if self._return is None:
+                top = self.world.autopilot.return_height
+                self._return = ReturnFlight.begun(self._home, plant.state, top)
+            return True
+        taken = plant.order(action, height, ready=self.ready)
+        if taken:
+            self._return = None
+        if taken and action is Action.ARM:
+            self._home = float(plant.state[0]), float(plant.state[1])
+        return taken
+
+    def _fly_home(self) -> None:
+        """Steer the next stretch of the autopilot's way home; land at its end."""
+        if self._return is None:
+            return
+        velocity = velocity_home(self._return, self._plant.state)
+        if velocity is not None:
+            self._plant.tell(velocity, self.now)
+            return
+        self._return = None
+        self._plant.order(Action.LAND, None, ready=self.ready)
 
     def _sense(self) -> None:
         step, now = self._plant.step, self.now
@@ -291,7 +323,7 @@ class SimulatedVehicle(SimulatedPort):
             energy = float(plant.memory[kernel_layout.ENERGY])
             self._inbox.battery = self._gauge.measure(now, energy, self._power())
         if heartbeat:
-            mode = kernel_layout.MODES[plant.mode]
+            mode = "return" if self._return is not None else kernel_layout.MODES[plant.mode]
             self._inbox.status = VehicleStatus(
                 now, plant.armed, not plant.on_ground, self.ready, mode
             )

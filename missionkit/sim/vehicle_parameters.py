@@ -102,6 +102,7 @@ class InnerAutopilotModel(ParameterModel):
     climb: MetresPerSecond = Field(default=1.5, gt=0, description="during take-off")
     descent: MetresPerSecond = Field(default=0.7, gt=0, description="when landing")
     flare: MetresPerSecond = Field(default=0.35, gt=0, description="when landing, below 1.5 m")
+    return_height: Metres = Field(default=15.0, ge=0, description="to rise to on its way home")
     patience: Seconds = Field(default=0.5, description="silence after which offboard turns to hold")
     velocity_sd: MetresPerSecond = Field(default=0.05, ge=0, description="of its own velocity")
     velocity_tau: Seconds = Field(default=5.0, gt=0, description="correlation time of that error")

@@ -42,7 +42,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
         *("_flow", "_range", "_outside"),
-        *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle"),
+        *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_home", "_return"),
     ),
     FreeFlyer: (
         *("payload", "_injected", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),

@@ -38,13 +38,40 @@ def test_an_attitude_is_refused_by_name(perfect: World, pilot: Make) -> None:
         flight.vehicle.apply(Command(AttitudeSetpoint(IDENTITY, 0.5)))
 
 
-def test_a_return_is_refused_and_the_vehicle_holds(perfect: World, pilot: Make) -> None:
+def test_the_autopilot_flies_home_by_itself_and_lands(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect)
+    flight.rise()
+    flight.fly((3.0, 2.0, 0.0), 8.0)
+    out = flight.vehicle.truth.position
+    assert math.hypot(out[0], out[1]) > 20.0
+    flight.act(Action.RETURN)
+    heights = []
+    for _ in range(60):
+        flight.wait(1.0)
+        heights.append(-flight.vehicle.truth.position[2])
+    assert max(heights) == pytest.approx(15.0, abs=0.8)
+    home = flight.vehicle.truth
+    assert home.on_ground
+    assert not home.armed
+    assert math.hypot(home.position[0], home.position[1]) < 1.5
+    assert flight.events == []
+
+
+def test_a_setpoint_ends_the_way_home(perfect: World, pilot: Make) -> None:
     flight = pilot(perfect)
     flight.rise()
     flight.act(Action.RETURN)
+    flight.wait(0.5)
+    flight.fly((0.0, 0.0, 0.0), 2.0)
+    assert flight.vehicle.truth.mode == "offboard"
+    assert norm(flight.vehicle.truth.velocity) < 0.3
+
+
+def test_a_return_on_the_ground_is_refused(perfect: World, pilot: Make) -> None:
+    flight = pilot(perfect)
+    flight.act(Action.RETURN)
     flight.wait(1.0)
     assert flight.events == ["return_refused"]
-    assert flight.vehicle.truth.mode == "hold"
 
 
 def test_far_away_is_flown_to_at_a_limited_speed() -> None:
