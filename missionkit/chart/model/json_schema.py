@@ -73,7 +73,8 @@ def dumps(schema: Schema) -> str:
 
 
 def _use(kind: str, schema: Schema, *, needed: bool) -> Schema:
-    fields = {key: _target(key, it) for key, it in schema.get("properties", {}).items()}
+    given = schema.get("properties", {}).items()
+    fields = {key: _list_or_parameter(_target(key, it)) for key, it in given}
     properties = {"use": {"const": kind}, **fields}
     required = [*(["use"] if needed else []), *schema.get("required", [])]
     return {**schema, "properties": properties, "required": required}
@@ -83,6 +84,13 @@ def _target(key: str, field: Schema) -> Schema:
     """Mark a parameter that names a target."""
     named = key in {"target", "of"} and field.get("type") == "string"
     return {**field, NAMES_KEY: "target"} if named else field
+
+
+def _list_or_parameter(field: Schema) -> Schema:
+    """Let a list of values be `$name`; those of fixed length are seen to with all other values."""
+    if field.get("type") != "array" or "prefixItems" in field:
+        return field
+    return _with_parameter(field)
 
 
 def _any_plugin(group: str, plugins: Plugins) -> Schema:
@@ -211,6 +219,10 @@ def _or_parameter(node: Schema) -> Schema:
     value = (isinstance(kind, str) and kind in _SCALARS) or "enum" in node or "prefixItems" in node
     if not value or "const" in node:
         return node
+    return _with_parameter(node)
+
+
+def _with_parameter(node: Schema) -> Schema:
     kept = {key: node[key] for key in _META if key in node}
     bare = {key: value for key, value in node.items() if key not in _META}
     return {**kept, "anyOf": [bare, {"$ref": _PARAMETER}]}
