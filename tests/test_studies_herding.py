@@ -10,7 +10,7 @@ import pytest
 from missionkit.ground_robot import GroundRobot
 from missionkit.planning.herding import robot_forecast as fc
 from missionkit.sim import ground_robots as gr
-from studies import herding, herding_figure
+from studies import herding, herding_figure, herding_flights
 from studies import herding_kernels as hk
 from studies.herding_run import Run, start
 
@@ -82,3 +82,15 @@ def test_a_run_is_the_same_twice(row):
     assert one == two
     assert one.home + one.removed + one.remained == 10
     assert one.home >= 5
+
+
+def test_the_flights_in_words():
+    one = herding_flights.Flight(500, 8, 0, 2, 25, 1, False, 0.3, 0.11, 593.0, 180.0, "")
+    two = one._replace(seed=501, home=5, crashed=True, clearance=-0.02, duration=300.0)
+    text = herding_flights.verdict((one, two))
+    assert "At least seven home: 1 of 2 (50 % [9, 91])" in text
+    assert "no crash: 1 of 2" in text
+    assert "Nearest to a tower in any flight: -0.02 m" in text
+    assert "2.5 times real time" in text
+    assert herding_flights.cells(one)[:5] == ("500", "8", "0", "2", "25, 1")
+    assert herding_flights.cells(two)[-1] == "crash at 300 s"
