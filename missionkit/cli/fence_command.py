@@ -11,6 +11,7 @@ from typing import NamedTuple
 from missionkit.api.missions import assemble
 from missionkit.api.vehicle_flight import origin_wanted
 from missionkit.chart.load import load
+from missionkit.chart.prose.phrases import counted
 from missionkit.cli.autopilot_fence import AutopilotFence, fence_of, plan_file
 from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError, VehicleError
@@ -119,9 +120,9 @@ def _said(url: str, home: Origin, around: AutopilotFence, points: Sequence[Point
 
 def _shape(around: AutopilotFence, points: Sequence[Point]) -> Iterable[str]:
     norths, easts = zip(*around.corners, strict=True)
-    yield f"  north  {min(norths):g} to {max(norths):g} m"
-    yield f"  east   {min(easts):g} to {max(easts):g} m"
-    yield f"  {len(around.corners)} corners, {len(around.holes)} holes"
+    yield f"  north  {round(min(norths), 1):g} to {round(max(norths), 1):g} m"
+    yield f"  east   {round(min(easts), 1):g} to {round(max(easts), 1):g} m"
+    yield f"  {counted(len(around.corners), 'corner')}, {counted(len(around.holes), 'hole')}"
     yield from (f"  not in it: {what}" for what in around.left_out)
     for n, point in enumerate(points, 1):
         yield "  rally {}  {:g} m north, {:g} m east, {:g} m above home".format(n, *point)

@@ -164,7 +164,7 @@ class InsideFence(ComparedGuard):
     def text(self) -> str:
         if self.polygon is None:
             return ""
-        holes = f", {len(self.holes)} hole{'s'[: len(self.holes) != 1]}" if self.holes else ""
+        holes = f", {len(self.holes)} hole{'s' * (len(self.holes) != 1)}" if self.holes else ""
         return f"{len(self.polygon)} corners{holes}, height {self.ceiling:g}"
 
     @override

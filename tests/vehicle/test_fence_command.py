@@ -85,7 +85,7 @@ def test_a_polygon_with_holes_reaches_the_autopilot(tmp_path, monkeypatch):
     with sitl("px4") as autopilot:
         given = asked(tmp_path, monkeypatch, autopilot.url, "--margin", "2", text=field())
         assert given.exit_code == 0, given.output
-        assert "5 corners, 1 holes" in given.stdout
+        assert "5 corners, 1 hole" in given.stdout
         assert "not in it: hole 1, which is too narrow" in given.stdout
         assert "not in it: hole 2, since it may be flown over" in given.stdout
         assert given_to(autopilot, tmp_path) == (9, 0)

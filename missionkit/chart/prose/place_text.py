@@ -42,7 +42,7 @@ def _degrees(latitude: float, longitude: float) -> str:
 
 
 def _fence(fence: InsideFence) -> str:
-    norths, easts = zip(*fence.outline(), strict=True)
+    norths, easts = ([round(it, 1) for it in row] for row in zip(*fence.outline(), strict=True))
     corners = counted(len(fence.outline()), "corner")
     limits = (
         f"{corners} from {min(norths):g} to {max(norths):g} m north and {min(easts):g} to "
