@@ -25,6 +25,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    TypeAdapter,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     model_validator,
@@ -35,6 +36,7 @@ from typing_extensions import override
 from missionkit.geodesy import Origin
 from missionkit.units import Degrees, Metres, Point, Spot
 
+DECIMALS = 6  # of a metre; what lies behind them is rounding, and unreadable in messages
 HEIGHTS = ("agl", "amsl", "above_home")
 UNNAMED = ("alt", "altitude", "height")  # heights without a reference
 NO_ORIGIN = (
@@ -66,7 +68,7 @@ class GeodeticSpot(BaseModel):
     def metres(self, origin: Origin) -> tuple[float, ...]:
         """Return north, east (m) of the origin."""
         north, east, _ = origin.local(self.lat, self.lon, origin.altitude)
-        return float(north), float(east)
+        return round(float(north), DECIMALS) + 0.0, round(float(east), DECIMALS) + 0.0
 
 
 class GeodeticPosition(GeodeticSpot):
@@ -170,3 +172,50 @@ Position = Annotated[
 """North, east, down (m), also written {lat:, lon:, agl: | amsl: | above_home:}."""
 GroundPosition = Annotated[Spot, PositionForms(GeodeticSpot, "[north, east] (m) or {lat:, lon:}")]
 """North, east (m), also written {lat:, lon:}."""
+
+
+class PlaceForms:
+    """Marks a field that holds metres with or without a height, or the name of a target.
+
+    The form of what is written says which it is, so that a mistake in it gets one answer.
+    """
+
+    written_as: tuple[type[BaseModel], ...] = (GeodeticPosition,)
+    says = (
+        "[north, east] or [north, east, down] (m), {lat:, lon:} with or without a height, or the "
+        "name of a target"
+    )
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Accept each form, return metres or the name."""
+
+        def validate(
+            data: object, name: ValidatorFunctionWrapHandler, info: ValidationInfo
+        ) -> object:
+            if isinstance(data, Mapping):
+                level = not any(key in data for key in (*HEIGHTS, *UNNAMED))
+            elif isinstance(data, list | tuple):
+                if len(data) not in {2, 3}:
+                    raise ValueError(f"expected {self.says}, got a list of {len(data)}")
+                data, level = list(data), len(data) == 2
+            else:
+                return name(data)
+            form = _LEVEL if level else _WITH_HEIGHT
+            return form.validate_python(data, strict=True, context=info.context)
+
+        return core_schema.with_info_wrap_validator_function(validate, handler(str))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Describe each form."""
+        forms = (_LEVEL.json_schema(), _WITH_HEIGHT.json_schema())
+        return {"anyOf": [*forms, handler(schema)]}
+
+
+_LEVEL: TypeAdapter[Spot] = TypeAdapter(GroundPosition)
+_WITH_HEIGHT: TypeAdapter[Point] = TypeAdapter(Position)
+Place = Annotated[Spot | Point | str, PlaceForms()]
+"""North, east (m) with or without down, also written {lat:, lon:}, or the name of a target."""

@@ -13,13 +13,14 @@ from missionkit.behaviors.go_to import HOME
 from missionkit.behaviors.route_flight import bearing
 from missionkit.geometry import Vec3, vec, wrap
 from missionkit.messages import Estimate, Goal, Guidance, Step
-from missionkit.planning.route_following import LAG, Triple
+from missionkit.planning.route_following import CLIMB, DESCENT, LAG, Triple
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Number, Seconds
 
 ON_CIRCLE = 1.0  # m, from the circle, that counts as being on it
 CENTRIPETAL = 1.5  # m/s², at most: a smaller circle is flown more slowly
 YAW_LAG = 0.65  # s, by which the nose follows late where it turns steadily: 1/gain of the yaw law
+MOST_TURNS = 500
 CORNERS = 24  # of the polygon that checks take for a circle
 
 
@@ -43,6 +44,8 @@ class Orbit(Behavior):
 
         v <= speed,  v² / radius <= 1.5 m/s²
 
+    and no faster than it can climb (2 m/s) or descend (1.2 m/s) on the way.
+
     Limits: a target that moves is followed, up to what `speed` leaves; `avoid` pushes the vehicle
     outwards where the target itself is an obstacle nearer than its reach.
     """
@@ -51,7 +54,9 @@ class Orbit(Behavior):
     target: str
     radius: Metres = Field(default=8.0, gt=0)
     speed: MetresPerSecond = Field(default=2.0, gt=0)
-    turns: Number | None = Field(default=None, gt=0, description="after which it is done")
+    turns: Number | None = Field(
+        default=None, gt=0, le=MOST_TURNS, description="after which it is done"
+    )
     seconds: Seconds | None = Field(default=None, gt=0, description="on the circle")
     clockwise: bool = Field(default=True, description="as seen from above")
     height: Metres | None = Field(default=None, description="above the take-off point")
@@ -123,7 +128,7 @@ class Orbit(Behavior):
 
     def _round(self, seen: Estimate, centre: Vec3, on: OnOrbit, sense: float, since: float) -> Step:
         """Go on round the circle."""
-        speed = min(self.speed, math.sqrt(CENTRIPETAL * self.radius))
+        speed = self._speed(on)
         rate = sense * speed / self.radius  # rad/s
         ahead = on.bearing + rate * LAG
         spot = self._on_circle(centre, on.bearing, self._down(on))
@@ -139,6 +144,14 @@ class Orbit(Behavior):
         )
         goal = Goal(spot, None, seen.now, self.target)
         return Step(guidance, done=done, goal=goal, note=left, memory=on)
+
+    def _speed(self, on: OnOrbit) -> float:
+        """Return the speed (m/s) along the circle at which neither turn nor climb is too steep."""
+        speed = min(self.speed, math.sqrt(CENTRIPETAL * self.radius))
+        sinking = self._sinking(on)
+        if sinking == 0.0 or on.swept >= self._whole:
+            return speed
+        return min(speed, self.radius * (DESCENT if sinking > 0.0 else CLIMB) / abs(sinking))
 
     @property
     def _whole(self) -> float:

@@ -84,7 +84,7 @@ class ParallelLines(Behavior):
     def step(self, seen: Estimate, memory: Any) -> Step:
         on: OnSurvey = memory
         lines = self.lines(on.entry)
-        first = min(self.from_line, len(lines)) - 1
+        first = self.from_line - 1
         flown = lines[first:]
         if not flown:
             return Step(note=NO_SPACING, memory=on)
@@ -111,10 +111,19 @@ class ParallelLines(Behavior):
 
     @override
     def with_camera(self, camera: CameraModel) -> Self:
+        """Return it with the spacing that the camera asks for.
+
+        Raises:
+            ValueError: the lines cannot be flown so far apart, or are fewer than `from_line`.
+        """
+        ready = self
         seen = footprint(camera, self.height - self.ground)
-        if self.spacing is not None or seen is None:
-            return self
-        return self.model_copy(update={"spacing": seen.across * (1.0 - self.side_overlap)})
+        if self.spacing is None and seen is not None:
+            ready = self.model_copy(update={"spacing": seen.across * (1.0 - self.side_overlap)})
+        count = len(ready.lines((0.0, 0.0)))
+        if 0 < count < self.from_line:
+            raise ValueError(f"'from_line' is {self.from_line}, of {count} lines")
+        return ready
 
     @override
     def way(self, start: Triple, targets: Mapping[str, Triple]) -> tuple[Triple, ...]:

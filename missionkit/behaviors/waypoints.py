@@ -6,7 +6,18 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    TypeAdapter,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
 from typing_extensions import override
 
 from missionkit.behaviors.go_to import HOME
@@ -15,7 +26,7 @@ from missionkit.geometry import vec
 from missionkit.messages import Estimate, Goal, Guidance, Step, is_event
 from missionkit.planning.route_following import OnRoute, RoutePoint, Triple
 from missionkit.plugin import Behavior
-from missionkit.positions import GroundPosition, Position
+from missionkit.positions import Place
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
 
 
@@ -24,9 +35,7 @@ class Waypoint(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    at: GroundPosition | Position | str = Field(
-        description="with or without its own height, or a target of the mission"
-    )
+    at: Place = Field(description="with or without its own height, or a target of the mission")
     height: Metres | None = Field(default=None, description="above the take-off point")
     speed: MetresPerSecond | None = Field(default=None, gt=0, description="on the way there")
     heading_deg: Degrees | None = Field(default=None, description="where the nose points on it")
@@ -52,12 +61,30 @@ class Waypoint(BaseModel):
         return self.stop or self.wait > 0.0
 
 
-def _written_short(it: Waypoint | Spot | Point | str) -> Waypoint:
-    """Turn a bare place into a waypoint."""
-    return it if isinstance(it, Waypoint) else Waypoint(at=it)
+class WaypointForms:
+    """Marks a waypoint that may be written as its place alone."""
 
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Accept both forms, return a waypoint."""
 
-_Written = Waypoint | GroundPosition | Position | str
+        def validate(
+            data: object, whole: ValidatorFunctionWrapHandler, info: ValidationInfo
+        ) -> object:
+            bare = not isinstance(data, Mapping) or ("lat" in data and "at" not in data)
+            if isinstance(data, Waypoint):
+                return whole(data)
+            written = {"at": data} if bare else data
+            return Waypoint.model_validate(written, strict=True, context=info.context)
+
+        return core_schema.with_info_wrap_validator_function(validate, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Describe both forms."""
+        return {"anyOf": [handler(schema), *TypeAdapter(Place).json_schema()["anyOf"]]}
 
 
 class OnWaypoints(NamedTuple):
@@ -80,29 +107,22 @@ class Waypoints(Behavior):
 
     A list that several states fly is a parameter of the mission, `params: {fence-walk: [...]}` and
     `places: $fence-walk`. `speed`, `height` and `heading` are those of places that do not say
-    their own; without any height it keeps the one that it began with. Places are flown by: the
+    their own. A target is flown over at `height`; without that, at its own height; a place without
+    any height at the one at which the flight along the places began. Places are flown by: the
     vehicle begins to turn up to `radius` before, no faster than it can turn; with `stop` or `wait`
     it comes to rest `within` of the place. If the state is left and entered again by its history,
     it goes on where it was. Limits: legs are straight, whatever is in the way but for `avoid`.
     """
 
     kind: ClassVar[str] = "waypoints"
-    places: Annotated[
-        tuple[
-            Annotated[Waypoint | GroundPosition | Position | str, AfterValidator(_written_short)],
-            ...,
-        ],
-        Field(min_length=1, description="to fly to, in this order"),
-    ]
+    places: tuple[Annotated[Waypoint, WaypointForms()], ...] = Field(
+        min_length=1, description="to fly to, in this order"
+    )
     height: Metres | None = Field(default=None, description="above the take-off point")
     speed: MetresPerSecond = Field(default=5.0, gt=0)
     heading: Heading = Field(default="course", description="where the nose points")
     radius: Metres = Field(default=3.0, ge=0, description="before a place, where it may turn")
     within: Metres = Field(default=0.7, gt=0, description="that counts as being there")
-
-    @property
-    def _waypoints(self) -> tuple[Waypoint, ...]:
-        return self.places  # type: ignore[return-value]  # validated: none is short any more
 
     @override
     def begin(self, seen: Estimate) -> OnWaypoints:
@@ -117,7 +137,7 @@ class Waypoints(Behavior):
             return Step(note=f"the position of {missing} is unknown", memory=on)
         if on.since is not None:
             return self._waiting(seen, on, route, on.since)
-        it = self._waypoints[on.route.leg]
+        it = self.places[on.route.leg]
         step, flown = guided(route, on.route, seen, self._yaw(seen, on, it))
         on = on._replace(route=flown.on)
         if flown.reached is None:
@@ -130,15 +150,15 @@ class Waypoints(Behavior):
 
     @override
     def targets(self) -> tuple[str, ...]:
-        named = [name for it in self._waypoints for name in (it.at, it.look_at)]
+        named = [name for it in self.places for name in (it.at, it.look_at)]
         return tuple(dict.fromkeys(it for it in named if isinstance(it, str) and it != HOME))
 
     @override
     def way(self, start: Triple, targets: Mapping[str, Triple]) -> tuple[Triple, ...]:
-        places = [_spot(it.at, targets, (0.0, 0.0, 0.0)) for it in self._waypoints]
+        places = [_spot(it.at, targets, (0.0, 0.0, 0.0)) for it in self.places]
         return tuple(
             self._high(it, place, start[2])
-            for it, place in zip(self._waypoints, places, strict=True)
+            for it, place in zip(self.places, places, strict=True)
             if place is not None
         )
 
@@ -146,7 +166,7 @@ class Waypoints(Behavior):
         known = {name: triple(it.position) for name, it in seen.targets.items()}
         home = None if seen.home is None else triple(seen.home)
         points = []
-        for it in self._waypoints:
+        for it in self.places:
             place = _spot(it.at, known, home)
             if place is None:
                 return None
@@ -157,13 +177,16 @@ class Waypoints(Behavior):
         return tuple(points)
 
     def _high(self, it: Waypoint, place: Spot | Point, down: float) -> Triple:
-        """Return a place with the height that it says, that of all, or the one it began with."""
+        """Return a place with its height: its own, that of all, a target's, or as it began."""
+        named = isinstance(it.at, str)
         if it.height is not None:
             down = -it.height
-        elif len(place) == 3 and it.at != HOME:
+        elif len(place) == 3 and not named:
             down = place[2]
         elif self.height is not None:
             down = -self.height
+        elif len(place) == 3 and it.at != HOME:
+            down = place[2]
         return place[0], place[1], down
 
     def _yaw(self, seen: Estimate, on: OnWaypoints, it: Waypoint) -> float | None:
@@ -178,7 +201,7 @@ class Waypoints(Behavior):
         self, seen: Estimate, on: OnWaypoints, route: tuple[RoutePoint, ...], since: float
     ) -> Step:
         """Stay at a place for its time, with its actuator on."""
-        it, position = self._waypoints[on.at], vec(*route[on.at].position)
+        it, position = self.places[on.at], vec(*route[on.at].position)
         left, towards = it.wait - (seen.now - since), self._yaw(seen, on, it)
         on = on._replace(route=on.route._replace(at=seen.now))
         return Step(

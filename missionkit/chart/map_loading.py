@@ -14,9 +14,10 @@ from missionkit.chart.text.file_references import unfit
 from missionkit.chart.text.located_data import LocatedTable, shown
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
-from missionkit.messages import Occupancy, Spot
+from missionkit.messages import CameraModel, Occupancy, Spot
 from missionkit.planning.map_section import MOST_CELLS
 from missionkit.planning.map_server import MapFile
+from missionkit.plugin import Behavior
 from missionkit.plugin_containment import PluginError, is_foreign, reporting_faults
 from missionkit.plugin_protocols import BehaviorProtocol
 
@@ -49,20 +50,29 @@ def read(mission: Mission, folder: Path) -> tuple[Occupancy | None, Files]:
 
 
 def problems_of(mission: Mission) -> Iterator[Problem]:
-    """Yield what a mission wants on its map that cannot be."""
+    """Yield what a mission wants on its map, or with its camera, that cannot be."""
     spots = {name: target.position[:2] for name, target in mission.targets.items()}
+    camera = mission.camera.model()
     for name, state, _ in mission.walk():
         if state.behavior is None:
             continue
-        wrong = _unfit(state.behavior.plugin, mission.known, spots)
+        wrong = _unfit(state.behavior.plugin, mission.known, spots, camera)
         if wrong:
             kind = state.behavior.kind
             yield Problem(state.place("behavior"), f"state {name!r}: {kind}: {wrong}")
 
 
-def _unfit(plugin: BehaviorProtocol, known: Occupancy | None, spots: Mapping[str, Spot]) -> str:
-    if not is_foreign(plugin):
-        return plugin.unfit(known, spots)
+def _unfit(
+    plugin: BehaviorProtocol,
+    known: Occupancy | None,
+    spots: Mapping[str, Spot],
+    camera: CameraModel,
+) -> str:
+    if isinstance(plugin, Behavior) and not is_foreign(plugin):
+        try:
+            return plugin.with_camera(camera).unfit(known, spots)
+        except ValueError as error:
+            return str(error)
     try:
         with reporting_faults():
             return plugin.unfit(known, spots)

@@ -58,6 +58,14 @@ def test_an_orbit_climbs_evenly_along_a_tower():
     assert (way[0][2], way[-1][2]) == (-5.0, -20.0)
 
 
+@pytest.mark.parametrize(("height", "to_height"), [(5.0, 35.0), (35.0, 5.0)])
+def test_an_orbit_that_climbs_steeply_is_flown_as_fast_as_that_can_be(height, to_height):
+    orbit = Orbit(target="tower", radius=4.0, turns=0.5, height=height, to_height=to_height)
+    flown = fly(orbit, (36.0, 0.0, -height), 120.0, lambda _: {"tower": TOWER})
+    assert flown[-1].step.done
+    assert -flown[-1].seen.position[2] == pytest.approx(to_height, abs=1.0)
+
+
 def test_an_orbit_lasts_its_seconds_or_for_ever():
     flown = fly(
         Orbit(target="tower", radius=6.0, seconds=9.0), (14.0, 10.0, -8.0), 60.0, about(TOWER)

@@ -63,6 +63,22 @@ def test_a_single_place_and_a_wait_at_the_end_are_finished():
     assert sum("waiting" in it.step.note for it in flown) == pytest.approx(60, abs=2)
 
 
+@pytest.mark.parametrize(
+    ("place", "height", "down"),
+    [
+        ("parcel", 20.0, -20.0),
+        ("parcel", None, -0.2),
+        ({"at": "parcel", "height": 3.0}, 20.0, -3.0),
+        ((20.0, 0.0, -7.0), 20.0, -7.0),
+        ("home", None, -6.0),
+    ],
+)
+def test_a_target_on_the_ground_is_flown_over_at_the_height_of_the_route(place, height, down):
+    route = Waypoints(places=[place], height=height)
+    (way,) = route.way((0.0, 0.0, -6.0), {"parcel": (20.0, 0.0, -0.2)})
+    assert way[2] == down
+
+
 def test_a_place_that_is_not_known_is_waited_for():
     flown = fly(Waypoints(places=["mast"]), (0.0, 0.0, -6.0), 1.0)
     assert {it.step.note for it in flown} == {"the position of mast is unknown"}
@@ -195,3 +211,16 @@ def test_a_search_may_be_about_a_target_and_at_a_height():
     assert flown[0].step.note.startswith("searching for mast, leg 1 of")
     with pytest.raises(ValidationError, match="needs a target"):
         Sector(centre="target")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        (survey(spacing=None, side_overlap=0.999999), "at most 2000"),
+        (survey(from_line=5), "'from_line' is 5, of 4 lines"),
+        (Corridor(line=((0, 0), (5, 0), (5, 5)), breadth=50, height=5), "too wide"),
+    ],
+)
+def test_lines_that_the_camera_makes_unflyable_are_refused(wrong, says):
+    with pytest.raises(ValueError, match=says):
+        wrong.with_camera(DOWN)

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator
 
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
-from missionkit.chart.checks.planned_legs import Point3, legs
+from missionkit.chart.checks.planned_legs import PlannedLeg, Point3, legs
 from missionkit.errors import Level, Place, Problem
 from missionkit.number_text import beside
 
 FARTHEST_GOAL = 5_000.0  # m, level, from the take-off point
 HIGHEST = 500.0  # m above it
+LOWEST = 0.5  # m above it, at which a vehicle that is off by as much touches the ground
 
 
 def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
@@ -21,14 +22,31 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     places = {target.position for target in chart.mission.targets.values()}
     told: set[str] = set()  # states with several places
     for leg in legs(chart):
-        if leg.end in places or leg.state in told:
+        if leg.state in told:
             continue
         several = leg.of > 1
-        what = f"place {leg.number} of {leg.of} of its way" if several else "its goal"
-        found = list(_problems(f"state {leg.state!r}: {what}", leg.end, leg.place))
+        goal = f"place {leg.number} of {leg.of} of its way" if several else "its goal"
+        what = f"state {leg.state!r}: {goal}"
+        found = list(_touching(what, leg))
+        if leg.end not in places:
+            found += _problems(what, leg.end, leg.place)
         if found and several:
             told.add(leg.state)
         yield from found
+
+
+def _touching(what: str, leg: PlannedLeg) -> Iterator[Problem]:
+    """Yield that a vehicle which comes from above would touch the ground at its goal."""
+    north, east, down = leg.end
+    if -LOWEST < down <= 0.0 and leg.start[2] <= -LOWEST:
+        yield Problem(
+            leg.place,
+            f"{what} is at [{north:g}, {east:g}, {down + 0.0:g}], {0.0 - down:g} m above the "
+            "take-off point: the vehicle comes down on the ground there",
+            Level.WARNING,
+            "below-ground",
+            "a 'height' (m), or a state of kind 'land' to land",
+        )
 
 
 def _problems(what: str, point: Point3, place: Place) -> Iterator[Problem]:

@@ -91,10 +91,17 @@ def error_details(
         model: for the names of its fields and the units in its messages.
         data: as it was written; paths are those of the text, not of the model.
     """
-    for item in error.errors(include_url=False):
+    items = error.errors(include_url=False)
+    for item in items:
+        if item["type"] == "too_short" and any(_inside(it["loc"], item["loc"]) for it in items):
+            continue  # items that are wrong were not counted
         path = written_path(data, item["loc"])
         carries = item["type"] == "mistake"
         yield path, item["ctx"]["sentence"] if carries else describe(item, model, path)
+
+
+def _inside(inner: Path, outer: Path) -> bool:
+    return len(inner) > len(outer) and inner[: len(outer)] == outer
 
 
 def relocated(error: ValidationError, path: Path) -> list[InitErrorDetails]:

@@ -88,8 +88,10 @@ def _wrong_value(error: Mapping[str, Any], field: FieldInfo | None) -> str:
     wanted = _wanted(kind, field)
     if kind.endswith(_TYPE_ERRORS):
         return f"expected {wanted}, got {shown(value)}{_remedy(wanted, value)}"
-    if kind in {"too_long", "too_short"}:
-        return f"expected {wanted}, got {context['actual_length']}"
+    if kind == "too_short":
+        return f"needs at least {context['min_length']}, got {context['actual_length']}"
+    if kind == "too_long":
+        return f"expected {wanted}, got a list of {context['actual_length']}"
     message = str(error["msg"])
     return message[:1].lower() + message[1:]
 
