@@ -15,7 +15,6 @@ from typing_extensions import override
 from missionkit.behaviors.route_flight import Heading, begun, guided
 from missionkit.messages import CameraModel, Estimate, Step
 from missionkit.planning.camera_footprint import footprint
-from missionkit.planning.polygon_geometry import area, flaw
 from missionkit.planning.route_following import OnRoute, RoutePoint, Triple, time_of
 from missionkit.planning.survey_pattern import (
     Corner,
@@ -25,6 +24,7 @@ from missionkit.planning.survey_pattern import (
     survey_lines,
 )
 from missionkit.plugin import Behavior
+from missionkit.polygons import area, unfit
 from missionkit.positions import GroundPosition
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Spot
 
@@ -205,7 +205,7 @@ class Survey(ParallelLines):
 
     @model_validator(mode="after")
     def _an_area(self) -> Self:
-        if wrong := flaw(self.polygon):
+        if wrong := unfit(self.polygon):
             raise ValueError(f"polygon: {wrong}")
         self.lines((0.0, 0.0))
         return self
@@ -220,7 +220,7 @@ class Survey(ParallelLines):
     @override
     def shape(self) -> str:
         angle = math.degrees(self._angle(self.spacing or 1.0))
-        return f"{area(self.polygon):.0f} m² along {angle:.0f} deg: "
+        return f"{abs(area(self.polygon)):.0f} m² along {angle:.0f} deg: "
 
     def _angle(self, spacing: float) -> float:
         if self.angle_deg is not None:

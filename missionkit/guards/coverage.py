@@ -14,8 +14,8 @@ from typing_extensions import override
 from missionkit.geometry import norm, to_matrix
 from missionkit.messages import CameraModel, Estimate, Verdict
 from missionkit.messages.region import Interval, Quantity, Region
-from missionkit.planning.polygon_geometry import area, contains, flaw
 from missionkit.plugin import WindowGuard
+from missionkit.polygons import area, contains, unfit
 from missionkit.positions import GroundPosition
 from missionkit.units import Fraction, Metres, Pixels, Seconds
 
@@ -49,7 +49,7 @@ class Covered(WindowGuard):
 
     @model_validator(mode="after")
     def _an_area(self) -> Self:
-        if wrong := flaw(self.polygon):
+        if wrong := unfit(self.polygon):
             raise ValueError(f"polygon: {wrong}")
         return self
 
@@ -80,13 +80,13 @@ class Covered(WindowGuard):
 
     @override
     def region(self) -> Region:
-        name = f"share of {area(self.polygon):.0f} m² photographed"
+        name = f"share of {abs(area(self.polygon)):.0f} m² photographed"
         return Region.of(Quantity(name, most=1.0), Interval.at_least(self.at_least))
 
     @cached_property
     def _cells(self) -> Cells:
         """The middle of each cell of the area."""
-        edge = math.sqrt(area(self.polygon) / CELLS)
+        edge = math.sqrt(abs(area(self.polygon)) / CELLS)
         low, high = np.min(self.polygon, axis=0), np.max(self.polygon, axis=0)
         north = np.arange(low[0] + 0.5 * edge, high[0], edge).tolist()
         east = np.arange(low[1] + 0.5 * edge, high[1], edge).tolist()

@@ -18,16 +18,15 @@ from itertools import pairwise
 from typing import Literal, NamedTuple, TypeAlias
 
 from missionkit.messages.occupancy import Spot
-from missionkit.planning.polygon_geometry import (
+from missionkit.planning.polygon_strips import (
     Interval,
-    Polygon,
-    edges,
     hull,
     strip,
     turned,
     turned_back,
     width,
 )
+from missionkit.polygons import Polygon, edges
 
 Line: TypeAlias = tuple[Spot, Spot]
 """Start and end, in the order flown (m, north and east)."""

@@ -159,7 +159,7 @@ def test_the_camera_says_how_far_apart_lines_are():
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
-        ({"polygon": ((0, 0), (9, 9), (9, 0), (0, 9))}, "sides 1 and 3 cross"),
+        ({"polygon": ((0, 0), (9, 9), (9, 0), (0, 9))}, "edges 1 to 2 and 3 to 4 cross"),
         ({"height": 3.0, "ground": 4.0}, "not above ground"),
         ({"spacing": 0.001}, "at most 2000"),
         ({"entry": "north"}, "north-east"),

@@ -71,7 +71,7 @@ def test_what_is_not_sharp_or_not_of_the_ground_does_not_count(spoilt):
 
 def test_without_a_camera_nothing_is_known_of_coverage():
     assert share(Covered(polygon=FIELD), over(20.0, 15.0)).holds is None
-    with pytest.raises(ValidationError, match="sides 1 and 3 cross"):
+    with pytest.raises(ValidationError, match="edges 1 to 2 and 3 to 4 cross"):
         Covered(polygon=((0, 0), (9, 9), (9, 0), (0, 9)))
 
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from matplotlib.path import Path
 
-from missionkit.planning.polygon_geometry import area, contains, flaw, hull
+from missionkit.planning.polygon_strips import hull
 from missionkit.planning.survey_pattern import (
     best_heading,
     corridor_lines,
     extended,
     survey_lines,
 )
+from missionkit.polygons import unfit
 
 SQUARE = ((0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0))
 ELL = ((0.0, 0.0), (60.0, 0.0), (60.0, 20.0), (20.0, 20.0), (20.0, 80.0), (0.0, 80.0))
@@ -53,7 +54,7 @@ def beside(spot, line):
 @pytest.mark.parametrize("polygon", [SQUARE, ELL, COMB, *map(star, range(40))])
 @pytest.mark.parametrize("angle", [None, 0.3])
 def test_every_spot_of_an_area_lies_beside_a_line_within_half_a_spacing(polygon, angle):
-    if flaw(polygon):
+    if unfit(polygon):
         pytest.fail("the polygon of the test is no simple one")
     heading = best_heading(polygon, 7.0) if angle is None else angle
     lines = survey_lines(polygon, 7.0, heading, (0.0, 0.0))
@@ -143,30 +144,3 @@ def test_a_corridor_is_flown_by_parallels_that_cover_it():
 def test_a_corridor_that_cannot_be_flown_is_refused(centre, breadth, says):
     with pytest.raises(ValueError, match=says):
         corridor_lines(centre, breadth, 3.0)
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_area_and_inside_agree_with_another_library(seed):
-    polygon, rng = star(seed), np.random.default_rng(seed)
-    spots = rng.uniform(-60.0, 60.0, (200, 2))
-    inside = [contains(polygon, (float(n), float(e))) for n, e in spots]
-    np.testing.assert_array_equal(inside, Path(polygon).contains_points(spots))
-    fine = rng.uniform(-60.0, 60.0, (20_000, 2))
-    share = Path(polygon).contains_points(fine).mean()
-    assert area(polygon) == pytest.approx(share * 120.0**2, rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("corners", "says"),
-    [
-        (((0, 0), (1, 1)), "three corners"),
-        (((0, 0), (1, 1), (1, 1), (0, 2)), "corner 2 is given twice"),
-        (((0, 0), (2, 2), (2, 0), (0, 2)), "sides 1 and 3 cross"),
-        (((0, 0), (1, 1), (2, 2)), "one line"),
-        (SQUARE, ""),
-        (COMB, ""),
-    ],
-)
-def test_corners_that_are_no_polygon_say_why(corners, says):
-    assert says in flaw(corners)
-    assert bool(flaw(corners)) is bool(says)

@@ -1,4 +1,4 @@
-"""Simple polygons on the level: area, hull, what a strip of them covers.
+"""Convex hulls, widths and strips of polygons on the level.
 
 Angles are headings: radians clockwise from north.
 """
@@ -6,68 +6,14 @@ Angles are headings: radians clockwise from north.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
 from missionkit.messages.occupancy import Spot
+from missionkit.polygons import Polygon, edges
 
-Polygon: TypeAlias = Sequence[Spot]
 Interval: TypeAlias = tuple[float, float]
-
-
-def edges(polygon: Polygon) -> Iterator[tuple[Spot, Spot]]:
-    """Yield the sides of a polygon, the last one back to its first corner."""
-    yield from pairwise((*polygon, polygon[0]))
-
-
-def area(polygon: Polygon) -> float:
-    """Return the area (m²) of a simple polygon, whichever way round its corners are given."""
-    return 0.5 * abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in edges(polygon)))
-
-
-def contains(polygon: Polygon, spot: Spot) -> bool:
-    """Say whether a spot is inside a simple polygon (even-odd rule)."""
-    north, east = spot
-    inside = False
-    for (a, b), (c, d) in edges(polygon):
-        if (b > east) != (d > east) and north < a + (east - b) * (c - a) / (d - b):
-            inside = not inside
-    return inside
-
-
-def flaw(polygon: Polygon) -> str:
-    """Say why corners are no simple polygon, "": they are one."""
-    if len(polygon) < 3:
-        return f"a polygon needs three corners, not {len(polygon)}"
-    sides = list(edges(polygon))
-    for i, (a, b) in enumerate(sides):
-        if a == b:
-            return f"corner {i + 1} is given twice"
-    for i, (a, b) in enumerate(sides):
-        for j in range(i + 2, len(sides) - (i == 0)):
-            if _crossing(a, b, *sides[j]):
-                return f"its sides {i + 1} and {j + 1} cross"
-    return "" if area(polygon) > 0.0 else "its corners lie on one line"
-
-
-def _crossing(a: Spot, b: Spot, c: Spot, d: Spot) -> bool:
-    """Say whether two sides have a point in common."""
-
-    def side(p: Spot, q: Spot, r: Spot) -> float:
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-    return (
-        side(a, b, c) * side(a, b, d) <= 0.0
-        and side(c, d, a) * side(c, d, b) <= 0.0
-        and (_boxes_meet(a, b, c, d))
-    )
-
-
-def _boxes_meet(a: Spot, b: Spot, c: Spot, d: Spot) -> bool:
-    return all(
-        max(a[k], b[k]) >= min(c[k], d[k]) and max(c[k], d[k]) >= min(a[k], b[k]) for k in (0, 1)
-    )
 
 
 def hull(polygon: Polygon) -> list[Spot]:
