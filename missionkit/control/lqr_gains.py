@@ -13,7 +13,6 @@ Source: P3 section IV-B; Ogata, "Discrete-Time Control Systems", 2nd ed., chapte
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
 from missionkit.geometry import Mat, Vec3
 
@@ -34,6 +33,8 @@ def gains(mass: float, period: float, weights: Vec3, effort: float) -> Vec3:
         weights: (3,) diagonal of Q. A zero for the integral leaves it out.
         effort: R.
     """
+    from scipy.linalg import solve_discrete_are  # noqa: PLC0415 - slow to import
+
     A, B = plant(mass, period)
     n = 3 if weights[2] > 0.0 else 2  # what costs nothing cannot be made stable
     A, B, Q = A[:n, :n], B[:n], np.diag(weights[:n])

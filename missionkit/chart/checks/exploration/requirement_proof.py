@@ -18,6 +18,7 @@ from missionkit.chart.checks.exploration import clocks
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.observations import Edge, Observed, Step, sooner
 from missionkit.chart.checks.exploration.search import Exploration
+from missionkit.chart.checks.guard_regions import GuardRegion
 from missionkit.chart.checks.interval_boxes import covered, intersection
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.requirements import Moment, Requirement
@@ -84,9 +85,13 @@ class _Prover:
         self.explored = explored
         self.model = requirement
         self.guards = chart.analysed.mission.guards
+        always = requirement.always
+        self.fails = None if always is None else ex.Not(always, always.place)
         self.limit = inf if requirement.limit is None else requirement.limit
         self.refuting = False  # only the chart's own states and variables count as sure
-        self.truths: dict[tuple[int, str], Truth] = {}
+        self.truths: dict[tuple[int, int], Truth] = {}  # by the identities of boxes and guard
+        self.regions: dict[int, GuardRegion] = {}
+        self.opened: dict[int, Moment] = {}  # by the identity of the moment, which the model keeps
 
     def proof(self) -> Proof:
         """Return what is known of the requirement."""
@@ -199,9 +204,7 @@ class _Prover:
             return State(opened, seen=seen), called and during and (not seen or late)
         if model.never is not None:
             return State(opened), during and self._happens(model.never, edge, sure=sure)
-        always = model.always
-        fails = None if always is None else ex.Not(always, always.place)
-        return State(opened), during and self._happens(fails, edge, sure=sure)
+        return State(opened), during and self._happens(self.fails, edge, sure=sure)
 
     def _in_time(self, number: int, edge: Edge) -> bool:
         """Say whether what came before a moment surely did so within the time bound."""
@@ -225,7 +228,7 @@ class _Prover:
         return truth.surely if sure else truth.may
 
     def _leaves(self, moment: Moment) -> Iterator[Moment]:
-        yield from leaves(opened_up(moment, self.guards))
+        yield from leaves(self._opened(moment))
 
     def _is_of_chart(self, leaf: Moment) -> bool:
         return isinstance(leaf, ex.Enter | ex.In | ex.Finished) or self._assigned(leaf)
@@ -235,8 +238,12 @@ class _Prover:
         observed = edge.observed
         if moment is None or observed is None:
             return FAILS
-        opened = opened_up(moment, self.guards)
-        return self._of(opened, observed)
+        return self._of(self._opened(moment), observed)
+
+    def _opened(self, moment: Moment) -> Moment:
+        if id(moment) not in self.opened:
+            self.opened[id(moment)] = opened_up(moment, self.guards)
+        return self.opened[id(moment)]
 
     def _of(self, moment: Moment, observed: Observed) -> Truth:
         match moment:
@@ -254,9 +261,12 @@ class _Prover:
     def _leaf(self, guard: ex.Expression, observed: Observed) -> Truth:
         if isinstance(guard, ex.In | ex.Finished) or self._assigned(guard):
             return HOLDS if of_chart(guard)(cast("Any", observed)).holds else FAILS
-        key = (id(observed.boxes), ex.text(guard))
+        key = (id(observed.boxes), id(guard))
         if key not in self.truths:
-            truth, boxes = self.chart.analysed.reader.truth(guard), observed.boxes
+            boxes = observed.boxes
+            if id(guard) not in self.regions:
+                self.regions[id(guard)] = self.chart.analysed.reader.truth(guard)
+            truth = self.regions[id(guard)]
             self.truths[key] = Truth(
                 bool(intersection(boxes, truth.may, sure=False)),
                 covered(boxes, truth.surely),

@@ -135,6 +135,7 @@ class Search:
         self.waiting: deque[Node] = deque()
         self.known: dict[Any, list[Node]] = {}
         self.edges: dict[int, list[Edge]] = {}
+        self.kept: dict[int, tuple[Boxes, Boxes]] = {}
         self.observed = bool(chart.analysed.mission.requirements)
         self.taken: dict[int, Example] = {}
         self.rests: dict[int, Boxes] = {}
@@ -247,9 +248,16 @@ class Search:
         entered = frozenset([entry.name for move in tick.moves for entry in move.entries])
         boxes = tick.step.boxes
         if tick.moves and not tick.fresh:  # no guard was asked since
-            boxes = kept_at_entry(boxes)
+            boxes = self._kept(boxes)
         active, variables = tick.memory.active, tick.memory.variables
         self._connect(node, Edge(to, tick.step, Observed(active, entered, variables, boxes)))
+
+    def _kept(self, boxes: Boxes) -> Boxes:
+        """Return what entering a state leaves of boxes: the same object for the same boxes."""
+        known = self.kept.get(id(boxes))
+        if known is None:
+            known = self.kept[id(boxes)] = (boxes, kept_at_entry(boxes))
+        return known[1]
 
     def _connect(self, node: Node, edge: Edge) -> None:
         if self.observed:
