@@ -8,7 +8,6 @@ from typing import Literal, TypeAlias
 
 from missionkit.geometry import Vec3, vec
 from missionkit.messages import Estimate, Goal, Guidance, Step
-from missionkit.messages.occupancy import Spot
 from missionkit.planning.route_following import (
     Followed,
     OnRoute,
@@ -30,18 +29,6 @@ def triple(position: Vec3) -> Triple:
     """Return a position (3,) as plain numbers."""
     north, east, down = position.tolist()
     return north, east, down
-
-
-def level(spots: Sequence[Spot], down: float, speed: float, **how: float) -> tuple[RoutePoint, ...]:
-    """Return a route at one height that comes to rest at its end only.
-
-    Args:
-        spots: m, north and east.
-        down: m, NED.
-        speed: m/s.
-        **how: `radius` and `within` of every point (m).
-    """
-    return tuple(RoutePoint((n, e, down), speed, **how) for n, e in spots)  # type: ignore[arg-type]
 
 
 def guided(

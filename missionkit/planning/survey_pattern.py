@@ -85,19 +85,21 @@ def survey_lines(
     """
     left = _cells(polygon, spacing, heading)
     lines: list[Line] = []
-    at = entry if isinstance(entry, tuple) else None
     while left:
         ways = [(cell, way) for cell in left for way in _ways(cell, heading)]
-        if at is None:
-            north, east = _DIRECTIONS[entry]  # type: ignore[index]
-            cell, way = max(ways, key=lambda it: north * it[1][0][0][0] + east * it[1][0][0][1])
-        else:
-            near = at
-            cell, way = min(ways, key=lambda it: math.dist(it[1][0][0], near))
+        at = lines[-1][1] if lines else entry
+        cell, way = min(ways, key=lambda it: _remoteness(it[1][0][0], at))
         left.remove(cell)
         lines += way
-        at = lines[-1][1]
     return lines
+
+
+def _remoteness(spot: Spot, entry: Corner | Spot) -> float:
+    """Return how far (m) a spot is from another, or from a corner as seen from the middle."""
+    if not isinstance(entry, str):
+        return math.dist(spot, entry)
+    north, east = _DIRECTIONS[entry]
+    return -north * spot[0] - east * spot[1]
 
 
 def corridor_lines(centre: Sequence[Spot], breadth: float, spacing: float) -> list[list[Spot]]:
