@@ -50,11 +50,12 @@ times at random, and flies the example of each transition that the exploration s
   reached, a tick did not come to rest although none was found, or a requirement was broken that
   was proved, or fulfilled that no run can fulfil: **{contradictions}**.
 - Requirements: {proved} proved, {refuted} refuted, {open} open.
-- Examples of transitions and failsafes that need nothing of what guards remember: flown by the
-  engine, **{plain}** happened.
-- Examples that need it, a latch that is set or a guard that has held for a while: **{past}**
-  happened. The exploration lets a latch and the time for which a guard has held be anything that
-  the guard allows, so that not every example of these is a run.
+- Examples of transitions and failsafes that need nothing of what guards remember:
+  **{plain}** happened when the engine flew them. One known reason for the others: states entered
+  at different times have ages that the exploration keeps as intervals of their own.
+- Examples that need a latch that is set, or a guard that has held for a while:
+  **{past}** happened. The exploration lets what a guard remembers be anything that the guard
+  allows, so that not every example of these is a run.
 """
 
 
