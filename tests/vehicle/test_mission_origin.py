@@ -85,16 +85,15 @@ def test_a_home_that_moves_in_flight_is_reported_and_moves_nothing():
     assert listening.see(HOME_POSITION=message(away(25.0, 0.0))).events == ()
 
 
-def test_positions_wait_for_home_in_a_local_frame_that_moved():
+def test_positions_follow_a_local_frame_that_moved():
     listening = Wanting(AT_HOME)
-    listening.see(
-        HEARTBEAT=DISARMED, HOME_POSITION=HOME, GPS_GLOBAL_ORIGIN=message(away(-10.0, 0.0))
-    )
+    before = message(away(-10.0, 0.0))
+    listening.see(HEARTBEAT=DISARMED, HOME_POSITION={**HOME, "x": 10.0}, GPS_GLOBAL_ORIGIN=before)
     listening.see(HEARTBEAT=ARMED)
     np.testing.assert_allclose(listening.observer.start, (10.0, 0.0, 0.0), atol=0.05)
     seen = listening.see(GPS_GLOBAL_ORIGIN=message(away(50.0, 0.0)))
     assert seen.events == ("origin_moved",)
     assert "local frame has moved by 60.0 m" in seen.problems[0]
-    assert listening.observer.start is None
-    listening.see(HOME_POSITION=HOME)
+    np.testing.assert_allclose(listening.observer.start, (-50.0, 0.0, 0.0), atol=0.05)
+    listening.see(HOME_POSITION={**HOME, "x": 10.0})  # of the old frame still
     np.testing.assert_allclose(listening.observer.start, (-50.0, 0.0, 0.0), atol=0.05)

@@ -1,7 +1,9 @@
 """Notices that an armed vehicle's home, or the origin of its local frame, moves.
 
 The mission's own origin stays where it was: its estimate is made of raw fixes. But the autopilot
-returns to the new home, and a position in its local frame means another place from now on.
+returns to the new home, and a position in its local frame means another place from now on. Where
+home lies in the new frame follows from the two messages' degrees: x, y, z of HOME_POSITION may be
+of the old frame.
 """
 
 from __future__ import annotations
@@ -17,8 +19,8 @@ HOME_MOVED, ORIGIN_MOVED = "home_moved", "origin_moved"
 SAYS = {
     HOME_MOVED: "the autopilot's home has moved by {:.1f} m: it returns there; the mission's home "
     "and origin stay",
-    ORIGIN_MOVED: "the origin of the autopilot's local frame has moved by {:.1f} m; positions sent "
-    "follow once it has sent its home again",
+    ORIGIN_MOVED: "the origin of the autopilot's local frame has moved by {:.1f} m: positions "
+    "are sent in the new frame; the mission's own origin stays",
 }
 _MESSAGES = {HOME_MOVED: "HOME_POSITION", ORIGIN_MOVED: "GPS_GLOBAL_ORIGIN"}
 
@@ -29,7 +31,7 @@ class FrameChanges:
     def __init__(self, cache: Cache) -> None:
         self._cache = cache
         self._before: dict[str, Origin] = {}
-        self._moved_at: float | None = None  # s, wall, when GPS_GLOBAL_ORIGIN moved
+        self.origin_moved = False
 
     def seen(self, *, armed: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return events and sentences on what has moved since the last call."""
@@ -43,22 +45,10 @@ class FrameChanges:
             if armed and moved > MOVED:
                 events.append(event)
                 sentences.append(SAYS[event].format(moved))
-                if event == ORIGIN_MOVED:
-                    self._moved_at = message.arrived
+                self.origin_moved = self.origin_moved or event == ORIGIN_MOVED
             if not armed or moved > MOVED or event not in self._before:
                 self._before[event] = place
         return tuple(events), tuple(sentences)
-
-    @property
-    def unsettled(self) -> bool:
-        """Whether the origin moved and home has not been sent in the new frame yet."""
-        if self._moved_at is None:
-            return False
-        home = self._cache.latest("HOME_POSITION")
-        if home is not None and home.arrived > self._moved_at:
-            self._moved_at = None
-            return False
-        return True
 
 
 def _apart(one: Origin, other: Origin) -> float:

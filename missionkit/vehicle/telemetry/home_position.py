@@ -27,16 +27,17 @@ def place_of(message: Message) -> Origin:
     return Origin(*degrees, 1e-3 * message["altitude"])
 
 
-def local_home(cache: Cache) -> Vec3 | None:
+def local_home(cache: Cache, *, by_degrees: bool = False) -> Vec3 | None:
     """Return home in the autopilot's local frame, (3,), m; None: not known.
 
-    Zeros count as unset where GPS_GLOBAL_ORIGIN is known: it gives the same if they were meant.
+    With `by_degrees` x, y, z do not count. Zeros count as unset where GPS_GLOBAL_ORIGIN is known:
+    it gives the same if they were meant.
     """
     home = home_message(cache)
     if home is None:
         return None
     surface = message_readings.triple(home.fields, "x", "y", "z")
-    if surface is not None and surface.any():
+    if surface is not None and surface.any() and not by_degrees:
         return surface
     origin = cache.latest("GPS_GLOBAL_ORIGIN")
     if origin is None:

@@ -95,8 +95,9 @@ class Observer:
     @property
     def start(self) -> Vec3 | None:
         """The mission's origin in the autopilot's local frame, (3,), m; None: not known."""
-        home, base = home_message(self._cache), local_home(self._cache)
-        if self.origin is None or home is None or base is None or self._frames.unsettled:
+        home = home_message(self._cache)
+        base = local_home(self._cache, by_degrees=self._frames.origin_moved)
+        if self.origin is None or home is None or base is None:
             return None
         at = place_of(home)
         return base - self.origin.local(at.latitude, at.longitude, at.altitude)
