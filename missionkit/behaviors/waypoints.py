@@ -29,6 +29,8 @@ from missionkit.plugin import Behavior
 from missionkit.positions import Place
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
 
+MOST_PLACES = 2_000  # more of them take a large part of a tick to go through
+
 
 class Waypoint(BaseModel):
     """One place of a route, how to fly there, and what to do there."""
@@ -111,7 +113,8 @@ class Waypoints(Behavior):
     any height at the one at which the flight along the places began. Places are flown by: the
     vehicle begins to turn up to `radius` before, no faster than it can turn; with `stop` or `wait`
     it comes to rest `within` of the place. If the state is left and entered again by its history,
-    it goes on where it was. Limits: legs are straight, whatever is in the way but for `avoid`.
+    it goes on where it was. Limits: at most 2000 places; legs are
+    straight, whatever is in the way but for `avoid`.
     """
 
     kind: ClassVar[str] = "waypoints"
@@ -123,6 +126,12 @@ class Waypoints(Behavior):
     heading: Heading = Field(default="course", description="where the nose points")
     radius: Metres = Field(default=3.0, ge=0, description="before a place, where it may turn")
     within: Metres = Field(default=0.7, gt=0, description="that counts as being there")
+
+    @model_validator(mode="after")
+    def _few_enough(self) -> Self:
+        if len(self.places) > MOST_PLACES:
+            raise ValueError(f"{len(self.places)} places: at most {MOST_PLACES}")
+        return self
 
     @override
     def begin(self, seen: Estimate) -> OnWaypoints:

@@ -89,6 +89,7 @@ def test_a_place_that_is_not_known_is_waited_for():
     ("wrong", "says"),
     [
         ([], "at least 1"),
+        ([(0, 0)] * 2001, "2001 places: at most 2000"),
         ([{"at": (0, 0), "heading_deg": 3, "look_at": "mast"}], "either heading_deg or look_at"),
         ([{"at": (0, 0), "payload": "camera"}], "'wait'"),
         ([{"at": (0, 0), "event": "not one"}], "name of an event"),
