@@ -64,6 +64,9 @@ def test_an_orbit_that_climbs_steeply_is_flown_as_fast_as_that_can_be(height, to
     flown = fly(orbit, (36.0, 0.0, -height), 120.0, lambda _: {"tower": TOWER})
     assert flown[-1].step.done
     assert -flown[-1].seen.position[2] == pytest.approx(to_height, abs=1.0)
+    sinking = [it.step.guidance.velocity[2] for it in flown if it.step.note.startswith("turn")]
+    assert min(sinking) > -2.1
+    assert max(sinking) < 1.3
 
 
 def test_an_orbit_lasts_its_seconds_or_for_ever():
