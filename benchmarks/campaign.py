@@ -12,7 +12,8 @@ from benchmarks.measure import Table, seconds, timed
 from missionkit.campaigns.process_pool import flown
 from missionkit.campaigns.run_row import Case, RunOrder
 from missionkit.messages import Command, Observation, Record
-from missionkit.rehearsal import Stage, rehearse
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 REPEATS = 5

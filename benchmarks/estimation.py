@@ -5,7 +5,7 @@ from __future__ import annotations
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table, seconds, spread, timed
 from missionkit.messages import Observation, Record, Sighting
-from missionkit.rehearsal import rehearse
+from missionkit.rehearsal.rehearse import rehearse
 
 
 def tables() -> list[Table]:

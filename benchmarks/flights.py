@@ -11,7 +11,9 @@ from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import Observer
-from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.rehearsal.grading import Rehearsal
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 
 MISSION = Path("missions/precision_task.yaml")
 KNOWN_MAP = Path("missions/known_map.yaml")

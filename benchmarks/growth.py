@@ -22,7 +22,7 @@ from missionkit.perception.marker_search import Priors
 from missionkit.perception.square_pose import project, square
 from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.planning.potential_field import PotentialField
-from missionkit.rehearsal import rehearse
+from missionkit.rehearsal.rehearse import rehearse
 
 Work = Callable[[], object]
 DICTIONARY, SIZE = "DICT_6X6_250", 0.4

@@ -18,7 +18,8 @@ from missionkit.perception.opencv_helpers import encode_jpeg
 from missionkit.perception.square_pose import solve
 from missionkit.perception.template.detector import Template
 from missionkit.plugin_protocols import Prior
-from missionkit.rehearsal import Stage, rehearse
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage
 from missionkit.sim.camera_renderer import Renderer
 from missionkit.sim.detector_samples import TRAINING
 from missionkit.sim.ground_truth import TrueState

@@ -10,7 +10,7 @@ from benchmarks.measure import Table, seconds, spread
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import rehearse
+from missionkit.rehearsal.rehearse import rehearse
 
 EYES: dict[Eyes, str] = {"corners": "without images", "rendered": "with images at 5 Hz"}
 

@@ -11,7 +11,9 @@ from benchmarks.measure import Table, timed
 from missionkit.messages import Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import Rehearsal, Stage, rehearse
+from missionkit.rehearsal.grading import Rehearsal
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage
 
 REPEATS = 3
 EYES: dict[Eyes, str] = {

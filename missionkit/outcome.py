@@ -9,7 +9,7 @@ from typing import Literal
 from missionkit.engine.flight_history import FlightHistory
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.mission_success import Condition
-from missionkit.rehearsal import Rehearsal
+from missionkit.rehearsal.grading import Rehearsal
 from missionkit.sim.flight_grading import Grade
 
 Outcome = Literal["success", "ended_safely", "crash"]

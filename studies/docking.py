@@ -11,7 +11,7 @@ from string import Template
 
 from rich.progress import track
 
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from studies.assumptions import numbers
 from studies.docking_figure import NAMES, draw_distances, draw_paths

@@ -16,7 +16,8 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.docking_geometry import pose_error
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import Stage, rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from studies.parallel import in_parallel

@@ -11,7 +11,8 @@ import numpy as np
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind
 from studies.flight import MISSION

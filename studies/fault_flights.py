@@ -18,7 +18,9 @@ from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.geometry import Mat
 from missionkit.messages import MARKER_DUPLICATED, Estimate, Observation, Record, Verdict
 from missionkit.plugin import Guard
-from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.rehearsal.grading import Rehearsal
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import World
 

@@ -11,7 +11,8 @@ from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
-from missionkit.rehearsal import Stage, rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.flight_grading import Grade
 from missionkit.sim.world import World

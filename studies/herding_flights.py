@@ -16,7 +16,8 @@ import numpy as np
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.outcome import reason
-from missionkit.rehearsal import rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage, world_of
 from studies.markdown import table
 from studies.parallel import in_parallel
 from studies.statistics import wilson

@@ -13,7 +13,8 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage, world_of
 from studies.parallel import in_parallel
 
 MISSION = Path("missions/known_map.yaml")

@@ -19,7 +19,7 @@ import numpy as np
 from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import Stage, stage
+from missionkit.rehearsal.stage import Stage, stage
 from missionkit.sim.flight_grading import Grade, grade
 from studies.flight import Camera, Order, staged
 from studies.leaning import knowing_noise, sih, with_small_markers

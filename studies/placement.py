@@ -16,7 +16,7 @@ from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.docking_geometry import NORMALS
 from missionkit.geometry import Mat, conjugate, exp, multiply, norm, rotate, vec
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 from missionkit.sim.free_flyer.world import FreeFlyerWorld
 from studies.markdown import table
 from studies.placement_figure import draw

@@ -17,7 +17,7 @@ from missionkit.campaigns.statistics import ConfidenceInterval, bootstrap, quant
 from missionkit.planning.energy_optimal import Airframe, plan
 from missionkit.planning.landing_profiles import LandingLimits
 from missionkit.planning.rotor_power import RotorPower
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 from studies.assumptions import assumptions
 from studies.markdown import table
 from studies.precision_landing_figure import draw

@@ -15,7 +15,8 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import Mat
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind, World
 from studies.parallel import in_parallel

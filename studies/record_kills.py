@@ -24,7 +24,8 @@ from missionkit.messages import Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_reader import read
 from missionkit.recorder.record_sinks import background
-from missionkit.rehearsal import Stage, rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage
 from missionkit.sim.world import World
 
 MISSION = """\

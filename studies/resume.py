@@ -21,7 +21,7 @@ from missionkit.messages import Observation, Record
 from missionkit.recorder.checkpoint import NEWEST
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_sinks import inline
-from missionkit.rehearsal import Kept, rehearse
+from missionkit.rehearsal.rehearse import Kept, rehearse
 from studies.flight import Camera, Order, staged
 from studies.kills import PERIOD, Kill, Survived, copied, survived
 from studies.markdown import table

@@ -15,7 +15,8 @@ from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geometry import Mat, Transform
 from missionkit.messages import CameraModel, Observation, Record
-from missionkit.rehearsal import Stage, rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.ground_robots import EAST, HEADING, NORTH
 from missionkit.sim.world import World
 from studies.canvas import LIMIT, page

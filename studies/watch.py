@@ -9,7 +9,7 @@ import numpy as np
 from missionkit.geometry import norm, wrap, yaw_of
 from missionkit.messages import Estimate, Observation, Record
 from missionkit.perception.aruco import Aruco
-from missionkit.rehearsal import Stage
+from missionkit.rehearsal.stage import Stage
 from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.world import Marker
 

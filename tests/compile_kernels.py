@@ -14,7 +14,7 @@ from missionkit.perception.haar import kernels
 from missionkit.perception.haar.features import SIDE, pool
 from missionkit.perception.haar.gentle_boost import StageGoal, boosted
 from missionkit.perception.haar.warm_up import warm_up
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 
 
 def detectors() -> None:

@@ -15,7 +15,9 @@ from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.flight_loop import Operator
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.rehearsal.grading import Rehearsal
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind, World
 

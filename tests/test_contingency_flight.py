@@ -8,7 +8,7 @@ from missionkit.chart.checks import findings
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.errors import Level
-from missionkit.rehearsal import stage
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.world import World
 
 STRAYING = """\

@@ -7,7 +7,7 @@ import pytest
 from rehearsed import flown, short
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.rehearsal import stage
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.world import Box, Cylinder, World
 
 MISSION = """

@@ -16,7 +16,7 @@ from missionkit.errors import FileError, UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Wrench
 from missionkit.outcome import outcome, reason
-from missionkit.rehearsal import stage, world_of, world_over_mavlink
+from missionkit.rehearsal.stage import stage, world_of, world_over_mavlink
 from missionkit.sim.fault_injection import parse_fault
 
 FILE = MISSIONS / "docking.yaml"

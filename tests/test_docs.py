@@ -33,7 +33,8 @@ from missionkit.perception.camera_section import Camera, Mount
 from missionkit.planning.map_section import KnownMap, Weight
 from missionkit.planning.map_server import MapFile
 from missionkit.recorder.topic_schemas import TOPICS
-from missionkit.rehearsal import rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage
 from missionkit.sim import arena, vehicle_parameters, world
 from missionkit.sim.fault_injection import FAULT_KINDS as FAULTS
 from missionkit.sim.fault_injection import FREE_FLYER_KINDS

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rehearsed import flown, precise_stage
 
-from missionkit.rehearsal import rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.fault_injection import parse_fault
 from studies.flight import builtin
 from studies.leaning import knowing_noise, sih, with_small_markers

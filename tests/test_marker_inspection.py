@@ -10,7 +10,7 @@ from rehearsed import MISSIONS, Flight, flown
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 
 GUARD = "camera-share"

@@ -12,7 +12,7 @@ from missionkit.chart.checks import findings
 from missionkit.chart.load import load, parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import Operator
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 
 FILES = ("three_poles", "survey", "tower", "find_and_orbit")
 

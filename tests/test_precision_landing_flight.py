@@ -13,7 +13,8 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.planning.rotor_power import RotorPower
-from missionkit.rehearsal import Again, rehearse, stage, world_of
+from missionkit.rehearsal.rehearse import Again, rehearse
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 
 MISSION = MISSIONS / "precision_landing.yaml"

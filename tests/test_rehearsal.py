@@ -14,7 +14,7 @@ from missionkit.engine.flight_loop import FlightEnd
 from missionkit.errors import UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Record
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.world import World
 
 

@@ -6,7 +6,7 @@ from rehearsed import MISSIONS, Flight, flown, precise
 
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 
 
 def answers(flight: Flight) -> dict[str, bool | None]:

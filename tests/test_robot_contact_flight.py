@@ -9,7 +9,8 @@ from rehearsed import MISSIONS
 
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.rehearsal import rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.arena import PlacedRobot, Robots
 from missionkit.sim.ground_robots import EAST, HEADING, NORTH
 from missionkit.sim.world_files import load_multicopter_world

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from missionkit.rehearsal import rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.airframes import flown_with
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind

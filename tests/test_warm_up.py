@@ -11,7 +11,7 @@ from rehearsed import MISSIONS, flown, precise_stage
 
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.rehearsal import Stage, stage, world_of
+from missionkit.rehearsal.stage import Stage, stage, world_of
 
 FAULTS = ("wind_gust=5@30+5", "gnss_lost@40+5", "gnss_jump=8@visual+10")
 CHECK = "import {0} as test; assert test.compiled_in_flight(test.{1}()) == []"

@@ -30,7 +30,7 @@ from missionkit.chart.load import load
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import UsageError
 from missionkit.recorder.run_folder import keep_mission
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 
 NO_VARIANTS: Mapping[str, Sequence[object]] = {}
 

@@ -17,8 +17,9 @@ from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import rehearse as fly_simulated
-from missionkit.rehearsal import stage, with_paths, world_of
+from missionkit.rehearsal.rehearse import rehearse as fly_simulated
+from missionkit.rehearsal.robot_paths import with_paths
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault, refuse_foreign
 from missionkit.sim.world import World
 from missionkit.sim.world_files import AnyWorld

@@ -26,7 +26,9 @@ from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import Rehearsal, Stage, rehearse, stage, world_of
+from missionkit.rehearsal.grading import Rehearsal
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import Fault, parse_fault
 from missionkit.sim.flight_grading import Grade
 from missionkit.sim.world_files import AnyWorld

@@ -11,7 +11,8 @@ from missionkit.recorder.checkpoint import Checkpoints, Loaded, load
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.record_sinks import Sink
-from missionkit.rehearsal import Again, Kept, Stage
+from missionkit.rehearsal.rehearse import Again, Kept
+from missionkit.rehearsal.stage import Stage
 
 
 class Contents(NamedTuple):

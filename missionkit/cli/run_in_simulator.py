@@ -21,7 +21,9 @@ from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary
 from missionkit.recorder.scenery import scenery_of
-from missionkit.rehearsal import Again, Stage, rehearse, stage, with_paths, world_of
+from missionkit.rehearsal.rehearse import Again, rehearse
+from missionkit.rehearsal.robot_paths import with_paths
+from missionkit.rehearsal.stage import Stage, stage, world_of
 
 
 def run_in_simulator(

@@ -32,7 +32,7 @@ from missionkit.recorder.record_sinks import background
 from missionkit.recorder.run_summary import Summary, summarise
 from missionkit.recorder.scenery import scenery_of
 from missionkit.recorder.value_codec import is_plain
-from missionkit.rehearsal import world_over_mavlink
+from missionkit.rehearsal.stage import world_over_mavlink
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 

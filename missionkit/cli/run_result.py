@@ -13,7 +13,7 @@ from missionkit.errors import ExitCode, printable
 from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.run_summary import Summary, outcome_text, summarise
-from missionkit.rehearsal import Rehearsal
+from missionkit.rehearsal.grading import Rehearsal
 
 
 def summed_up(

@@ -15,7 +15,7 @@ from missionkit.errors import FileError, UsageError
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Command, Mode, Observation, Record
 from missionkit.perception.camera_section import Camera
-from missionkit.rehearsal import stage, world_of
+from missionkit.rehearsal.stage import stage, world_of
 from missionkit.sim.world import World
 from missionkit.vehicle.camera.frame_source import Rendered
 from missionkit.vehicle.telemetry.reported_pose import Pose

@@ -17,7 +17,7 @@ from missionkit.recorder import checkpoint
 from missionkit.recorder.checkpoint import BEFORE_NEWEST, NEWEST, load
 from missionkit.recorder.record_reader import read
 from missionkit.recorder.run_folder import held
-from missionkit.rehearsal import Kept
+from missionkit.rehearsal.rehearse import Kept
 
 STAY = """\
 missionkit: 1

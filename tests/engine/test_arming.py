@@ -15,7 +15,8 @@ from missionkit.engine.flight_loop import ARMING_TIMEOUT, FlightEnd
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
 from missionkit.plugin_containment import Containment
-from missionkit.rehearsal import rehearse, stage
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import World
 

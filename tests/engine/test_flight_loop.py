@@ -24,7 +24,8 @@ from missionkit.engine.flight_loop import (
 from missionkit.errors import UsageError, VehicleError
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.plugin_containment import Interrupted
-from missionkit.rehearsal import Stage, rehearse
+from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.stage import Stage
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 HOP = """\

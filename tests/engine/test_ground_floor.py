@@ -11,7 +11,7 @@ from missionkit.engine.flight_loop import Operator
 from missionkit.engine.ground_floor import above_floor, floor_of
 from missionkit.geometry import vec
 from missionkit.messages import Setpoint
-from missionkit.rehearsal import rehearse
+from missionkit.rehearsal.rehearse import rehearse
 
 LIMITS = Limits()
 

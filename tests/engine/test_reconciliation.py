@@ -26,7 +26,8 @@ from missionkit.engine.resume.restore_chart import stands
 from missionkit.errors import VehicleError
 from missionkit.guards.state_progress import GoalUnreachable
 from missionkit.messages import Goal, VehicleStatus
-from missionkit.rehearsal import Kept, Stage, rehearse
+from missionkit.rehearsal.rehearse import Kept, rehearse
+from missionkit.rehearsal.stage import Stage
 
 HOP = """\
 guards: {steady: {use: battery_below, floor: 0.5}}

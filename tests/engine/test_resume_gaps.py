@@ -7,7 +7,7 @@ import pytest
 from rehearsed import short_stage
 
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal import Again, Kept, rehearse
+from missionkit.rehearsal.rehearse import Again, Kept, rehearse
 
 CRUISE = """\
 targets: {pole: {position: [60, 0, -6]}}

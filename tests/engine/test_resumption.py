@@ -27,7 +27,8 @@ from missionkit.errors import VehicleError
 from missionkit.estimation.error_state_ekf.realignment import SAMPLE_TIME
 from missionkit.geometry import norm
 from missionkit.messages import Action, Command, Observation, Record
-from missionkit.rehearsal import Again, Kept, Stage, rehearse
+from missionkit.rehearsal.rehearse import Again, Kept, rehearse
+from missionkit.rehearsal.stage import Stage
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 
 STAY = """\

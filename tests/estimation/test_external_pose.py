@@ -17,7 +17,7 @@ from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import exp, multiply, vec
 from missionkit.messages import Action, Command, Observation, Setpoint
 from missionkit.perception.camera_section import Camera
-from missionkit.rehearsal import stage
+from missionkit.rehearsal.stage import stage
 from missionkit.sim import vehicle_snapshot
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.simulated_vehicle import SimulatedVehicle

@@ -18,7 +18,7 @@ from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
 from missionkit.geometry import vec
 from missionkit.messages import Imu, Observation
 from missionkit.recorder import value_codec
-from missionkit.rehearsal import stage
+from missionkit.rehearsal.stage import stage
 from missionkit.sim.vehicle_parameters import FlowModel, Sensors
 from missionkit.sim.world import World
 

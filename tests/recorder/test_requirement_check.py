@@ -15,7 +15,7 @@ from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.cli.app import app
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.requirement_check import check_record
-from missionkit.rehearsal import rehearse
+from missionkit.rehearsal.rehearse import rehearse
 
 HOP = """\
 initial: idle

@@ -12,7 +12,7 @@ from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.messages import Action, Command, Setpoint
 from missionkit.recorder import value_codec
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 from missionkit.sim.arena import ObstacleRobots, PlacedObstacle, PlacedRobot, Robots
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.simulated_vehicle import SimulatedVehicle

@@ -10,7 +10,7 @@ from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.prepared_mission import prepare
-from missionkit.rehearsal import world_of
+from missionkit.rehearsal.stage import world_of
 
 SPEED = 3.0
 LIMIT = 120.0  # s, however it goes wrong
