@@ -82,7 +82,7 @@ docs: .venv/ready
 .venv/ready: requirements.lock pyproject.toml
 	@echo "Installing what requirements.lock names into .venv: minutes on a slow network"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(PIP) install --requirement requirements.lock
+	$(PIP) install --no-compile --requirement requirements.lock  # a start compiles what it needs
 	$(PIP) install --no-deps --editable .
 	@touch $@
 	@echo "Installed; the first flight also compiles the simulator, which takes about a minute"
