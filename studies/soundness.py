@@ -16,9 +16,10 @@ from random import Random
 from typing import NamedTuple
 
 from missionkit.chart.checks.counterexample_text import point
+from missionkit.chart.checks.exploration.exploration_result import Example, Exploration, Node
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.requirement_proof import Proof, Standing, proofs
-from missionkit.chart.checks.exploration.search import Example, Exploration, Node, explore
+from missionkit.chart.checks.exploration.search import explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.load import parse
 from missionkit.chart.model.state_contracts import fulfilled

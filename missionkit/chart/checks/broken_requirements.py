@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from missionkit.chart.checks.exploration.example_run import steps_text
+from missionkit.chart.checks.exploration.exploration_result import Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.requirement_proof import Proof, Standing, proofs
-from missionkit.chart.checks.exploration.search import Exploration, explore
+from missionkit.chart.checks.exploration.search import explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_contracts import fulfilled

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from missionkit.chart.checks.exploration.example_run import run_text
+from missionkit.chart.checks.exploration.exploration_result import Disarming, Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Disarming, Exploration
 from missionkit.chart.model.actions import Act, Order
 from missionkit.errors import Level, Place, Problem
 from missionkit.messages import Action

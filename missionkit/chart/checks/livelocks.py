@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from missionkit.chart.checks.counterexample_text import example
 from missionkit.chart.checks.exploration.example_run import run_text
+from missionkit.chart.checks.exploration.exploration_result import Circle, Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Circle, Exploration
 from missionkit.chart.checks.guarded_transitions import GuardedTransition, circle_text
 from missionkit.chart.checks.interval_boxes import EVERYWHERE, intersection
 from missionkit.errors import Level, Problem

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
+from missionkit.chart.checks.exploration.exploration_result import Exploration, Node
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.search import Exploration, Node
 from missionkit.chart.checks.guarded_transitions import GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered
 from missionkit.chart.model import guard_expressions as ex

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.chart.checks.exploration.search import Exploration
+from missionkit.chart.checks.exploration.exploration_result import Exploration
 from missionkit.chart.checks.guard_regions import is_endless
 from missionkit.chart.checks.guarded_transitions import AnalysedChart, GuardedTransition
 from missionkit.chart.checks.interval_boxes import covered

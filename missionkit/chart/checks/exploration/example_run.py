@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from missionkit.chart.checks.counterexample_text import example
+from missionkit.chart.checks.exploration.exploration_result import Node
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.observations import Step
-from missionkit.chart.checks.exploration.search import Node
 
 STEPS_SHOWN = 6
 START = "start"  # reason of the entry of the initial states

@@ -15,9 +15,9 @@ from math import inf
 from typing import Any, NamedTuple, TypeGuard, cast
 
 from missionkit.chart.checks.exploration import clocks
+from missionkit.chart.checks.exploration.exploration_result import Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.observations import Edge, Observed, Step, sooner
-from missionkit.chart.checks.exploration.search import Exploration
 from missionkit.chart.checks.guard_regions import GuardRegion
 from missionkit.chart.checks.interval_boxes import covered, intersection
 from missionkit.chart.model import guard_expressions as ex

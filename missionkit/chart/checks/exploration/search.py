@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from collections.abc import Iterator, Sequence
+from typing import Any, cast
 
 from missionkit.chart.checks.exploration import clocks
 from missionkit.chart.checks.exploration.clocks import ENTERED, Age, Ages
+from missionkit.chart.checks.exploration.exploration_result import (
+    Circle,
+    Disarming,
+    Example,
+    Exploration,
+    Node,
+    Tick,
+)
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.observations import Edge, Edges, Observed, Step
-from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Oracle, Situation
+from missionkit.chart.checks.exploration.held_guards import LongAgo
+from missionkit.chart.checks.exploration.observations import Edge, Observed, Step
+from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Situation
 from missionkit.chart.checks.interval_boxes import EVERYWHERE, kept_at_entry
 from missionkit.chart.semantics.chart_memory import ChartMemory, begin
-from missionkit.chart.semantics.compiled_chart import CompiledTransition
 from missionkit.chart.semantics.configuration import configuration
-from missionkit.chart.semantics.entry_exit_sets import Move
 from missionkit.chart.semantics.step import decide
 from missionkit.messages import ABORT, Action, Estimate, Goal, VehicleStatus
 from missionkit.messages.region import Boxes
@@ -32,96 +39,6 @@ NOWHERE = cast("Any", ())
 GOAL = Goal(NOWHERE, None, 0.0)
 SEEN = Estimate(0.0, NOWHERE, NOWHERE, NOWHERE, NOWHERE, NOWHERE)
 IN_AIR = VehicleStatus(0.0, armed=True, in_air=True, ready=True, mode="")
-
-
-class Node(NamedTuple):
-    """One situation of the chart between two ticks."""
-
-    number: int
-    memory: ChartMemory
-    ages: Ages
-    before: Node | None
-    step: Step | None
-    aloft: bool = False  # the vehicle may have left the ground; only where the chart disarms
-
-
-class Circle(NamedTuple):
-    """A tick that does not come to rest."""
-
-    node: Node
-    step: Step  # how it begins
-    taken: tuple[int, ...]  # the transitions that are taken again and again
-
-
-class Tick(NamedTuple):
-    """One path through one tick."""
-
-    memory: ChartMemory
-    moves: Sequence[Move]
-    step: Step
-    circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
-    orders: Sequence[Action]
-    fresh: bool  # a guard was asked after the commanding state was entered
-    waits: bool  # a guard holds that has not held for long enough: it cannot stay so
-
-
-class Disarming(NamedTuple):
-    """A tick that disarms while the vehicle may be in the air."""
-
-    node: Node
-    step: Step
-    moves: Sequence[Move]
-
-
-class Example(NamedTuple):
-    """The first tick in which something happens."""
-
-    node: Node
-    step: Step
-    undone: bool  # the tick does not come to rest, so that the engine undoes it
-
-
-class Exploration(NamedTuple):
-    """What a chart can do."""
-
-    nodes: Sequence[Node]
-    taken: Mapping[int, Example]  # by the number of the transition
-    reached: Mapping[str, Node]
-    left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
-    circles: Sequence[Circle]
-    disarming: Sequence[Disarming]
-    rests: Mapping[int, Boxes]  # by the number of the node: where a tick changes nothing
-    edges: Edges  # only of a chart with requirements
-    complete: bool  # nothing else can happen
-    ticks: int  # tried, those of large charts count more
-
-
-class LongAgo:
-    """Since when a guard has held: chosen when it is asked for.
-
-    Args:
-        oracle: chooses.
-        way: whose guard it is.
-        others: of the same tick; one guard has held as long for all that wait for it.
-    """
-
-    def __init__(self, oracle: Oracle, way: CompiledTransition, others: list[LongAgo]) -> None:
-        self.oracle = oracle
-        self.way = way
-        self.others = others
-        self.since: float | None = None
-
-    def __rsub__(self, now: float) -> float:
-        if self.since is None:
-            situation, source = self.oracle.situation, self.way.source
-            able = not source or situation.ages.get(source, math.inf) >= self.way.hold
-            refused = any(it.since == now and self._longer_than(it) for it in self.others)
-            self.since = LONG_AGO if able and not refused and situation.pick(2) else now
-        return now - self.since
-
-    def _longer_than(self, other: LongAgo) -> bool:
-        mine, its = self.way, other.way
-        return mine.ask is its.ask and mine.source == its.source and mine.hold >= its.hold
 
 
 class Search:

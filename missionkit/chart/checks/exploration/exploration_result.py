@@ -1,0 +1,75 @@
+"""Result of exploring a chart: its nodes, and what happens between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from missionkit.chart.checks.exploration.clocks import Ages
+from missionkit.chart.checks.exploration.observations import Edges, Step
+from missionkit.chart.semantics.chart_memory import ChartMemory
+from missionkit.chart.semantics.entry_exit_sets import Move
+from missionkit.messages import Action
+from missionkit.messages.region import Boxes
+
+
+class Node(NamedTuple):
+    """One situation of the chart between two ticks."""
+
+    number: int
+    memory: ChartMemory
+    ages: Ages
+    before: Node | None
+    step: Step | None
+    aloft: bool = False  # the vehicle may have left the ground; only where the chart disarms
+
+
+class Circle(NamedTuple):
+    """A tick that does not come to rest."""
+
+    node: Node
+    step: Step  # how it begins
+    taken: tuple[int, ...]  # the transitions that are taken again and again
+
+
+class Tick(NamedTuple):
+    """One path through one tick."""
+
+    memory: ChartMemory
+    moves: Sequence[Move]
+    step: Step
+    circle: tuple[int, ...]  # what is taken again and again, if it does not come to rest
+    orders: Sequence[Action]
+    fresh: bool  # a guard was asked after the commanding state was entered
+    waits: bool  # a guard holds that has not held for long enough: it cannot stay so
+
+
+class Disarming(NamedTuple):
+    """A tick that disarms while the vehicle may be in the air."""
+
+    node: Node
+    step: Step
+    moves: Sequence[Move]
+
+
+class Example(NamedTuple):
+    """The first tick in which something happens."""
+
+    node: Node
+    step: Step
+    undone: bool  # the tick does not come to rest, so that the engine undoes it
+
+
+class Exploration(NamedTuple):
+    """What a chart can do."""
+
+    nodes: Sequence[Node]
+    taken: Mapping[int, Example]  # by the number of the transition
+    reached: Mapping[str, Node]
+    left: Mapping[str, Mapping[int, float]]  # state -> what ends it, at an age (s) of at least
+    circles: Sequence[Circle]
+    disarming: Sequence[Disarming]
+    rests: Mapping[int, Boxes]  # by the number of the node: where a tick changes nothing
+    edges: Edges  # only of a chart with requirements
+    complete: bool  # nothing else can happen
+    ticks: int  # tried, those of large charts count more
