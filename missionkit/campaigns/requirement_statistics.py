@@ -21,8 +21,8 @@ class RequirementStatistics(NamedTuple):
     name: str
     flights: int
     fulfilled: int
-    broken: int  # the others cannot be told
-    share: ConfidenceInterval  # fulfilled; what cannot be told counts as not fulfilled
+    broken: int  # the others are undecided
+    share: ConfidenceInterval  # fulfilled; an undecided one counts as not fulfilled
     worst: float | None  # robustness, in the unit of the guard that decides
     low: float | None  # robustness that 5 % of the flights stay below
     seed: int  # of the worst flight

@@ -59,7 +59,7 @@ class RequirementSummary(_Part):
     """One requirement, and what came of it."""
 
     requirement: str
-    fulfilled: bool | None  # None: it cannot be told
+    fulfilled: bool | None  # None: undecided
     robustness: float | None  # in the unit of the guard that decides
 
 

@@ -95,7 +95,7 @@ def findings(
     return sorted(_told_once(found), key=_order)
 
 
-def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem]:
+def _explored(chart: AnalysedChart, reported: Iterable[Problem]) -> Iterator[Problem]:
     """Yield what the exploration of the chart finds besides what is known already."""
     explored_chart = ExploredChart(chart)
     explored = explore(explored_chart)
@@ -105,7 +105,7 @@ def _explored(chart: AnalysedChart, told: Iterable[Problem]) -> Iterator[Problem
     yield from disarming.problems_of(explored_chart, explored)
     yield from broken_requirements.problems_of(explored_chart, explored)
     yield from reachability.unreachable(chart, explored)
-    places = {problem.place for problem in told if problem.code in NEVER_FIRES}
+    places = {problem.place for problem in reported if problem.code in NEVER_FIRES}
     yield from never_fires.problems_of(explored_chart, explored, places)
 
 

@@ -25,11 +25,11 @@ class Disarms(NamedTuple):
 def problems_of(chart: ExploredChart, explored: Exploration) -> Iterator[Problem]:
     """Yield each action that disarms in a tick in which the vehicle may be in the air."""
     known = dict(_disarms(chart)) if explored.disarming else {}
-    told: set[Place] = set()
+    reported: set[Place] = set()
     for found in explored.disarming:
         for owner in _owners(found):
-            if owner in known and known[owner].place not in told:
-                told.add(known[owner].place)
+            if owner in known and known[owner].place not in reported:
+                reported.add(known[owner].place)
                 yield _problem(chart, found, known[owner])
 
 

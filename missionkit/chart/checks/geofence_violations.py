@@ -30,14 +30,14 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     ]
     if not fences:
         return
-    told: set[str] = set()  # states with several places
+    reported: set[str] = set()  # states with several places
     for leg in islice(legs(chart), MOST_LEGS):
-        if leg.state in told:
+        if leg.state in reported:
             continue
         found = next(filter(None, (_break(leg, *fence) for fence in fences)), None)
         if found is not None:
             yield found
-            told |= {leg.state} if leg.of > 1 else set()
+            reported |= {leg.state} if leg.of > 1 else set()
 
 
 def _break(

@@ -20,9 +20,9 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     for name, target in chart.mission.targets.items():
         yield from _problems(f"target {name!r}", target.position, target.place("position"))
     places = {target.position for target in chart.mission.targets.values()}
-    told: set[str] = set()  # states with several places
+    reported: set[str] = set()  # states with several places
     for leg in legs(chart):
-        if leg.state in told:
+        if leg.state in reported:
             continue
         several = leg.of > 1
         goal = f"place {leg.number} of {leg.of} of its way" if several else "its goal"
@@ -31,7 +31,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
         if leg.end not in places:
             found += _problems(what, leg.end, leg.place)
         if found and several:
-            told.add(leg.state)
+            reported.add(leg.state)
         yield from found
 
 

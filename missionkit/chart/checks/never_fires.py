@@ -18,16 +18,16 @@ VALUES_SHOWN = 4  # values of a variable in a message
 
 
 def problems_of(
-    chart: ExploredChart, explored: Exploration, told: Collection[Place]
+    chart: ExploredChart, explored: Exploration, reported: Collection[Place]
 ) -> Iterator[Problem]:
     """Yield every transition of a state that can be reached, but that never fires.
 
     Args:
         chart: that was explored.
         explored: what it can do.
-        told: places of transitions that are known to be wrong already.
+        reported: places of transitions that are known to be wrong already.
     """
-    yield from _after_the_end(chart, told)
+    yield from _after_the_end(chart, reported)
     if not explored.complete:
         return
     restless = {chart.ways[number].source for each in explored.circles for number in each.taken}
@@ -38,7 +38,7 @@ def problems_of(
             way.place,
             way.model.place("when"),
             way.model.place("after"),
-        } & set(told):
+        } & set(reported):
             continue
         yield Problem(
             way.place,
@@ -49,12 +49,12 @@ def problems_of(
         )
 
 
-def _after_the_end(chart: ExploredChart, told: Collection[Place]) -> Iterator[Problem]:
+def _after_the_end(chart: ExploredChart, reported: Collection[Place]) -> Iterator[Problem]:
     """Yield every timer that is longer than the whole mission may last."""
     limit = chart.analysed.mission.settings.time_limit
     for way in chart.ways.values():
         after = way.model.after or 0.0
-        if way.written and after >= limit and way.place not in told:
+        if way.written and after >= limit and way.place not in reported:
             yield Problem(
                 way.model.place("after"),
                 f"state {way.source!r}: {way.label} can never fire: the mission lands at its time "

@@ -146,7 +146,7 @@ class RequirementResult(NamedTuple):
     """What came of a requirement."""
 
     name: str
-    fulfilled: bool | None  # None: it cannot be told
+    fulfilled: bool | None  # None: undecided
     robustness: float | None  # in the unit of the guard that decides; None: no number decides
 
     @property
