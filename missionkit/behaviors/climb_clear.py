@@ -9,9 +9,8 @@ from pydantic import Field
 from typing_extensions import override
 
 from missionkit.geometry import vec
-from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Step
+from missionkit.messages import TRACKED, Estimate, Goal, Guidance, Spot, Step
 from missionkit.planning.obstacle_robots import (
-    Spot,
     nearest_approach,
     nearest_scanned,
     obstacle_robots,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from missionkit import polygons
 from missionkit.geometry import Mat, conjugate, from_euler, rotate
 from missionkit.messages import CameraModel
 from missionkit.perception.aruco import Aruco
@@ -47,7 +48,7 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float 
             f"the marker is not wholly in the picture: its centre lies at pixel {column:.0f}, "
             f"{row:.0f} of {camera.width} x {camera.height}, and it is {_extent(pixels)} px wide"
         )
-    area = _area(pixels)
+    area = abs(polygons.area([(x, y) for x, y in pixels.tolist()]))  # px²
     if not marker.min_area <= area <= marker.max_area:
         limit = "min_area" if area < marker.min_area else "max_area"
         bound = getattr(marker, limit)
@@ -57,9 +58,3 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float 
 
 def _extent(pixels: Mat) -> int:
     return math.ceil(float(np.ptp(pixels[:, 0])))
-
-
-def _area(pixels: Mat) -> float:
-    """Return the area (px²) of a polygon by the shoelace formula."""
-    x, y = pixels.T
-    return 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))

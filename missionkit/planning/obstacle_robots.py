@@ -8,13 +8,12 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from missionkit.ground_robot import GroundRobot
-from missionkit.messages import Estimate, Target
+from missionkit.messages import Estimate, Spot, Target
 from missionkit.messages.robot_modes import OBSTACLE
 
 ROBOT = GroundRobot()
 STEP = 0.5  # s, between two places that are looked at
 MAYBE = 0.3  # chance to be an obstacle robot, from which one is kept clear of
-Spot = tuple[float, float]
 
 
 def obstacle_robots(seen: Estimate) -> Iterator[Target]:

@@ -14,23 +14,11 @@ from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.chart.semantics.step import Decision, begin
 from missionkit.messages import Estimate, Verdict
-from missionkit.plugin import Guard, WindowGuard
+from missionkit.plugin import WindowGuard
 from missionkit.plugin_containment import Containment
+from studies.soundness_charts import Flag
 
 TICK = 0.05
-
-
-class Flag(Guard):
-    """Holds while an event of that name comes; unknown while it comes with a question mark."""
-
-    kind: ClassVar[str] = "flag"
-    name: str
-
-    @override
-    def check(self, seen: Estimate) -> Verdict:
-        if f"{self.name}?" in seen.events:
-            return Verdict.unknown("asked for")
-        return Verdict(self.name in seen.events)
 
 
 class Tally(WindowGuard):

@@ -2,38 +2,19 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from samples import calm
-from typing_extensions import override
 
 from missionkit.chart.checks import findings
 from missionkit.chart.load import parse
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.step import begin, decide
-from missionkit.messages import Battery, Estimate, Verdict
-from missionkit.plugin import Guard
+from missionkit.messages import Battery
 from missionkit.plugin_containment import Containment
+from studies.soundness_charts import CATALOGUE
 
-
-class Flag(Guard):
-    """Opaque: holds while an event of that name comes, unknown while it does with a mark."""
-
-    kind: ClassVar[str] = "flag"
-    name: str
-
-    @override
-    def check(self, seen: Estimate) -> Verdict:
-        if f"{self.name}?" in seen.events:
-            return Verdict.unknown("asked for")
-        return Verdict(self.name in seen.events)
-
-
-CATALOGUE: Catalogue = builtin().extended("guards", (Flag,))
 STATES = ("s0", "s1", "s2", "s3", "in0", "in1", "left", "right")
 LEAVES = [
     *(f"{{use: battery_below, floor: {floor}}}" for floor in ("0", "0.3", "0.5", "0.7", "1")),

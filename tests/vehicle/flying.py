@@ -24,18 +24,16 @@ from missionkit.vehicle.link.link_lock import LinkLock
 SPEED = 6.0  # at most, see `affordable`
 BRISK = 8.0  # where nothing depends on how soon something is done
 UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine does not count as silence
-
-
+CORNERS = ((-20.0, -40.0), (120.0, -40.0), (120.0, 60.0), (-20.0, 60.0))  # of a fence, m
 PROBE = 0.01  # s of processor time
 
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 4
 SHARE = 3000
 FIRST = 20000 + SHARE * WORKER
-PORTS = itertools.cycle(range(FIRST, FIRST + SHARE))
+BEGUN = os.getpid() % 60 * 50  # another run of the tests begins elsewhere
+PORTS = itertools.islice(itertools.cycle(range(FIRST, FIRST + SHARE)), BEGUN, None)
 """Below the ports that the system gives to any socket, and each worker's own: none of the others
 can take one before the autopilot or the vehicle does."""
-for _ in range(os.getpid() % 60 * 50):  # another run of the tests begins elsewhere
-    next(PORTS)
 
 
 def free_port():

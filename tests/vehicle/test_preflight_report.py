@@ -2,6 +2,7 @@ import json
 import math
 
 import pytest
+from vehicle.flying import CORNERS
 from vehicle.test_batteries import packs, said
 from vehicle.test_ground_sensors import DOWN, RAD, RATE
 from vehicle.test_obstacle_ring import ring
@@ -9,7 +10,7 @@ from vehicle.test_obstacle_ring import ring
 from missionkit.errors import VehicleError
 from missionkit.geodesy import Origin
 from missionkit.vehicle.autopilot_dialect import ARDUPILOT, PX4
-from missionkit.vehicle.command.fence_upload import box, rally, set_fence
+from missionkit.vehicle.command.fence_upload import polygon, rally, set_fence
 from missionkit.vehicle.failsafe_parameters import FailsafeLevel
 from missionkit.vehicle.preflight.preflight_report import Findings, judged
 
@@ -178,7 +179,7 @@ HOME = Origin(47.3977418, 8.5455938, 488.0)
 
 
 def test_a_fence_is_uploaded_and_read_back():
-    fence, link = box(HOME, (-20.0, 120.0), (-40.0, 60.0)), Keeper()
+    fence, link = polygon(HOME, CORNERS), Keeper()
     set_fence(link, fence)
     places = [HOME.local(1e-7 * item.x, 1e-7 * item.y, 0.0) for item in link.items]
     assert [round(place[0]) for place in places] == [-20, 120, 120, -20]
@@ -189,7 +190,7 @@ def test_a_fence_is_uploaded_and_read_back():
 @pytest.mark.parametrize("loses", [1, 4])
 def test_a_fence_that_reads_back_differently_is_not_relied_on(loses):
     with pytest.raises(VehicleError, match="do not rely on it"):
-        set_fence(Keeper(loses), box(HOME, (-20.0, 120.0), (-40.0, 60.0)))
+        set_fence(Keeper(loses), polygon(HOME, CORNERS))
 
 
 def test_rally_points_are_above_home():

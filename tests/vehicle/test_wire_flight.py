@@ -4,13 +4,13 @@ import asyncio
 
 import numpy as np
 import pytest
-from vehicle.flying import flying, free_port, sitl
+from vehicle.flying import CORNERS, flying, free_port, sitl
 from vehicle.ticked_flight import ARM, NORTH
 
 from missionkit.errors import VehicleError
 from missionkit.messages import Action
 from missionkit.vehicle.adapter import MavsdkVehicle
-from missionkit.vehicle.command.fence_upload import box, set_fence
+from missionkit.vehicle.command.fence_upload import polygon, set_fence
 from missionkit.vehicle.failsafe_parameters import FailsafeLevel
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.link.link_lock import LinkLock
@@ -119,7 +119,7 @@ def test_a_fence_reaches_the_autopilot(tmp_path):
     async def upload(autopilot):
         async with flying(autopilot, tmp_path) as flight:
             await flight.ready()
-            fence = box(flight.vehicle.observer.origin, (-20.0, 120.0), (-40.0, 60.0))
+            fence = polygon(flight.vehicle.observer.origin, CORNERS)
             await flight.vehicle.call(set_fence, flight.vehicle.link, fence)
             return await flight.vehicle.call(flight.vehicle.link.download_fence)
 

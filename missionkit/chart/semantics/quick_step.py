@@ -22,7 +22,14 @@ from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.guard_evaluation import ready
 from missionkit.chart.semantics.guard_rows import Answers, asked, none_holds
 from missionkit.chart.semantics.macrostep import Macrostep
-from missionkit.chart.semantics.step import advance, decided, invariants, requirement, watched_end
+from missionkit.chart.semantics.step import (
+    acts,
+    advance,
+    decided,
+    invariants,
+    requirement,
+    watched_end,
+)
 from missionkit.chart.semantics.time_tolerance import EPSILON
 from missionkit.messages import Estimate, Fired
 from missionkit.plugin_containment import Containment
@@ -47,8 +54,7 @@ def decide(
     known = memory[:]  # a plain tuple, which is taken apart twice as fast
     active, entered, windows, variables, _, _, held, violated, started, ended, delayed, _ = known
     here = chart.configurations.get(active) or configuration(chart, active)
-    status = seen.status
-    flying = here.flying if status is None else status.in_air or (status.armed and here.flying)
+    flying = acts(seen, here)
     usual = started and not (seen.events or delayed or violated or ended)
     simple = here.simple_in_air if flying else here.simple
     outcome: Outcome | None = None

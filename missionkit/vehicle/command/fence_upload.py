@@ -46,18 +46,6 @@ def polygon(
     return tuple(items)
 
 
-def box(origin: Origin, north: Ground, east: Ground) -> tuple[PlanItem, ...]:
-    """Return the fence of `inside_fence`: between two norths and two easts (m).
-
-    Args:
-        origin: of the mission's world.
-        north: from south to north, m.
-        east: from west to east, m.
-    """
-    (south, top), (west, right) = north, east
-    return polygon(origin, ((south, west), (top, west), (top, right), (south, right)))
-
-
 def rally(origin: Origin, points: Sequence[tuple[float, float, float]]) -> tuple[PlanItem, ...]:
     """Return rally points (north, east, height above home, m)."""
     items = []
