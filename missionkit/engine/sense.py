@@ -160,6 +160,7 @@ def _estimate(
         map=plan.map,
         range=senses.range,
         failing=acting.failing,
+        traffic=seen.traffic,
         state=chart.state,
         entered_at=chart.entered_at,
         done=acting.done,

@@ -19,6 +19,7 @@ from missionkit.guards.mdp_policy import MdpPolicy
 from missionkit.guards.obstacle_robots import ObstacleRobotNear
 from missionkit.guards.plugin_failure import PluginFailed
 from missionkit.guards.readiness import Ready
+from missionkit.guards.separation import SeparationBelow
 from missionkit.guards.sequential_test import Sprt
 from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
 from missionkit.guards.target_visibility import TargetLost, TargetSeen
@@ -57,6 +58,7 @@ GUARDS = (
     ObstacleRobotNear,
     PluginFailed,
     Ready,
+    SeparationBelow,
     Sprt,
     TargetHeading,
     TargetLost,

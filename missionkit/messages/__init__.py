@@ -52,6 +52,7 @@ from missionkit.messages.observation import (
 from missionkit.messages.occupancy import Occupancy, Spot
 from missionkit.messages.record import Fired, Record
 from missionkit.messages.tracked_names import TRACKED, names_a_track, track_name
+from missionkit.messages.traffic import OtherVehicle, TrafficReport
 from missionkit.messages.verdict import Verdict
 from missionkit.messages.vision import (
     BoxDetection,
@@ -105,6 +106,7 @@ __all__ = [
     "Observation",
     "Occupancy",
     "OpticalFlow",
+    "OtherVehicle",
     "Points",
     "PositionSetpoint",
     "Range",
@@ -115,6 +117,7 @@ __all__ = [
     "Spot",
     "Step",
     "Target",
+    "TrafficReport",
     "VehicleStatus",
     "Verdict",
     "Wrench",

@@ -17,6 +17,7 @@ from missionkit.messages.observation import (
     VehicleStatus,
 )
 from missionkit.messages.occupancy import Occupancy
+from missionkit.messages.traffic import OtherVehicle
 from missionkit.messages.vision import GroundFrame, Look, Sighting
 
 _new = tuple.__new__
@@ -90,6 +91,7 @@ class Estimate(NamedTuple):
     range: Range | None = None  # the newest distance to the ground, fresh or not
     failing: tuple[str, ...] = ()  # plug-ins that misbehaved at the last tick, and how
     ground: GroundFrame | None = None  # objects in the frame that came since the last tick
+    traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
     # where the chart stands, as of the last tick:
     state: str = ""
     entered_at: float = 0.0  # s

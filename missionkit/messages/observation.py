@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.geometry import Quat, Vec3
+from missionkit.messages.traffic import OtherVehicle
 from missionkit.messages.vision import BoxDetection
 
 Image = npt.NDArray[np.uint8]  # (height, width) grey or (height, width, 3) BGR
@@ -178,4 +179,5 @@ class Observation:
     ranges: tuple[AnchorRange, ...] = ()
     features: tuple[Features, ...] = ()
     external_pose: ExternalPose | None = None
+    traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record
