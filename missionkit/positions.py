@@ -111,6 +111,22 @@ class GeodeticPosition(GeodeticSpot):
         return (*super().metres(origin), down)
 
 
+class Converted(tuple[float, ...]):
+    """Metres that were written in latitude and longitude, with what was written."""
+
+    written: GeodeticSpot
+
+    def __new__(cls, metres: tuple[float, ...], written: GeodeticSpot) -> Self:
+        """Return the metres as a tuple that remembers."""
+        converted = super().__new__(cls, metres)
+        converted.written = written
+        return converted
+
+    @override
+    def __reduce__(self) -> tuple[type[Converted], tuple[tuple[float, ...], GeodeticSpot]]:
+        return Converted, (tuple(self), self.written)
+
+
 class PositionForms:
     """Marks a field that holds metres and may be written in degrees."""
 
@@ -138,7 +154,7 @@ class PositionForms:
                 raise ValueError(wrong)
             if isinstance(written, GeodeticPosition) and written.amsl is not None:
                 info.context.amsl.append(written)
-            return written.metres(info.context.origin)
+            return Converted(written.metres(info.context.origin), written)
 
         return core_schema.with_info_wrap_validator_function(validate, handler(source))
 

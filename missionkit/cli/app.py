@@ -12,6 +12,7 @@ from missionkit.cli.campaign_commands import campaign, report
 from missionkit.cli.command_options import reporting_errors
 from missionkit.cli.detector_commands import detector as detector_commands
 from missionkit.cli.flight_commands import run
+from missionkit.cli.interchange_commands import export, import_
 from missionkit.cli.mission_file_commands import (
     check,
     explain,
@@ -42,10 +43,11 @@ app = typer.Typer(
 
 _COMMANDS = (
     *(run, validate, check, explain, plugins, schema, graph, new),
-    *(preflight, fence, sitl, campaign, report),
+    *(preflight, fence, sitl, campaign, report, export),
 )
 for _command in _COMMANDS:
     app.command()(reporting_errors(_command))
+app.command("import")(reporting_errors(import_))
 app.add_typer(camera_commands, name="camera")
 app.add_typer(detector_commands, name="detector")
 

@@ -11,9 +11,9 @@ from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.geometry import vec
 from missionkit.guards.geofence import InsideFence
+from missionkit.interchange.plan import Home, Spot, degrees
+from missionkit.interchange.qgc_plan_writer import plan_document
 from missionkit.polygons import Corner, widened
-
-GENERIC, COPTER = 12, 2  # MAV_AUTOPILOT_PX4, MAV_TYPE_QUADROTOR: what the plan's editor expects
 
 
 class AutopilotFence(NamedTuple):
@@ -76,37 +76,16 @@ def plan_file(
         )
     origin = mission.origin.geodetic
 
-    def spots(shape: Sequence[Corner]) -> list[list[float]]:
-        return [[round(part, 9) for part in origin.place(vec(*it, 0.0))[:2]] for it in shape]
+    def spots(shape: Sequence[Corner]) -> list[Spot]:
+        return [Spot(*map(degrees, origin.place(vec(*it, 0.0))[:2])) for it in shape]
 
     shapes = [(around.corners, True), *((hole, False) for hole in around.holes)]
-    home = [origin.latitude, origin.longitude, origin.altitude]
-    plan = {
-        "fileType": "Plan",
-        "groundStation": "missionkit",
-        "version": 1,
-        "mission": {
-            "version": 2,
-            "firmwareType": GENERIC,
-            "vehicleType": COPTER,
-            "cruiseSpeed": 15,
-            "hoverSpeed": 5,
-            "items": [],
-            "plannedHomePosition": home,
-        },
-        "geoFence": {
-            "version": 2,
-            "circles": [],
-            "polygons": [
-                {"version": 1, "inclusion": inclusion, "polygon": spots(shape)}
-                for shape, inclusion in shapes
-            ],
-        },
-        "rallyPoints": {
-            "version": 2,
-            "points": [[*spots([(n, e)])[0], height] for n, e, height in points],
-        },
-    }
+    plan = plan_document(
+        items=(),
+        home=Home(origin.latitude, origin.longitude, origin.altitude),
+        polygons=[(spots(shape), inclusion) for shape, inclusion in shapes],
+        rally=[(*spots([(n, e)])[0], height) for n, e, height in points],
+    )
     return json.dumps(plan, indent=2) + "\n"
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import yaml
 
+from missionkit.chart.text.foreign_files import complaint, foreign_kind
 from missionkit.chart.text.located_data import (
     LocatedList,
     LocatedTable,
@@ -79,6 +80,8 @@ def read_file(path: Path, inside: str = "") -> Document:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         near = _files_like(path) if isinstance(error, FileNotFoundError) else ""
         raise FileError([Problem(start, f"cannot be read: {reason.lower()}{near}")]) from error
+    if (kind := foreign_kind(raw)) is not None:
+        raise FileError([Problem(start, complaint(kind, path.name))])
     try:
         text = raw.decode()
     except UnicodeDecodeError as error:
