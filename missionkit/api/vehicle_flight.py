@@ -28,6 +28,7 @@ from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.command.estimate_sharing import SHARE_NOTHING, Share
 from missionkit.vehicle.guardian.policy import USUAL, Patience
 from missionkit.vehicle.link.link_address import parse
+from missionkit.vehicle.link.traffic_link import TrafficLink
 from missionkit.vehicle.preflight.inspection import become_fit
 from missionkit.vehicle.telemetry.mission_origin import MissionOrigin
 from missionkit.vehicle.telemetry.required_inputs import (
@@ -39,6 +40,7 @@ from missionkit.vehicle.telemetry.required_inputs import (
 )
 
 NOTED = "an observer"
+READY_INTERVAL = 0.1  # s between two times that a vehicle says it is ready
 
 
 def vehicle_of(
@@ -53,6 +55,7 @@ def vehicle_of(
     share: Share = SHARE_NOTHING,
     system: int | None = None,
     guard: Patience | None = USUAL,
+    traffic: TrafficLink | None = None,
 ) -> MavsdkVehicle:
     """Return the vehicle at an address, with the mission's camera.
 
@@ -69,6 +72,7 @@ def vehicle_of(
         system: its MAVLink system id, where several share the link.
         guard: how long its guardian bears silence (s, of the wall: what makes this computer slow
             lasts as long however fast a simulated vehicle's time goes); None: no guardian.
+        traffic: to the other vehicles of its fleet, if it flies in one.
 
     Raises:
         FileError: the mission names a file for a camera, and there is none.
@@ -85,6 +89,7 @@ def vehicle_of(
         guard=patience,
         relies_on=relied_on(mission),
         wanted=origin_wanted(mission),
+        traffic=traffic,
     )
 
 
@@ -168,6 +173,7 @@ def fly_vehicle(
     async def flight() -> FlownFlight:
         if look_first:
             await _fit(vehicle, operator, speed)
+            await _together(vehicle, operator)
         return await fly(
             plan,
             vehicle,
@@ -192,6 +198,15 @@ async def _fit(vehicle: MavsdkVehicle, operator: Operator, speed: float) -> None
     except BaseException:
         await vehicle.close()
         raise
+
+
+async def _together(vehicle: MavsdkVehicle, operator: Operator) -> None:
+    """Wait until the other vehicles of the fleet are ready too, or have failed."""
+    traffic = vehicle.traffic
+    while traffic is not None and not (traffic.started or operator.wants_down):
+        traffic.ready()
+        vehicle.maintain()
+        await asyncio.sleep(READY_INTERVAL)
 
 
 class FromFirstTick:

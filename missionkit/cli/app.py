@@ -11,6 +11,7 @@ from missionkit.cli.camera_commands import camera as camera_commands
 from missionkit.cli.campaign_commands import campaign, report
 from missionkit.cli.command_options import reporting_errors
 from missionkit.cli.detector_commands import detector as detector_commands
+from missionkit.cli.fleet_commands import fleet
 from missionkit.cli.flight_commands import run
 from missionkit.cli.interchange_commands import export, import_
 from missionkit.cli.mission_file_commands import (
@@ -43,7 +44,7 @@ app = typer.Typer(
 
 _COMMANDS = (
     *(run, validate, check, explain, plugins, schema, graph, new),
-    *(preflight, fence, sitl, campaign, report, export),
+    *(fleet, preflight, fence, sitl, campaign, report, export),
 )
 for _command in _COMMANDS:
     app.command()(reporting_errors(_command))

@@ -93,6 +93,9 @@ def sitl(
         str, typer.Option(metavar="LAT,LON,HEIGHT", help="of the world's origin (deg, deg, m)")
     ] = "47.397742,8.545594,488",
     system: Annotated[int, typer.Option(min=1, max=255, help="MAVLink system id")] = 1,
+    start: Annotated[
+        str, typer.Option(metavar="NORTH,EAST", help="where it stands (m); the world's without")
+    ] = "",
     airframe: Annotated[
         str, typer.Option(help="sih: that of PX4's own simulation; the world's without")
     ] = "",
@@ -124,5 +127,6 @@ def sitl(
         system=system,
         parameters=tuple(parameter or ()),
         tied=tied,
+        start=start,
     )
     raise typer.Exit(command(wanted))

@@ -62,6 +62,12 @@ def run(
     gap: Annotated[
         float, typer.Option(min=0.0, help="s that the simulated vehicle flew alone before --resume")
     ] = 1.0,
+    folder: Annotated[
+        Path | None, typer.Option("--in", hidden=True, help="folder of the run")
+    ] = None,
+    fleet_place: Annotated[
+        str | None, typer.Option(hidden=True, help="for `missionkit fleet`")
+    ] = None,
     *,
     force: Annotated[
         bool, typer.Option("--force", help="resume although the mission was changed")
@@ -80,6 +86,7 @@ def run(
     """Fly a mission in the simulator; Ctrl-C lands."""
     from missionkit.cli import run_command as command  # noqa: PLC0415
     from missionkit.cli.run_options import RunOptions  # noqa: PLC0415
+    from missionkit.vehicle.link.traffic_link import FleetPlace  # noqa: PLC0415
 
     if mission is None and resume is None:
         raise UsageError("name the mission file to fly, or --resume RUN")
@@ -89,7 +96,7 @@ def run(
     over_mavlink = vehicle is not None or sitl is not None
     if camera is not None and not over_mavlink:
         raise UsageError("--camera needs --vehicle: the simulator draws what the camera sees")
-    if system is not None and vehicle is None:
+    if system is not None and not over_mavlink:
         raise UsageError("--system needs --vehicle: the simulator has one vehicle")
     if share and not over_mavlink:
         raise UsageError("--share needs --vehicle: the simulator has no autopilot to send to")
@@ -113,5 +120,7 @@ def run(
         gap=gap,
         force=force,
         anyway=anyway,
+        folder=folder,
+        place=None if fleet_place is None else FleetPlace.read(fleet_place),
     )
     raise typer.Exit(command.run(order))

@@ -61,6 +61,7 @@ def _in_sitl(
         speed=speed,
         seed=order.seed,
         faults=order.faults,
+        system=order.system or 1,
     ) as address:
         flown = order._replace(vehicle=address, source=source, faults=(), speed=speed)
         return run_on_vehicle(flown, mission, catalogue, origins)

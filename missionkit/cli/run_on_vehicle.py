@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+import threading
 from functools import partial
 from typing import NamedTuple
 
@@ -22,7 +25,7 @@ from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.engine.clock import date
-from missionkit.engine.flight_loop import Operator
+from missionkit.engine.flight_loop import AT_REST, Operator
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
@@ -35,6 +38,7 @@ from missionkit.recorder.value_codec import is_plain
 from missionkit.rehearsal.stage import world_over_mavlink
 from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
+from missionkit.vehicle.link.traffic_link import TrafficLink
 
 
 def run_on_vehicle(
@@ -58,6 +62,7 @@ def run_on_vehicle(
         raise UsageError("--fault is for the built-in simulator, not for --vehicle")
     world = world_over_mavlink(mission, order.mission.parent)
     plan = prepare(mission, catalogue)._replace(arm_anyway=order.anyway)
+    traffic = None if order.place is None else TrafficLink(order.place, order.speed or 1.0)
     vehicle = vehicle_of(
         str(order.vehicle),
         mission,
@@ -68,10 +73,27 @@ def run_on_vehicle(
         folder=order.mission.parent,
         share=share_of(order.share, mission),
         system=order.system,
+        traffic=traffic,
     )
     with folder_of(order, mission, origins, "vehicle", before) as (folder, past):
         flight = FlightResources(mission, world, plan, vehicle, folder, past)
-        return guarded(order, folder.path, partial(_flown, order, flight))
+        return guarded(order, folder.path, partial(_flown_in_fleet, order, flight))
+
+
+def _flown_in_fleet(order: RunOptions, ready: FlightResources, operator: Operator) -> Summary:
+    """Fly; as one of a fleet, land when whoever started the fleet has gone."""
+    if ready.vehicle.traffic is None:
+        return _flown(order, ready, operator)
+    watch = threading.Thread(target=_landing_with, args=(operator,), name="fleet", daemon=True)
+    watch.start()
+    return _flown(order, ready, operator)
+
+
+def _landing_with(operator: Operator) -> None:
+    """Land once standard input closes: whoever held it has ended, however that happened."""
+    while os.read(sys.stdin.fileno(), 1024):
+        pass
+    operator.land()
 
 
 class FlightResources(NamedTuple):
@@ -110,6 +132,8 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
             resume=None if past is None else lambda: woken(past, vehicle, speed),
             look_first=past is None and not order.anyway,
         )
+    if vehicle.traffic is not None and flown.end in AT_REST:
+        vehicle.traffic.end()
     landing_requested = operator.wants_down
     summary = summarise(
         recorder.track,

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from missionkit.vehicle.link.traffic_link import FleetPlace
 
 DEFAULT_GAP = 1.0  # s
 
@@ -29,4 +32,6 @@ class RunOptions(NamedTuple):
     gap: float = DEFAULT_GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission
     sitl: str | None = None  # dialect of a simulated autopilot to start, fly and end
+    folder: Path | None = None  # of the run, made already; one under `out` if absent
+    place: FleetPlace | None = None  # in the fleet that it flies in
     anyway: bool = False  # takes off although a failsafe or the pre-flight report says no

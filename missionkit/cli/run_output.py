@@ -146,7 +146,7 @@ def folder_of(
         UsageError: another process flies this run, or there is no checkpoint to resume from.
     """
     origin, before = origins
-    path = order.resume or run_folder(order.out, mission.name, label)
+    path = order.resume or order.folder or run_folder(order.out, mission.name, label)
     with held(path):
         past = None
         if before is not None:

@@ -30,6 +30,7 @@ def simulated_autopilot(
     speed: float = 1.0,
     seed: int = 0,
     faults: tuple[str, ...] = (),
+    system: int = 1,
 ) -> Iterator[str]:
     """Yield the address of an autopilot that simulates the mission's world; end it afterwards.
 
@@ -43,6 +44,7 @@ def simulated_autopilot(
         speed: times real time.
         seed: of everything random in it.
         faults: of `missionkit sitl`.
+        system: its MAVLink system id.
 
     Raises:
         UsageError: the dialect, or a fault, does not exist, or the vehicle is no multicopter.
@@ -52,7 +54,7 @@ def simulated_autopilot(
         raise UsageError(f"--sitl {dialect}: must be one of {', '.join(DIALECTS)}")
     if mission.vehicle.use != "sim":
         raise UsageError(f"--sitl simulates a multicopter, not vehicle {mission.vehicle.use!r}")
-    words = _options(dialect, mission, folder, speed, seed, faults)
+    words = [*_options(dialect, mission, folder, speed, seed, faults), "--system", str(system)]
     process, port = _started(words)
     try:
         yield f"udpin://127.0.0.1:{port}"
@@ -68,6 +70,8 @@ def _options(
         words += ["--world", str(folder / mission.world)]
     if (place := mission.origin) is not None:
         words.append(f"--home={place.lat!r},{place.lon!r},{place.alt!r}")
+    if (start := mission.vehicle.start) is not None:
+        words.append(f"--start={start[0]!r},{start[1]!r}")
     return [*words, *(word for fault in faults for word in ("--fault", fault))]
 
 

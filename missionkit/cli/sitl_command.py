@@ -10,6 +10,8 @@ import threading
 from pathlib import Path
 from typing import NamedTuple
 
+from pydantic import ValidationError
+
 from missionkit.errors import ExitCode, UsageError
 from missionkit.sim.airframes import flown_with
 from missionkit.sim.warm_up import warm_up
@@ -35,6 +37,7 @@ class SitlOptions(NamedTuple):
     system: int = 1
     parameters: tuple[str, ...] = ()
     tied: bool = False  # ends when standard input closes
+    start: str = ""  # NORTH,EAST
 
 
 def sitl(wanted: SitlOptions) -> ExitCode:
@@ -47,6 +50,8 @@ def sitl(wanted: SitlOptions) -> ExitCode:
     """
     path = wanted.world
     world = World(world="empty") if path is None else load_multicopter_world(path)
+    if wanted.start:
+        world = _started(world, wanted.start)
     setup = Setup(
         flown_with(world, wanted.airframe),
         wanted.dialect,
@@ -72,6 +77,16 @@ def sitl(wanted: SitlOptions) -> ExitCode:
     finally:
         server.close()
     return ExitCode.SUCCESS
+
+
+def _started(world: World, text: str) -> World:
+    try:
+        north, east = map(float, text.split(","))
+        return world.with_start((north, east))
+    except ValidationError as error:
+        raise UsageError(f"start {text!r}: {error.errors()[0]['msg']}") from error
+    except ValueError as error:
+        raise UsageError(f"start {text!r}: expected NORTH,EAST") from error
 
 
 def _until_closed(stop: threading.Event) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, nullcontext
 from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
@@ -50,6 +50,12 @@ class FlightEnd(StrEnum):
     NOT_ARMED = "the vehicle was not armed"
     OUT_OF_TIME = "still in the air when time ran out"
     SILENT = "ordered to land, but the vehicle no longer responds"
+
+
+AT_REST = frozenset(
+    (FlightEnd.LANDED, FlightEnd.GROUNDED, FlightEnd.NEVER_LEFT, FlightEnd.NOT_ARMED)
+)
+"""Ends at which the vehicle stands on the ground."""
 
 
 class FlownFlight(NamedTuple):
@@ -186,6 +192,7 @@ async def fly(
     keeper: Keeper = keep_nothing,
     reports: Callable[[], tuple[str, ...]] = no_reports,
     resume: Resumption | Callable[[], Resumption] | None = None,
+    shared: TimedContainment | None = None,
 ) -> FlownFlight:
     """Fly the mission.
 
@@ -207,20 +214,22 @@ async def fly(
         reports: what failed beside the flight since the last call; joins the problems.
         resume: continues a flight in progress instead of starting one. A function is called once
             the vehicle is connected, for time passes while connecting.
+        shared: contains the plug-ins of several flights in one event loop; it is already
+            interrupting. None: the flight makes its own.
 
     Raises:
         VehicleError: the vehicle could not be reached, or must not be commanded.
     """
     operator = operator or Operator()
     pace = pace or Unhurried()
-    contain = TimedContainment(stopwatch if believe_stopwatch else processor_time)
+    contain = shared or TimedContainment(stopwatch if believe_stopwatch else processor_time)
     await vehicle.connect()
     end: FlightEnd | None = None
     async with AsyncExitStack() as stack:
         stack.push_async_callback(vehicle.close)
-        stack.enter_context(marking_interrupts())
+        stack.enter_context(nullcontext() if shared else marking_interrupts())
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
-        stack.enter_context(contain.interrupting())
+        stack.enter_context(nullcontext() if shared else contain.interrupting())
         life, watch, beside = _started(course), _FlightWatch(time_limit, course), _ContainedCalls()
         memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:

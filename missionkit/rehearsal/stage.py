@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from pydantic import ValidationError
+
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.engine.prepared_mission import PreparedMission, prepare
-from missionkit.errors import UsageError
+from missionkit.errors import FileError, Problem, UsageError
 from missionkit.sim.fault_injection import Fault
 from missionkit.sim.simulators import Simulated, simulated
 from missionkit.sim.world import World
@@ -37,8 +39,20 @@ def world_of(mission: Mission, folder: Path) -> AnyWorld:
     if mission.world is None:
         if kind != "sim":
             raise UsageError(f"a mission of a {kind} needs a world: add `world: worlds/NAME.yaml`")
-        return World(world="empty")
-    return load_world(folder / mission.world, kind, mission.place("world"))
+        return _started(World(world="empty"), mission)
+    return _started(load_world(folder / mission.world, kind, mission.place("world")), mission)
+
+
+def _started(world: AnyWorld, mission: Mission) -> AnyWorld:
+    """Return the world with the vehicle where the mission says that it stands."""
+    start = mission.vehicle.start
+    if start is None or not isinstance(world, World):
+        return world
+    try:
+        return world.with_start(start)
+    except ValidationError as error:
+        why = str(error.errors()[0]["ctx"]["error"])
+        raise FileError([Problem(mission.vehicle.place("start"), why)]) from error
 
 
 def world_over_mavlink(mission: Mission, folder: Path) -> World:

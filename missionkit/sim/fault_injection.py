@@ -47,6 +47,7 @@ FAULT_KINDS: Mapping[str, Kind] = {
     "link_lost": Kind(None, "", "no heartbeats and battery readings; commands still arrive"),
     "external_pose_lost": Kind(None, "", "no external poses"),
     "range_lost": Kind(None, "", "the range finder is silent"),
+    "traffic_lost": Kind(None, "", "it neither hears the fleet's other vehicles nor is heard"),
     "battery_sag": Kind(0.3, "1", "the charge drops by VALUE", least=0.0, most=1.0),
     "cpu_slow": Kind(0.08, "s", "guards see every tick take VALUE", least=0.0, most=60.0),
     "velocity_bias": Kind(

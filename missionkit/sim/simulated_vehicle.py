@@ -114,6 +114,15 @@ class SimulatedVehicle(SimulatedPort):
         return self._plant.robots
 
     @property
+    def traffic_lost(self) -> bool:
+        """Whether it neither hears the other vehicles of a fleet nor is heard."""
+        return self._injected.active("traffic_lost", self.now)
+
+    def collide(self) -> None:
+        """Crash: another vehicle has hit it."""
+        self._plant.memory[kernel_layout.CRASHED] = 1.0
+
+    @property
     def ready(self) -> bool:
         """Whether the autopilot's arming checks pass."""
         memory = self._plant.memory

@@ -208,6 +208,14 @@ class World(ParameterModel):
         for count, obstacle in enumerate(self.obstacle_starts, 1):
             yield f"obstacle robot {count}", obstacle.at
 
+    def with_start(self, start: Spot) -> Self:
+        """Return the same world with the vehicle standing elsewhere (m, north and east).
+
+        Raises:
+            ValidationError: something stands there.
+        """
+        return type(self).model_validate({**dict(self), "start": start})
+
     @property
     def middle(self) -> Spot:
         """Centre of the arena, or the take-off point's."""

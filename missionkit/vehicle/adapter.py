@@ -37,6 +37,7 @@ from missionkit.vehicle.link.link_lock import LinkLock
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_check import MessageCheck
 from missionkit.vehicle.link.message_rates import NAMES, QUEUED, Streams
+from missionkit.vehicle.link.traffic_link import TrafficLink
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.mission_origin import MissionOrigin
 from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
@@ -65,6 +66,7 @@ class MavsdkVehicle:
         guard: how long the guardian bears silence; None: no guardian, for who only looks.
         relies_on: inputs whose absence is a problem (`reliance`).
         wanted: the mission's origin, if it has one; None: the vehicle's home is the origin.
+        traffic: to the other vehicles of its fleet, if it flies in one.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class MavsdkVehicle:
         guard: Patience | None = USUAL,
         relies_on: Iterable[str] = (),
         wanted: MissionOrigin | None = None,
+        traffic: TrafficLink | None = None,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -94,6 +97,7 @@ class MavsdkVehicle:
         self._system = system
         self._guard = guard
         self._wanted = wanted
+        self.traffic = traffic
         self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
         self._notes = EventNotes()
@@ -208,7 +212,11 @@ class MavsdkVehicle:
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
         missing = self._reliance.problems(seen)
-        return replace(seen, problems=seen.problems + missing) if missing else seen
+        if missing:
+            seen = replace(seen, problems=seen.problems + missing)
+        if self.traffic is None:
+            return seen
+        return replace(seen, traffic=self.traffic.others(until, parts.observer.origin))
 
     async def send(self, command: Command) -> None:
         """Carry out `command`. Nothing is sent while a pilot or the autopilot commands."""
@@ -231,7 +239,9 @@ class MavsdkVehicle:
         return command._replace(setpoint=setpoint)
 
     def tell(self, record: Record, seen: Observation) -> None:
-        """Tell the autopilot what is to be shared; an observer of the flight."""
+        """Tell the autopilot, and the fleet, what is to be shared; an observer of the flight."""
+        if self.traffic is not None and self._parts is not None:
+            self.traffic.tell(record, self._parts.observer.origin)
         if self._sharing is not None and self._parts is not None:
             self._sharing(record, seen)
 

@@ -10,7 +10,7 @@ from missionkit.chart.model.model_base import MissionPart, StateName, TargetName
 from missionkit.chart.text.located_data import LocatedList, LocatedTable
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.geodesy import Origin
-from missionkit.positions import Position
+from missionkit.positions import GroundPosition, Position
 from missionkit.units import Degrees, Hertz, Metres, Point, Seconds
 
 Place3 = Annotated[Point, Field(strict=False)]
@@ -22,6 +22,15 @@ class VehicleSection(MissionPart):
     use: Literal["sim", "free_flyer"] = Field(
         default="sim", description="sim: a multicopter; free_flyer: a satellite with thrusters"
     )
+    start: GroundPosition | None = Field(
+        default=None, description="where a simulated multicopter stands, instead of the world's"
+    )
+
+    @model_validator(mode="after")
+    def _on_the_ground(self) -> Self:
+        if self.start is not None and self.use != "sim":
+            raise sentences(sentence(f"a {self.use} has no place on the ground", "start"))
+        return self
 
 
 class OriginSection(MissionPart):
