@@ -1,8 +1,8 @@
 """Soundness of the checks of charts: `python -m studies.soundness`.
 
 Random charts are explored as `missionkit validate` does. Then the engine flies each at random: it
-must never do what was called impossible. And the example of each transition that can fire is flown
-by the engine: it must happen.
+must never do what was called impossible. And each run that the checks found is flown by the engine:
+it must happen.
 """
 
 from __future__ import annotations
@@ -11,16 +11,17 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from random import Random
 from typing import NamedTuple
 
-from missionkit.chart.checks.counterexample_text import point
-from missionkit.chart.checks.exploration.exploration_result import Example, Exploration, Node
+from missionkit.chart.checks.exploration.concrete_flight import Instant, Run
+from missionkit.chart.checks.exploration.concrete_run import Concrete
+from missionkit.chart.checks.exploration.exploration_result import Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.requirement_proof import Proof, Standing, proofs
 from missionkit.chart.checks.exploration.search import explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
+from missionkit.chart.checks.livelocks import flown_into
 from missionkit.chart.load import parse
 from missionkit.chart.model.state_contracts import fulfilled
 from missionkit.chart.semantics.chart_compiler import compile_mission
@@ -31,32 +32,28 @@ from missionkit.guards.battery import CHARGE
 from missionkit.guards.ground_touched import TOUCHED
 from missionkit.guards.plugin_failure import FAILING
 from missionkit.messages import GROUND_TOUCHED
-from missionkit.messages.region import Box, Boxes, Quantity
 from missionkit.plugin_containment import Containment
 from studies.parallel import in_parallel
 from studies.soundness_charts import CATALOGUE, TICK, Seen, chart, estimate, flight, requirements
 
-INSISTENCE = 130  # ticks: the built-in failsafes wait for 6 s at most
 FLIGHTS = 6  # through each chart
 PAGE = """# Study: what is called impossible never happens, and what can happen does
 
 Random charts with parallel regions, timers, events, delayed events, variables, invariants and
 failsafes are explored as `missionkit validate` does. The engine then flies each of them {flights}
-times at random, and flies the example of each transition that the exploration says can fire.
+times at random, and flies the run that the checks found to each transition that can fire.
 
     {command}
 
 - Charts: {charts}, of which {complete} were explored completely.
 - Random ticks: {ticks}. A transition that can never fire fired, a state that is never reached was
-  reached, a tick did not come to rest although none was found, or a requirement was broken that
-  was proved, or fulfilled that no run can fulfil: **{contradictions}**.
+  reached, a tick did not come to rest although none was found, a requirement was broken that was
+  proved, or fulfilled that no run can fulfil, or a run did not happen: **{contradictions}**.
 - Requirements: {proved} proved, {refuted} refuted, {open} open.
-- Examples of transitions and failsafes that need nothing of what guards remember:
-  **{plain}** happened when the engine flew them. One known reason for the others: states entered
-  at different times have ages that the exploration keeps as intervals of their own.
-- Examples that need a latch that is set, or a guard that has held for a while:
-  **{past}** happened. The exploration lets what a guard remembers be anything that the guard
-  allows, so that not every example of these is a run.
+- Transitions and failsafes that are not excluded: for **{shown}** the checks found a run, and the
+  engine, with the guards themselves, has flown each of these runs (one that did not happen counts
+  as a contradiction above, as does a run that is said to break a requirement and does not). For
+  the others no run was found: nothing is claimed of them.
 """
 
 
@@ -67,9 +64,9 @@ class Judged(NamedTuple):
     complete: bool
     ticks: int
     contradictions: tuple[str, ...]
-    happened: tuple[int, int]  # examples: without a past, with one
+    shown: int  # transitions and failsafes with a run
+    without_run: int  # those that are not excluded, without one
     standings: tuple[int, int, int]  # requirements proved, refuted, open
-    missed: tuple[int, int]  # the same, of those that did not happen
 
 
 class Flown(NamedTuple):
@@ -104,10 +101,6 @@ class Flight:
         every = results(watched, monitors, over=False)
         return tuple({it.name for it in every if it.fulfilled is end} for end in (False, True))
 
-    def age(self, name: str) -> float:
-        """Return how long (s) a state has been active."""
-        return self.now - self.memory.entered[name]
-
 
 def flown(compiled: Chart, every: Sequence[Seen]) -> Flown:
     """Fly a chart; return the states entered, the transitions taken, and whether it rested."""
@@ -122,88 +115,56 @@ def flown(compiled: Chart, every: Sequence[Seen]) -> Flown:
     return Flown(entered, taken, rested, *flight.judged())
 
 
-def happens(compiled: Chart, explored: Exploration, example: Example, name: str) -> bool:
-    """Say whether the engine does what an example says, its times and situations made concrete."""
-    flight = _led(compiled, explored, example.node)
-    if flight is None:
-        return False
-    seen = concrete(example.step.boxes, example.step.events)
-    return any(name in _names(decision) for decision in _insisting(flight, seen))
-
-
-def _led(compiled: Chart, explored: Exploration, node: Node) -> Flight | None:
-    """Return a flight that has come to a node, None if it does not come there."""
-    path = [node]
-    while path[-1].before is not None:
-        path.append(path[-1].before)
-    path.reverse()
+def replayed(compiled: Chart, run: Run) -> tuple[Flight, Decision]:
+    """Fly a run of the checks; return the flight and its last decision."""
     flight = Flight(compiled)
-    for before, following in pairwise(path):
-        step = following.step
-        if step is None:
-            return None
-        if not step.taken and not step.events and not step.forced:
-            if not _waited(flight, following, explored.rests.get(before.number, ({},))):
-                return None
-        elif not _reached(flight, following, concrete(step.boxes, step.events)):
-            return None
-    return flight
+    for instant in run.instants[:-1]:
+        flight.now = instant.now
+        flight.tick(as_seen(instant))
+    flight.contain.take()
+    flight.now = run.instants[-1].now
+    return flight, flight.tick(as_seen(run.instants[-1]))
 
 
-def _reached(flight: Flight, following: Node, seen: Seen) -> bool:
-    return any(flight.memory.active == following.memory.active for _ in _insisting(flight, seen))
-
-
-def _insisting(flight: Flight, seen: Seen) -> Iterator[Decision]:
-    """Tick with the same situation until something happens, for guards that must hold a while."""
-    for _ in range(INSISTENCE):
-        decision = flight.tick(seen)
-        yield decision
-        flight.now += TICK
-        if decision.fired and decision.fired[-1].reason != "start":
-            return
-
-
-def _waited(flight: Flight, later: Node, rests: Boxes) -> bool:
-    """Let time pass, with ticks in which nothing is to happen, until ages are as in a node.
+def unfounded(
+    compiled: Chart, concrete: Concrete, runs: Sequence[tuple[str, Run]], proved: Sequence[Proof]
+) -> Iterator[str]:
+    """Yield each run of the checks at whose end the engine does not do what is said.
 
     Args:
-        flight: so far.
-        later: the node with the ages.
-        rests: a situation in which nothing happens.
+        compiled: the chart.
+        concrete: finds runs.
+        runs: to transitions and failsafes, by their names.
+        proved: what is known of the requirements.
     """
-    if not set(later.ages) <= set(flight.memory.active):
-        return False
-    need = max((age.low - flight.age(name) for name, age in later.ages.items()), default=0.0)
-    until = flight.now + max(need, 0.0)
-    while flight.now + TICK < until:
-        flight.tick(concrete(rests, ()))
-        flight.now += TICK
-    flight.now = max(flight.now, until)
-    return flight.memory.active == later.memory.active
+    for name, run in runs:
+        _, decision = replayed(compiled, run)
+        if all(fired.reason.partition(",")[0] != name for fired in decision.fired):
+            yield f"the run to {name} does not happen"
+    for circle in concrete.explored.circles[:1]:
+        into = flown_into(circle, concrete)
+        if into is not None and not replayed(compiled, into)[0].contain.take():
+            yield "the run to a tick that does not come to rest does not happen"
+    for proof in proved:
+        model = proof.requirement
+        if proof.run is not None and model.existence is None and model.response is None:
+            flight, _ = replayed(compiled, proof.run)
+            if model.name not in flight.judged()[0]:
+                yield f"the run that breaks {model.name} does not happen"
 
 
-def _names(decision: Decision) -> set[str]:
-    return {fired.reason.partition(",")[0] for fired in decision.fired}
-
-
-def concrete(boxes: Boxes, events: tuple[str, ...]) -> Seen:
-    """Return one situation of some boxes."""
-    box = min(boxes, key=lambda box: (None in box.values(), len(box)), default={})
-    charge: float | None = 0.9
-    flags = [GROUND_TOUCHED] if _true(box, TOUCHED) else []
-    for quantity, span in box.items():
+def as_seen(instant: Instant) -> Seen:
+    """Return what the engine is given in one tick of a run."""
+    charge: float | None = None
+    flags = [GROUND_TOUCHED] if instant.point.get(TOUCHED) else []
+    for quantity, value in instant.point.items():
         if quantity == CHARGE:
-            charge = None if span is None else point(quantity, span)
+            charge = value
         for flag in ("a", "b"):
             if quantity.name == f"flag (name {flag})":
-                flags += [f"{flag}?"] if span is None else [flag] if span.low else []
-    return Seen(charge, (*flags, *events), _true(box, FAILING))
-
-
-def _true(box: Box, quantity: Quantity) -> bool:
-    span = box.get(quantity)
-    return span is not None and span.low == 1.0
+                flags += [f"{flag}?"] if value is None else [flag] if value else []
+    failing = instant.point.get(FAILING) == 1.0
+    return Seen(charge, (*flags, *instant.events), failing, instant.in_air)
 
 
 def judged(seed: int) -> Judged:
@@ -223,18 +184,18 @@ def judged(seed: int) -> Judged:
         names = {_name(explored_chart, number) for number in explored.taken}
         for one in (flown(compiled, seen) for seen in flights):
             wrong += [*_contradictions(explored, names, one), *_refused(proved, one)]
-    examples = {_name(explored_chart, number): it for number, it in explored.taken.items()}
-    examples = {n: it for n, it in examples.items() if n[:1] == "t" or n.startswith("failsafe x")}
-    examples = {name: it for name, it in examples.items() if not it.undone}
-    counted = Counter(
-        (_has_past(compiled, it), happens(compiled, explored, it, name))
-        for name, it in examples.items()
-    )
-    happened, missed = ((counted[False, it], counted[True, it]) for it in (True, False))
+    concrete = Concrete(explored_chart, explored)
+    examples = [(_name(explored_chart, number), number) for number in explored.taken]
+    examples = [it for it in examples if it[0][:1] == "t" or it[0].startswith("failsafe x")]
+    tried = [(name, concrete.taking(number)) for name, number in examples]
+    runs = [(name, run) for name, run in tried if run is not None]
+    wrong += unfounded(compiled, concrete, runs, proved)
     ticks = sum(map(len, flights))
     known = Counter(proof.standing for proof in proved)
     standings = (known[Standing.PROVED], known[Standing.REFUTED], known[Standing.OPEN])
-    return Judged(seed, explored.complete, ticks, tuple(wrong), happened, standings, missed)
+    return Judged(
+        seed, explored.complete, ticks, tuple(wrong), len(runs), len(tried) - len(runs), standings
+    )
 
 
 def _refused(proved: Sequence[Proof], flown: Flown) -> Iterator[str]:
@@ -245,19 +206,6 @@ def _refused(proved: Sequence[Proof], flown: Flown) -> Iterator[str]:
             yield f"{name} broken"
         if proof.always and name in flown.fulfilled:
             yield f"{name} fulfilled"
-
-
-def _has_past(compiled: Chart, example: Example) -> bool:
-    """Say whether a run needs what guards remember: a latch, or how long they have held."""
-    holding = {way.number for way in compiled.failsafes if way.hold}
-    holding |= {way.number for it in compiled.states.values() for way in it.transitions if way.hold}
-    node: Node | None = example.node
-    steps = [example.step]
-    while node is not None and node.step is not None:
-        steps.append(node.step)
-        node = node.before
-    latched = any("until" in it.name for step in steps for box in step.boxes for it in box)
-    return latched or any(not holding.isdisjoint(step.taken) for step in steps)
 
 
 def _name(explored_chart: ExploredChart, number: int) -> str:
@@ -275,9 +223,7 @@ def _contradictions(explored: Exploration, names: set[str], flown: Flown) -> Ite
 
 def page(found: Sequence[Judged], command: str) -> str:
     """Return the page of the study."""
-    plain, past = (
-        (sum(it.happened[n] for it in found), sum(it.missed[n] for it in found)) for n in (0, 1)
-    )
+    shown = sum(it.shown for it in found)
     return PAGE.format(
         flights=FLIGHTS,
         command=command,
@@ -288,14 +234,13 @@ def page(found: Sequence[Judged], command: str) -> str:
         proved=sum(it.standings[0] for it in found),
         refuted=sum(it.standings[1] for it in found),
         open=sum(it.standings[2] for it in found),
-        plain=_of(*plain),
-        past=_of(*past),
+        shown=_of(shown, sum(it.without_run for it in found)),
     )
 
 
-def _of(happened: int, missed: int) -> str:
-    every = happened + missed
-    return f"{happened} of {every} ({100.0 * happened / max(1, every):.1f} %)"
+def _of(shown: int, others: int) -> str:
+    every = shown + others
+    return f"{shown} of {every} ({100.0 * shown / max(1, every):.1f} %)"
 
 
 def main(arguments: Sequence[str]) -> None:

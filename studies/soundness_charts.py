@@ -61,6 +61,7 @@ class Seen(NamedTuple):
     charge: float | None  # None: it is not known
     events: tuple[str, ...]
     failing: bool = False  # a plug-in
+    in_air: bool = True
 
 
 def chart(random: Random) -> str:
@@ -202,7 +203,7 @@ def estimate(seen: Seen, now: float, state: str, entered_at: float) -> Estimate:
         rates=np.zeros(3),
         health=HEALTHY._replace(gnss_at=now),
         battery=battery,
-        status=VehicleStatus(now, armed=True, in_air=True, ready=True, mode="offboard"),
+        status=VehicleStatus(now, armed=True, in_air=seen.in_air, ready=True, mode="offboard"),
         home=np.zeros(3),
         events=seen.events,
         state=state,

@@ -24,8 +24,8 @@ def problems_of(chart: ExploredChart, explored: Exploration) -> Iterator[Problem
         name = proof.requirement.name
         why = (
             "no run of the chart fulfils it"
-            if proof.always
-            else f"a run of the chart breaks it: {steps_text(chart, proof.run)}"
+            if proof.run is None
+            else f"a run of the chart breaks it: {steps_text(chart, proof.run.steps)}"
         )
         yield Problem(
             proof.requirement.place("name"),
@@ -56,6 +56,6 @@ def _said(chart: ExploredChart, proof: Proof) -> str:
         return "Proved: no run of the chart breaks it"
     if proof.standing is Standing.OPEN:
         return "Open before the flight"
-    if proof.always:
+    if proof.run is None:
         return "Refuted: no run of the chart fulfils it"
-    return f"Refuted by a run: {steps_text(chart, proof.run)}"
+    return f"Refuted by a run: {steps_text(chart, proof.run.steps)}"

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from missionkit.chart.checks.exploration.example_run import run_text
+from missionkit.chart.checks.exploration.concrete_flight import Run
+from missionkit.chart.checks.exploration.concrete_run import Concrete
+from missionkit.chart.checks.exploration.example_run import NOT_EXCLUDED, steps_text
 from missionkit.chart.checks.exploration.exploration_result import Disarming, Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.model.actions import Act, Order
@@ -26,20 +28,24 @@ def problems_of(chart: ExploredChart, explored: Exploration) -> Iterator[Problem
     """Yield each action that disarms in a tick in which the vehicle may be in the air."""
     known = dict(_disarms(chart)) if explored.disarming else {}
     reported: set[Place] = set()
+    concrete = Concrete(chart, explored)
     for found in explored.disarming:
         for owner in _owners(found):
             if owner in known and known[owner].place not in reported:
                 reported.add(known[owner].place)
-                yield _problem(chart, found, known[owner])
+                run = concrete.run(
+                    {found.node.number: [found.step]},
+                    lambda tried: Action.DISARM in tried.decision.orders,
+                )
+                yield _problem(chart, known[owner], run)
 
 
-def _problem(chart: ExploredChart, found: Disarming, disarms: Disarms) -> Problem:
-    to = found.moves[-1].active[-1]
+def _problem(chart: ExploredChart, disarms: Disarms, flown: Run | None) -> Problem:
+    run = NOT_EXCLUDED if flown is None else f"; run: {steps_text(chart, flown.steps)}"
     return Problem(
         disarms.place,
-        f"{disarms.where} disarms where the vehicle may be in the air; it is refused there; "
-        f"run: {run_text(chart, found.node, found.step, to)}",
-        Level.ERROR,
+        f"{disarms.where} disarms where the vehicle may be in the air; it is refused there{run}",
+        Level.WARNING if flown is None else Level.ERROR,
         "disarms-in-flight",
         "disarm only on the way out of a state of kind land, {when: done}, or after it",
     )

@@ -13,6 +13,7 @@ from itertools import product
 from typing import NamedTuple
 
 TICK = 0.1  # s between two ticks at most: a time may be noticed that much late
+ROUNDING = 1e-9  # s
 
 
 class Age(NamedTuple):
@@ -108,7 +109,7 @@ def _parts(age: Age, limits: tuple[float, ...]) -> Iterator[Age]:
         yield Age(limits[-1] if limits else 0.0, math.inf)
         return
     for limit in limits:
-        if low < limit < high:
+        if low < limit < high - ROUNDING:
             yield Age(low, limit)
             low = limit
     yield Age(low, high) if low < limits[-1] else Age(low, math.inf)

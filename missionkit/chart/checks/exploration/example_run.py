@@ -5,28 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from missionkit.chart.checks.counterexample_text import example
-from missionkit.chart.checks.exploration.exploration_result import Node
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.observations import Step
 
 STEPS_SHOWN = 6
+NOT_EXCLUDED = "; this is not excluded, but no run to it was found"
 START = "start"  # reason of the entry of the initial states
-
-
-def run_text(chart: ExploredChart, node: Node, last: Step, to: str) -> str:
-    """Return a run in words: "0 s up; 2 s 'done': go; 7 s failsafe battery: home".
-
-    Args:
-        chart: that was explored.
-        node: to which the run leads before its last step.
-        last: its last step.
-        to: the state that this leads to.
-    """
-    ways = [(last, to)]
-    while node.before is not None and node.step is not None:
-        ways.append((node.step, node.memory.state))
-        node = node.before
-    return steps_text(chart, ways[::-1])
 
 
 def steps_text(chart: ExploredChart, steps: Sequence[tuple[Step, str]]) -> str:

@@ -24,6 +24,13 @@ class Node(NamedTuple):
     aloft: bool = False  # the vehicle may have left the ground; only where the chart disarms
 
 
+class Link(NamedTuple):
+    """A step that leads from one node to another, by its number."""
+
+    to: int
+    step: Step
+
+
 class Circle(NamedTuple):
     """A tick that does not come to rest."""
 
@@ -70,6 +77,7 @@ class Exploration(NamedTuple):
     circles: Sequence[Circle]
     disarming: Sequence[Disarming]
     rests: Mapping[int, Boxes]  # by the number of the node: where a tick changes nothing
+    links: Mapping[int, Sequence[Link]]  # by the number of the node that they lead from
     edges: Edges  # only of a chart with requirements
     complete: bool  # nothing else can happen
     ticks: int  # tried, those of large charts count more

@@ -60,7 +60,11 @@ class ExploredChart:
         mission = analysed.mission
         assigned = {act.variable for act in actions_of(mission) if isinstance(act, Assign)}
         self.assigned = frozenset(assigned)
-        constants = mission.variables.keys() - assigned
+        constants = {
+            name
+            for name, each in mission.variables.items()
+            if name not in assigned and isinstance(each.initial, str)
+        }
         asker = OracleCompiler(dict(mission.guards), analysed.reader, self.oracle, constants)
         compiled = compile_with(asker, mission, self.tree.catalogue)
         self.moves = NotedMoves()
@@ -128,7 +132,7 @@ class ExploredChart:
         found = {
             max(state.dwell if way.patient else 0.0, way.after or 0.0) for way in state.transitions
         }
-        if state.behavior is not None:
+        if state.behavior is not None or not state.children:
             around = self.tree.around(state.name)
             near = {"", state.name, *around}
             if any(self.tree.states[each].state.parallel for each in around):

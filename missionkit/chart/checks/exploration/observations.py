@@ -17,6 +17,7 @@ class Step(NamedTuple):
     events: tuple[str, ...]  # from outside, in this order
     taken: tuple[int, ...]  # numbers of the transitions
     boxes: Boxes  # where the quantities may lie
+    before: Boxes = ()  # where they may lie before a state that commands is entered, if it is
     forced: str = ""  # why it leads away where no transition of the file does
 
 

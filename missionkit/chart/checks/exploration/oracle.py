@@ -56,6 +56,7 @@ VERDICTS = {
     Answer.NOT_TRUE: FALSE_VERDICT,
     Answer.NOT_FALSE: TRUE_VERDICT,
 }
+ASKED_IF_KNOWN = (Answer.FAILS, Answer.HOLDS)
 ASKED_IF_TRUE = (Answer.NOT_TRUE, Answer.HOLDS)
 ASKED_IF_FALSE = (Answer.FAILS, Answer.NOT_FALSE)
 ASKED_FOR_BOTH = (Answer.FAILS, Answer.HOLDS, Answer.UNKNOWN)
@@ -70,9 +71,13 @@ class Leaf:
     at_entry: GuardRegion  # its truth in the tick in which the commanding state is entered
     soonest: float  # s after entry at which it may hold
     options: tuple[Answer, ...] = ()
+    known: bool = False  # it is never unknown
 
     def used(self, *, if_true: bool) -> None:
         """Note that something asks whether it is true, or whether it is false."""
+        if self.known:
+            self.options = ASKED_IF_KNOWN
+            return
         wanted = ASKED_IF_TRUE if if_true else ASKED_IF_FALSE
         self.options = wanted if self.options in {(), wanted} else ASKED_FOR_BOTH
 
@@ -96,6 +101,7 @@ class Situation:
         self.ages: dict[str, float] = {}  # s that each state has lasted at most
         self.answers: list[tuple[Leaf, Answer]] = []
         self.fresh = False  # the commanding state was entered in this tick
+        self.before: Boxes = ()  # what was known just before that
 
     def pick(self, count: int) -> int:
         """Return the number of an option: as planned, beyond that the first."""
@@ -116,7 +122,7 @@ class Situation:
 
     def enter(self) -> None:
         """Forget what is known only of the state that commanded before."""
-        self.fresh = True
+        self.fresh, self.before = True, self.known.boxes
         self.answers = []
         self.known = self.known.after(
             "entry", lambda: kept_at_entry(self.known.boxes) or EVERYWHERE
@@ -221,7 +227,7 @@ class Oracle:
 class OracleCompiler(GuardCompiler):
     """Compiles guards as the engine does, but for leaves, which an oracle answers.
 
-    Variables that nothing assigns are leaves too: they stand for a choice before the flight.
+    Strings that nothing assigns are leaves too: they stand for a choice before the flight.
     """
 
     def __init__(
@@ -272,7 +278,8 @@ class OracleCompiler(GuardCompiler):
     def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
         truth = self._reader.truth(guard)
         at_entry = GuardRegion(*map(_possible_at_entry, truth))
-        leaf = Leaf(name, truth, at_entry, lasting(truth.may))
+        known = isinstance(guard, ex.VariableGuard)
+        leaf = Leaf(name, truth, at_entry, lasting(truth.may), known=known)
         self._oracle.leaves[name] = leaf
         answer = self._oracle.answer
         return answered(name, lambda question: answer(leaf, question))

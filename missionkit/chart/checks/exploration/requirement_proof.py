@@ -3,19 +3,22 @@
 A requirement is proved if no run of the exploration breaks it, whatever the guards say that it
 leaves open; it is refuted if some run surely does. How long a behaviour takes, and what a guard
 says of the world, is left open by the chart: what depends on that is open. So only what the chart
-itself decides, its states and variables, refutes that something holds or comes before.
+itself decides, its states and variables, refutes that something holds or comes before, and only
+a run that the engine has flown, through situations that are chosen for it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from heapq import heappop, heappush
 from math import inf
 from typing import Any, NamedTuple, TypeGuard, cast
 
 from missionkit.chart.checks.exploration import clocks
-from missionkit.chart.checks.exploration.exploration_result import Exploration
+from missionkit.chart.checks.exploration.concrete_flight import Run, Ticked
+from missionkit.chart.checks.exploration.concrete_run import Concrete, Does
+from missionkit.chart.checks.exploration.exploration_result import Exploration, Link
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.observations import Edge, Observed, Step, sooner
 from missionkit.chart.checks.guard_regions import GuardRegion
@@ -23,9 +26,10 @@ from missionkit.chart.checks.interval_boxes import covered, intersection
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.requirements import Moment, Requirement
 from missionkit.chart.semantics.guard_compiler import of_chart
+from missionkit.chart.semantics.requirement_watch import results
 from missionkit.chart.semantics.robustness import leaves, opened_up
 
-Run = tuple[tuple[Step, str], ...]  # each step and the state that it leads to
+Way = Sequence[tuple[int, Edge, int]]  # from a node to another
 
 
 class Standing(StrEnum):
@@ -41,7 +45,7 @@ class Proof(NamedTuple):
 
     requirement: Requirement
     standing: Standing
-    run: Run = ()
+    run: Run | None = None  # flown by the engine
     always: bool = False  # every run breaks it
 
 
@@ -71,18 +75,18 @@ Came = Mapping[Product, tuple[Product, Edge]]
 
 def proofs(chart: ExploredChart, explored: Exploration) -> Iterator[Proof]:
     """Yield what is known of each requirement of a chart, in the order of the file."""
+    concrete = Concrete(chart, explored)
     for requirement in chart.analysed.mission.requirements:
-        yield _Prover(chart, explored, requirement).proof()
+        yield _Prover(concrete, requirement).proof()
 
 
 class _Prover:
     """Searches the runs of a chart for one that breaks a requirement."""
 
-    def __init__(
-        self, chart: ExploredChart, explored: Exploration, requirement: Requirement
-    ) -> None:
-        self.chart = chart
-        self.explored = explored
+    def __init__(self, concrete: Concrete, requirement: Requirement) -> None:
+        self.concrete = concrete
+        self.chart = chart = concrete.chart
+        self.explored = concrete.explored
         self.model = requirement
         self.guards = chart.analysed.mission.guards
         always = requirement.always
@@ -98,10 +102,10 @@ class _Prover:
         if self.model.existence is not None or self.model.response is not None:
             return self._of_what_must_come()
         self.refuting = True
-        run = self._breaking(sure=True)
+        way = self._breaking(sure=True)
         self.refuting = False
-        if run:
-            return Proof(self.model, Standing.REFUTED, run)
+        if way:
+            return self._refuted(way, self._broken)
         if self.explored.complete and not self._breaking(sure=False):
             return Proof(self.model, Standing.PROVED)
         return Proof(self.model, Standing.OPEN)
@@ -127,8 +131,25 @@ class _Prover:
         for number, edge in () if scoped else calls:
             late = self._too_late(min(soon.get(to, inf) for to in edge.to))
             if late and self._truth(called, edge).surely and not self._truth(wanted, edge).may:
-                return Proof(model, Standing.REFUTED, self._path(number, edge))
+                return self._refuted(self._path(number, edge), _taking(edge.step))
         return Proof(model, Standing.OPEN)
+
+    def _refuted(self, way: Way, does: Does) -> Proof:
+        """Return a requirement as refuted if the engine flies a run, as open otherwise."""
+        links: dict[int, list[Link]] = {}
+        for start, edge, to in way[:-1]:
+            links.setdefault(start, []).append(Link(to, edge.step))
+        last, edge, _ = way[-1]
+        run = self.concrete.run({last: [edge.step]}, does, links)
+        if run is None:
+            return Proof(self.model, Standing.OPEN)
+        return Proof(self.model, Standing.REFUTED, run)
+
+    def _broken(self, tried: Ticked) -> bool:
+        """Say whether the requirement's own monitor finds it broken after a tick."""
+        watched, monitors = self.concrete.flier.flown.watch.requirements, tried.run.memory.monitors
+        every = results(watched, monitors, over=False)
+        return any(it.fulfilled is False for it in every if it.name == self.model.name)
 
     def _too_late(self, seconds: float) -> bool:
         return seconds == inf or seconds > self.limit
@@ -140,7 +161,7 @@ class _Prover:
         for number, edges in self.explored.edges.items():
             yield from ((number, edge) for edge in edges if edge.observed is not None)
 
-    def _breaking(self, *, sure: bool) -> Run:
+    def _breaking(self, *, sure: bool) -> Way:
         """Return a run that breaks a safety requirement, empty if there is none.
 
         Args:
@@ -156,7 +177,7 @@ class _Prover:
                 continue
             for edge, later, after, broken in self._following(here, cost, sure=sure):
                 if broken:
-                    return self._run(came, here, edge)
+                    return self._way(came, here, edge)
                 for there in ((to, after) for to in edge.to):
                     if later < costs.get(there, inf):
                         costs[there], came[there] = later, (here, edge)
@@ -279,25 +300,27 @@ class _Prover:
         """Say whether a guard compares a variable that the chart itself sets."""
         return isinstance(guard, ex.VariableGuard) and guard.name in self.chart.assigned
 
-    def _run(self, came: Came, here: Product, edge: Edge) -> Run:
-        """Return the steps to where a search has come, and one more."""
-        steps = [self._step(edge)]
+    def _way(self, came: Came, here: Product, edge: Edge) -> Way:
+        """Return the way to a place in the search, and one more edge from it."""
+        found = [(here[0], edge, edge.to[0])]
         while here in came:
-            here, before = came[here]
-            steps.append(self._step(before))
-        return tuple(reversed(steps))
+            before, edge = came[here]
+            found.append((before[0], edge, here[0]))
+            here = before
+        return found[::-1]
 
-    def _path(self, number: int, edge: Edge) -> Run:
-        """Return the shortest run to a tick that is an edge from a node."""
-        steps = [self._step(edge)]
+    def _path(self, number: int, edge: Edge) -> Way:
+        """Return the shortest way to a tick that is an edge from a node."""
+        found = [(number, edge, edge.to[0])]
         node = self.explored.nodes[number]
         while node.before is not None and node.step is not None:
-            steps.append((node.step, node.memory.state))
+            found.append((node.before.number, Edge((node.number,), node.step, None), node.number))
             node = node.before
-        return tuple(reversed(steps))
+        return found[::-1]
 
-    def _step(self, edge: Edge) -> tuple[Step, str]:
-        return edge.step, self.explored.nodes[edge.to[0]].memory.state
+
+def _taking(step: Step) -> Does:
+    return lambda tried: tried.taken == step.taken
 
 
 def _all(parts: list[Truth]) -> Truth:

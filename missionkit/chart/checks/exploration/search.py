@@ -14,6 +14,7 @@ from missionkit.chart.checks.exploration.exploration_result import (
     Disarming,
     Example,
     Exploration,
+    Link,
     Node,
     Tick,
 )
@@ -56,6 +57,7 @@ class Search:
         self.observed = bool(chart.analysed.mission.requirements)
         self.taken: dict[int, Example] = {}
         self.rests: dict[int, Boxes] = {}
+        self.links: dict[int, list[Link]] = {}
         self.reached: dict[str, Node] = {}
         self.left: dict[str, dict[int, float]] = {}
         self.circles: list[Circle] = []
@@ -74,7 +76,7 @@ class Search:
             self._follow(self.waiting.popleft())
         return Exploration(
             *(self.nodes, self.taken, self.reached, self.left),
-            *(self.circles, self.disarming, self.rests),
+            *(self.circles, self.disarming, self.rests, self.links),
             *(self.edges, self.complete, self.ticks),
         )
 
@@ -90,7 +92,7 @@ class Search:
         every = clocks.groups(node.ages, limits)
         cell = tuple([clocks.following(age.low, each) for age, each in every.values()])
         key = (
-            *(memory.active, memory.started, memory.ended, node.aloft, cell),
+            *(memory.active, memory.started, memory.ended, node.aloft, cell, _waits(node)),
             tuple(memory.history.items()),
             self.chart.capped(memory.variables),
             tuple([each.event for each in memory.delayed]),
@@ -115,6 +117,7 @@ class Search:
         limits = self.chart.limits
         ages = clocks.resting(node.ages, limits) if node.memory.started else dict(node.ages)
         rests = False
+        ticks = _waits(node)
         if node.memory.started and (node.step is None or node.step.taken):
             situation = Situation(self.chart.oracle, (), 0.0)
             self._note(node, ages, self._tick(node, situation, (ABORT,)))
@@ -125,10 +128,11 @@ class Search:
                 if tick.moves and self.chart.judges_itself:
                     every += [it for it in self._events(tick.memory, events) if it not in every]
         for seconds, later in clocks.passed(node.ages, limits):
-            if not rests and seconds > clocks.TICK:
+            if not rests and (ticks or seconds > clocks.TICK):
                 continue  # something happens at every tick
             step = Step(seconds, (), (), EVERYWHERE)
             to = self._add(Node(0, node.memory, later, node, step, node.aloft))
+            self._link(node, (to,), step)
             self._connect(node, Edge((to,), step, None))
 
     def _note(self, node: Node, ages: Ages, tick: Tick) -> bool:
@@ -155,8 +159,14 @@ class Search:
         }
         parts = clocks.split(later, self.chart.limits)
         nodes = (Node(0, tick.memory, part, node, tick.step, aloft) for part in parts)
-        self._observe(node, tick, tuple(map(self._add, nodes)))
+        to = tuple(map(self._add, nodes))
+        self._link(node, to, tick.step)
+        self._observe(node, tick, to)
         return False
+
+    def _link(self, node: Node, to: tuple[int, ...], step: Step) -> None:
+        links = self.links.setdefault(node.number, [])
+        links += [Link(number, step) for number in to]
 
     def _observe(self, node: Node, tick: Tick, to: tuple[int, ...]) -> None:
         """Note what a tick leads to and what requirements see at its end."""
@@ -246,11 +256,11 @@ class Search:
         contain = Containment()
         after, decision = decide(chart, memory, seen, contain, frugal=True)
         self.ticks += len(self.chart.moves.noted) // MICROSTEPS
-        numbers = [_numbers(key) for key in self.chart.moves.noted]
+        numbers = [numbers_of(key) for key in self.chart.moves.noted]
         taken = tuple([number for each in numbers for number in each if number > 0])
         circle = _period(numbers) if contain.failures else ()
         forced = "" if taken or not decision.fired else decision.fired[0].reason
-        step = Step(0.0, events, taken, situation.known.boxes, forced)
+        step = Step(0.0, events, taken, situation.known.boxes, situation.before, forced)
         waits = any(each.since == SEEN.now for each in self.held)
         return Tick(after, decision.moves, step, circle, decision.orders, situation.fresh, waits)
 
@@ -264,7 +274,7 @@ class Search:
         timed = (*here.timed, *(each for each in self.chart.chart.failsafes if each.hold))
         held: dict[int, LongAgo] = {}
         self.held = []
-        for each in timed:
+        for each in timed if memory.started else ():
             held[each.number] = LongAgo(self.chart.oracle, each, self.held)
             self.held.append(held[each.number])
         violated = {state.name: LONG_AGO for state in here.promising}
@@ -281,7 +291,15 @@ class Search:
         return prepared._replace(delayed=tuple(delayed))
 
 
-def _numbers(key: Any) -> tuple[int, ...]:
+def _waits(node: Node) -> bool:
+    """Say whether time has passed to a node: then a tick is due in it."""
+    before, step = node.before, node.step
+    if before is None or step is None or not before.memory.started:
+        return False
+    return not (step.taken or step.events or step.forced)
+
+
+def numbers_of(key: Any) -> tuple[int, ...]:
     """Return the transitions of a microstep, by its key in the memo of moves."""
     chosen = key[1]
     return (chosen,) if isinstance(chosen, int) else tuple([each[0] for each in chosen])

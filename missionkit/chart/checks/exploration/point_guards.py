@@ -1,0 +1,157 @@
+"""The chart as it flies, its leaf guards answered by one value of each quantity they read.
+
+Everything else is the engine's own: latches, hold times, timers, invariants and requirements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from typing_extensions import override
+
+from missionkit.chart.checks.exploration.explored_chart import ExploredChart, NotedMoves
+from missionkit.chart.checks.guard_regions import RegionReader
+from missionkit.chart.model import guard_expressions as ex
+from missionkit.chart.semantics.chart_compiler import compile_with
+from missionkit.chart.semantics.compiled_chart import (
+    AskedGuard,
+    Chart,
+    CompiledState,
+    GuardContext,
+    GuardFunction,
+)
+from missionkit.chart.semantics.guard_compiler import FALSE_VERDICT, GuardCompiler, answered
+from missionkit.errors import NO_PLACE
+from missionkit.guards.state_progress import Done, Elapsed
+from missionkit.messages import Estimate, Verdict
+from missionkit.messages.region import Boxes, Interval, Quantity
+from missionkit.plugin import Plugin
+
+Point = Mapping[Quantity, float | None]  # None: the quantity is not known
+
+
+@dataclass(slots=True)
+class World:
+    """What the guards see in a tick."""
+
+    point: Point = field(default_factory=dict)
+    broken: bool = False  # the invariants of the kinds of state do not hold
+
+
+def flown_chart(chart: ExploredChart, world: World) -> tuple[Chart, NotedMoves]:
+    """Return a chart as the engine compiles it, but for leaf guards, which look at `world`.
+
+    Args:
+        chart: that was explored.
+        world: what the guards see; it is changed from tick to tick.
+    """
+    mission = chart.analysed.mission
+    asker = _PointCompiler(dict(mission.guards), chart.analysed.reader, world)
+    compiled = compile_with(asker, mission, chart.tree.catalogue)
+    states = {name: _state(state, world) for name, state in compiled.states.items()}
+    moves = NotedMoves()
+    return replace(compiled, states=states, moves=moves), moves
+
+
+def _state(state: CompiledState, world: World) -> CompiledState:
+    if state.kind.invariant is None:
+        return state
+
+    def check(_: Estimate, __: str | None) -> Verdict:
+        return Verdict(holds=not world.broken)
+
+    kept = replace(state.kind.invariant, check=check)
+    return replace(state, kind=replace(state.kind, invariant=kept))
+
+
+class _PointCompiler(GuardCompiler):
+    def __init__(self, named: dict[str, ex.Expression], reader: RegionReader, world: World) -> None:
+        super().__init__(named)
+        self._reader, self._world = reader, world
+
+    @override
+    def asked(self, expression: ex.Expression, *, unknown_takes: bool = False) -> AskedGuard:
+        return AskedGuard(self.ask(expression), unknown_takes)
+
+    @override
+    def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
+        if isinstance(plugin, Elapsed):
+            return super()._plugin(name, plugin)
+        asked = self._leaf(name, ex.Use(str(plugin.kind), plugin, NO_PLACE))
+        if not isinstance(plugin, Done):
+            return asked
+        return answered(
+            name, lambda question: asked(question) if question.seen.done else FALSE_VERDICT
+        )
+
+    @override
+    def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
+        if self._reader.measured(latch.part) is None:
+            return self._leaf(name, latch)
+        return super()._latch(name, latch)
+
+    def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
+        truth, world = self._reader.truth(guard), self._world
+        measured = self._reader.measured(guard)
+
+        def ask(question: GuardContext) -> Verdict:
+            point = as_seen(world.point, question.seen)
+            value = None if measured is None else point.get(measured)
+            if lies_in(point, truth.surely):
+                return Verdict(True, "", value)  # noqa: FBT003
+            if lies_in(point, truth.surely_not):
+                return Verdict(False, "", value)  # noqa: FBT003
+            return Verdict.unknown("not known")
+
+        return answered(name, ask)
+
+
+def as_seen(point: Point, seen: Estimate) -> Point:
+    """Return what is left of a point where a state was just entered, and clocks no older than it.
+
+    Args:
+        point: at the beginning of the tick.
+        seen: by the guards; without a goal after the state that commands was entered.
+    """
+    if not any(quantity.at_entry != "kept" for quantity in point):
+        return point
+    age = seen.now - seen.entered_at
+    if seen.goal is None:
+        return {q: v if q.at_entry == "kept" else _at_entry(q) for q, v in point.items()}
+    return {q: min(v, age) if v is not None and _clock(q) else v for q, v in point.items()}
+
+
+def _at_entry(quantity: Quantity) -> float | None:
+    return 0.0 if quantity.at_entry == "zero" else None
+
+
+def _clock(quantity: Quantity) -> bool:
+    return quantity.at_entry == "zero" and quantity.unit == "s"
+
+
+def lies_in(point: Point, boxes: Boxes) -> bool:
+    """Say whether a point lies in one of some boxes.
+
+    A quantity that the point does not name is not known; a truth value is false.
+    """
+    return any(
+        all(_inside(span, value_of(point, quantity)) for quantity, span in box.items())
+        for box in boxes
+    )
+
+
+def value_of(point: Point, quantity: Quantity) -> float | None:
+    """Return the value of a quantity at a point, as `lies_in` reads it."""
+    if quantity in point:
+        return point[quantity]
+    is_truth = quantity.whole and (quantity.least, quantity.most) == (0.0, 1.0)
+    return 0.0 if is_truth and not quantity.words else None
+
+
+def _inside(span: Interval | None, value: Any) -> bool:
+    if span is None or value is None:
+        return span is None and value is None
+    above = value > span.low or (value == span.low and not span.low_open)
+    return above and (value < span.high or (value == span.high and not span.high_open))
