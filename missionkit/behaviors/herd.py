@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, field_validator
 from typing_extensions import override
 
@@ -16,6 +17,7 @@ from missionkit.messages.herd import Arena, HerdChoice, HerdObstacle, HerdRobot,
 from missionkit.messages.robot_modes import SPIN, is_obstacle, spins
 from missionkit.planning.herding.dynamic_programme import DynamicProgramme
 from missionkit.planning.herding.nearest_to_goal import NearestToGoal
+from missionkit.planning.target_robots import place_ahead, stands_for, way_out
 from missionkit.plugin import Behavior, InGroup
 from missionkit.plugin_protocols import HerdingPolicyProtocol
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Seconds
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 ROBOT = GroundRobot()
 OWN = ("dynamic_programme", "nearest_to_goal")  # policies that it makes itself
 EVERY = 0.5  # s, between two decisions
+LEVEL = 0.9  # m, that a landing flies level while it descends
+BLOCK = 0.5  # m, ahead of a robot where it lands
 FRESH = 0.3  # s; a track is in view if it was seen so lately
 TURNS = {"front": "herd.front", "top": "herd.top"}  # events, by how the robot is to be turned
 CLEAR = 0.6  # of the height, under which it flies nowhere but up
@@ -73,8 +77,11 @@ class Herd(Behavior):
     height: Metres = Field(default=2.5, gt=0, description="above the ground")
     speed: MetresPerSecond = Field(default=2.13, gt=0)
     within: Metres = Field(default=0.5, gt=0)
-    land: Seconds = Field(default=4.2, gt=0, description="from the choice's start to the bump")
-    climb: Seconds = Field(default=2.5, gt=0, description="back up")
+    land: Seconds = Field(default=3.2, gt=0, description="from the choice's start to the bump")
+    climb: Seconds = Field(default=2.7, gt=0, description="from the bump until it is back up")
+    ahead: Metres = Field(
+        default=0.8, ge=0, description="of a robot, where it waits to land in front of it"
+    )
     view: Fraction = Field(
         default=0.75, description="radius of what the camera shows, of the height"
     )
@@ -135,6 +142,8 @@ class Herd(Behavior):
             speed=self.speed,
             land=self.land,
             climb=self.climb,
+            reach=LEVEL,
+            lead=BLOCK,
             sight=self.view * self.height,
         )
 
@@ -186,19 +195,19 @@ class Herd(Behavior):
         return Step(guidance, goal=Goal(place, None, seen.now, TRACKED), note=note, memory=on)
 
     def _above(self, seen: Estimate, robot: Target, on: Herding) -> Step:
-        north, east, ground = robot.position.tolist()
-        place = vec(north, east, ground - self.height)
+        choice = on.choice
+        over = choice.action == "top" or math.isinf(stands_for(robot))
+        ahead = 0.0 if over else self.ahead
+        place = np.append(place_ahead(robot, ahead, 0.0), robot.position[2] - self.height)
         gap = math.dist(place[:2], seen.position[:2])
         speed = 0.0 if spins(robot) else ROBOT.speed
-        heading = robot.heading or 0.0
-        ahead = vec(speed * math.cos(heading), speed * math.sin(heading), 0.0)
-        choice = on.choice
-        due = choice.action != "wait" and choice.start_in - (seen.now - on.decided_at) <= EVERY
+        along = np.append(speed * way_out(robot), 0.0)
+        due = choice.action != "wait" and seen.now - on.decided_at >= choice.start_in
         done = due and gap <= self.within
         if done:
             on = on._replace(met=robot.name, met_at=seen.now)
         return Step(
-            Guidance(place, self.speed, ahead, yaw=on.yaw),
+            Guidance(place, self.speed, along, yaw=on.yaw),
             done=done,
             events=(TURNS[choice.action],) if done else (),
             goal=Goal(place, None, seen.now, TRACKED),

@@ -39,6 +39,7 @@ class Target(NamedTuple):
     classes: Mapping[str, float] = MappingProxyType({})  # probability of each kind of object
     confidence: float | None = None  # 0 to 1, share of the last frames in which it was detected
     reversal_in: float | None = None  # s, until it next turns round by its clock; None: not known
+    spin_left: float | None = None  # s, of the half turn that it is in; None: none, or not known
 
 
 class Health(NamedTuple):

@@ -45,10 +45,10 @@ def stepped(behavior, *robots, place=(7.9, 8.9), ticks=1):
 def test_the_policys_choice_becomes_the_tracked_one():
     home, returns = robot("robot_1", 3.0, 5.0, 0.0), robot("robot_2", 7.0, 2.0, math.pi)
     behavior = Herd(robots=2, policy="nearest_to_goal")
-    step = stepped(behavior, returns, home, place=(6.9, 1.9))
+    step = stepped(behavior, returns, home, place=(6.3, 1.9))
     assert step.chosen == "robot_2"
     assert step.done
-    np.testing.assert_allclose(step.guidance.position, (7.0, 2.0, -2.5))
+    np.testing.assert_allclose(step.guidance.position, (6.2, 2.0, -2.5))  # 0.8 m ahead
 
 
 def test_it_flies_there_first():

@@ -11,6 +11,7 @@ from missionkit.estimation.target_tracking.reversal_clock import (
     ReversalClock,
     advanced,
     reversal_in,
+    spin_left,
 )
 from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
 from missionkit.ground_robot import GroundRobot
@@ -53,6 +54,21 @@ HALF = ROBOT.spin_time
 def test_the_next_reversal_follows_from_spins_seen_whole(spins, until, unseen, expected):
     known = reversal_in(clock_of(*spins, until=until, unseen=unseen), until, ROBOT)
     assert known == (None if expected is None else pytest.approx(expected, abs=0.2))
+
+
+@pytest.mark.parametrize(
+    ("until", "unseen", "expected"),
+    [
+        (6.0, (), None),  # it drives
+        (8.5, (), HALF - 1.5),
+        (8.5, ((5.0, 7.5),), None),  # it spun already when it was seen again
+        (8.5, ((5.0, 6.4),), HALF - 1.5),
+        (10.0, (), None),  # over
+    ],
+)
+def test_a_spin_whose_begin_was_seen_says_when_it_ends(until, unseen, expected):
+    known = spin_left(clock_of((7.0, 7.0 + HALF), until=until, unseen=unseen), until, ROBOT)
+    assert known == (None if expected is None else pytest.approx(expected, abs=0.1))
 
 
 def test_a_tracked_robot_says_when_it_reverses():

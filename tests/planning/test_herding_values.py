@@ -137,6 +137,15 @@ def test_a_turn_pays_where_it_must_and_cannot_be_made_in_a_spin():
     assert math.isnan(gain.gain(home, 2.0, spin, 100.0, known))
 
 
+@pytest.mark.parametrize(
+    ("begin", "end", "expected"), [(0.0, 3.0, False), (3.0, 9.0, True), (9.0, 12.0, False)]
+)
+def test_an_obstacle_robot_obstructs_the_places_it_comes_by(begin, end, expected):
+    others = np.array([[2.0, 0.0, 0.5 * np.pi, 0.33, 0.066]])  # clockwise round (-3, 0)
+    x, y = 5.0 * np.cos(0.4) - 3.0, 5.0 * np.sin(0.4)  # it is there after 6.06 s
+    assert gain.obstructed(x, y, begin, end, others) is expected
+
+
 def test_a_table_is_kept_on_disk_and_a_broken_file_is_replaced(tmp_path, monkeypatch):
     monkeypatch.setattr(value_table, "folder_for", lambda module: tmp_path)
     monkeypatch.setattr(value_table, "CELLS", 5)

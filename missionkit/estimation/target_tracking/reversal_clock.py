@@ -14,6 +14,7 @@ from missionkit.ground_robot import GroundRobot
 
 DELAY: Final = 0.15  # s until a spin is noticed, median (docs/studies/tracking.md)
 AGREE: Final = 0.6  # s, largest difference of two phases that are one
+SURE: Final = 0.4  # s, after which a target that seems to drive would have been seen to spin
 GAP: Final = 0.5  # s without a detection, in which a spin may have begun or ended
 WHOLE: Final = 0.75  # of half a turn; a touch on top turns by a quarter of it
 MOST: Final = 4  # spins remembered
@@ -22,7 +23,8 @@ MOST: Final = 4  # spins remembered
 class ReversalClock(NamedTuple):
     """The spins of one target; an immutable value."""
 
-    since: float | None = None  # s, when the spin that lasts began
+    since: float | None = None  # s, when the spin that lasts began; None: none, or not seen
+    drives_since: float | None = None  # s, since when it has been seen to drive
     spins: tuple[float, ...] = ()  # s, when the last whole ones began
 
 
@@ -39,13 +41,17 @@ def advanced(
         robot: how it drives.
     """
     if at - before > GAP:
-        return clock._replace(since=None)
+        return clock._replace(since=None, drives_since=None)
     if spins:
-        return clock if clock.since is not None else clock._replace(since=at - DELAY)
+        if clock.drives_since is not None and at - clock.drives_since > SURE:
+            clock = clock._replace(since=at - DELAY)
+        return clock._replace(drives_since=None)
+    if clock.drives_since is None:
+        clock = clock._replace(drives_since=at)
     if clock.since is not None:
         lasted = at - DELAY - clock.since
         begun = (at - DELAY - robot.spin_time,) if lasted >= WHOLE * robot.spin_time else ()
-        return ReversalClock(None, (*clock.spins, *begun)[-MOST:])
+        return ReversalClock(None, clock.drives_since, (*clock.spins, *begun)[-MOST:])
     due = _phase(clock, robot)
     if due is None:
         return clock
@@ -66,6 +72,21 @@ def reversal_in(clock: ReversalClock, now: float, robot: GroundRobot) -> float |
     """
     phase = _phase(clock, robot)
     return None if phase is None else robot.reversal_every - _since_due(phase, now, robot)
+
+
+def spin_left(clock: ReversalClock, now: float, robot: GroundRobot) -> float | None:
+    """Return how long (s) the spin goes on that a target is in, if it is a whole one.
+
+    None: it does not spin, or its begin was not seen.
+
+    Args:
+        clock: of the target.
+        now: s.
+        robot: how it drives.
+    """
+    if clock.since is None:
+        return None
+    return max(0.0, clock.since + robot.spin_time - now)
 
 
 def _phase(clock: ReversalClock, robot: GroundRobot) -> float | None:

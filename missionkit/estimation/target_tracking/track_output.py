@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from missionkit.estimation.target_tracking import track
-from missionkit.estimation.target_tracking.reversal_clock import reversal_in
+from missionkit.estimation.target_tracking.reversal_clock import reversal_in, spin_left
 from missionkit.estimation.target_tracking.track import Motion, Track
 from missionkit.geometry import Vec3
 from missionkit.messages import Target
@@ -43,6 +43,7 @@ def target_of(how: Motion, known: Track, name: str, now: float, ground: float) -
         heading=float(x[2]),
         heading_sd=math.sqrt(float(P[2, 2])),
         reversal_in=reversal_in(known.clock, now, how.robot),
+        spin_left=spin_left(known.clock, now, how.robot),
         modes=dict(zip(how.moving.names, known.state.mu.tolist(), strict=True)),
     )
 

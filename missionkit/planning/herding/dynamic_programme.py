@@ -49,8 +49,8 @@ class DynamicProgramme(Plugin):
     `turns`: landing in front of a robot, or also touching its top, up to three times.
     A flight takes `speed` and `acceleration`; `land` is the time from above the robot's way to the
     bump, `touch` from above the robot to the touch, `climb` the way back up. It lands `lead` ahead
-    of the robot. A robot out of view counts by the chance that it is within `sight` of where it is
-    expected.
+    of the robot, where no obstacle robot comes by, and flies `reach` level as it descends. A robot
+    out of view counts by the chance that it is within `sight` of where it is expected.
     """
 
     kind: ClassVar[str] = "dynamic_programme"
@@ -65,6 +65,7 @@ class DynamicProgramme(Plugin):
     touch: Seconds = 1.4
     climb: Seconds = 1.0
     lead: Metres = 0.5
+    reach: Annotated[Metres, Field(ge=0)] = 0.0
     sight: Annotated[Metres, Field(gt=0)] = 2.0
     length: Seconds = 600.0
 
@@ -74,7 +75,8 @@ class DynamicProgramme(Plugin):
 
         if view.time_left <= 0.0:
             return HerdChoice(None, "wait")
-        timing, known = self._timing(), self._outlook(view.arena)
+        timing = self._timing()
+        known = self._outlook(view.arena)._replace(others=_others(view))
         vehicle = np.array(to_arena(view.arena, view.position[:2]))
         touches = TOUCHES if self.turns == "front_and_top" else 0
 
@@ -104,6 +106,7 @@ class DynamicProgramme(Plugin):
             self.climb,
             self.touch + self.climb,
             self.lead,
+            self.reach,
             self.time_price,
         )
 
@@ -130,6 +133,15 @@ class DynamicProgramme(Plugin):
         if robot.in_view or robot.position_sd <= 0.0:
             return 1.0
         return 1.0 - math.exp(-0.5 * (self.sight / robot.position_sd) ** 2)
+
+
+def _others(view: HerdView) -> Mat:
+    """Return the obstacle robots (n, 5) of a view in the arena's axes."""
+    rows = [
+        (*to_arena(view.arena, it.position), it.heading - view.arena.goal, it.speed, it.turn_rate)
+        for it in view.obstacles
+    ]
+    return np.array(rows).reshape(-1, 5)
 
 
 def _states(arena: Arena, robot: HerdRobot) -> tuple[Mat, Mat]:

@@ -26,6 +26,9 @@ from missionkit.planning.herding.robot_forecast import (
 from missionkit.planning.herding.value_iteration import Table, interpolated
 
 SETTLED = 1e-6  # s
+KEPT = 0.85  # m, from obstacle robots' centres to where it lands
+UP = 2.0  # s after the turn, until it is clear of a place
+NOBODY = np.zeros((0, 5))
 
 
 class Timing(NamedTuple):
@@ -38,6 +41,7 @@ class Timing(NamedTuple):
     climb: float  # s, back to the height of flight
     again: float  # s, from one touch of a robot to the next
     lead: float  # m, ahead of the robot where it lands
+    reach: float  # m, that it flies level as it descends
     price: float  # of a second
 
 
@@ -55,6 +59,50 @@ class Outlook(NamedTuple):
     V: Table  # of `value_iteration`
     half: float  # m, of the arena's side
     robot: GroundRobot
+    others: Mat = NOBODY  # (n, 5), obstacle robots: x, y (m), heading (rad), m/s, rad/s
+
+
+@compiled
+def obstructed(x: float, y: float, begin: float, end: float, others: Mat) -> bool:
+    """Say whether an obstacle robot comes too near to a place from one time (s) to another.
+
+    Args:
+        x: m, arena axes.
+        y: m.
+        begin: s from now.
+        end: s from now.
+        others: (n, 5), of `Outlook`.
+    """
+    for it in others:
+        t = max(0.0, begin)
+        while t <= end:
+            half = 0.5 * it[4] * t
+            chord = it[3] * t * (math.sin(half) / half if abs(half) > SETTLED else 1.0)
+            dx = it[0] + chord * math.cos(it[2] + half) - x
+            dy = it[1] + chord * math.sin(it[2] + half) - y
+            if dx * dx + dy * dy < KEPT * KEPT:
+                return True
+            t += 0.5
+    return False
+
+
+@compiled
+def blocked(state: Mat, at: float, timing: Timing, known: Outlook) -> bool:
+    """Say whether an obstacle robot is in the way of turning a robot at a time.
+
+    Args:
+        state: (SIZE,), of the robot, now.
+        at: s, of the turn.
+        timing: of the vehicle.
+        known: the arena and the robots.
+    """
+    if len(known.others) == 0:
+        return False
+    there = state.copy()
+    forecast(there, at, known.half, known.robot)
+    x = there[X] + timing.lead * math.cos(there[HEADING])
+    y = there[Y] + timing.lead * math.sin(there[HEADING])
+    return obstructed(x, y, at - timing.land, at + UP, known.others)
 
 
 @compiled
@@ -160,7 +208,8 @@ def meeting(state: Mat, vehicle: Mat, after: float, timing: Timing, known: Outlo
         x = there[X] + timing.lead * math.cos(there[HEADING])
         y = there[Y] + timing.lead * math.sin(there[HEADING])
         distance = math.hypot(x - vehicle[0], y - vehicle[1])
-        at = after + travel_time(distance, timing.speed, timing.acceleration)
+        level = max(0.0, distance - timing.reach)
+        at = after + travel_time(level, timing.speed, timing.acceleration)
     return at
 
 
@@ -200,6 +249,8 @@ def best_turn(
         busy = timing.climb + (spins.number - 1) * timing.again
         for delay in delays:
             at = earliest + delay
+            if blocked(samples[0], at, timing, known):
+                continue
             found = _mean_gain(samples, weights, at, spins, time_left, known)
             found -= timing.price * (at + busy)
             if found > best:

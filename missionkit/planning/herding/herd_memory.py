@@ -33,7 +33,7 @@ class Seen:
 
     track: Key
     state: tuple[float, float, float]  # m, m, rad
-    spins: float = 0.0  # s for which it has spun, 0: it drives
+    spins: float = 0.0  # s for which it has spun, 0: it drives; NaN: it spins, but since when?
     caused: float = 0.0  # s that the spin takes which a bump or a touch began, 0: its own clock
 
 

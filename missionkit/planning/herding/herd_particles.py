@@ -123,7 +123,7 @@ def follow(
     Args:
         P: of one robot.
         seen: (3,), m, m, rad.
-        spins: s for which it has spun, 0: it drives.
+        spins: s for which it has spun, 0: it drives, NaN: it spins, not known since when.
         caused: s that the spin takes which a bump or a touch began, 0: its own clock.
         robot: how it drives.
         seeds: of the generator.
@@ -133,6 +133,8 @@ def follow(
         it = kept[i]
         spun = robot.spin_time - it[SPIN_LEFT] if it[SPIN_LEFT] > 0.0 else 0.0
         fits = caused > 0.0 or abs(spun - spins) < SPIN_SLACK or _soon(it, spins, robot)
+        if math.isnan(spins):
+            fits = it[SPIN_LEFT] > 0.0 or it[REVERSAL_IN] < SPIN_SLACK
         weights[i] = 1.0 if fits and it[GONE] == 0.0 else 0.0
     _drawn(P, kept, weights, robot, seeds)
     for it in P:
@@ -142,7 +144,7 @@ def follow(
         elif spins > 0.0:
             it[REVERSAL_IN] = robot.reversal_every - spins
             it[SPIN_LEFT] = max(0.0, robot.spin_time - spins)
-        elif it[SPIN_LEFT] < robot.spin_time - SPIN_SLACK:
+        elif spins == 0.0 and it[SPIN_LEFT] < robot.spin_time - SPIN_SLACK:
             it[SPIN_LEFT] = 0.0
 
 

@@ -5,6 +5,7 @@ Imported late: it compiles kernels.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
@@ -21,6 +22,8 @@ from missionkit.planning.herding.herd_particles import Seeds
 ROBOT = GroundRobot()
 LONGEST = 2.0  # s, that robots are moved at once
 NOTICED = 0.2  # s after its begin a spin is noticed
+TAKES = (2.0, 6.0)  # s, shortest and longest from the begin of a meeting to the turn it brings
+USUAL = 3.4  # s, the same in most meetings
 
 
 class RememberedHerd(NamedTuple):
@@ -68,11 +71,7 @@ def looked(known: RememberedHerd, sight: Sight, arena: Arena) -> RememberedHerd:
     while left > 0.0:
         memory.advance(min(left, LONGEST))
         left -= LONGEST
-    spinning = {
-        it.name: known.spun_since.get(it.name, sight.now - NOTICED)
-        for it in sight.robots
-        if spins(it)
-    }
+    spinning = {it.name: _since(it, known, sight) for it in sight.robots if spins(it)}
     seen = [_seen(it, spinning.get(it.name), sight, arena) for it in sight.robots]
     memory.look(seen, to_arena(arena, sight.spot), sight.radius)
     return RememberedHerd(memory.particles, memory.seeds, sight.now, memory.who, spinning)
@@ -108,12 +107,28 @@ def _opened(known: RememberedHerd, arena: Arena) -> HerdMemory:
     return HerdMemory(known.particles.copy(), known.seeds.copy(), 0.5 * arena.side, dict(known.who))
 
 
+def _since(it: Target, known: RememberedHerd, sight: Sight) -> float:
+    """Return when (s) the spin began that a robot is in, NaN if that was not seen.
+
+    By its tracker, or by the looks at it; a spin of the robot that was met began with the meeting.
+    """
+    if it.spin_left is not None:
+        return sight.now - (ROBOT.spin_time - it.spin_left)
+    if it.name in known.spun_since:
+        return known.spun_since[it.name]
+    if it.name in known.who:
+        return sight.now - NOTICED
+    if it.name == sight.turned and sight.now - sight.turned_at < TAKES[1] + ROBOT.spin_time:
+        return sight.turned_at + USUAL
+    return math.nan
+
+
 def _seen(it: Target, since: float | None, sight: Sight, arena: Arena) -> Seen:
     north, east, _ = it.position.tolist()
     x, y = to_arena(arena, (north, east))
     state = x, y, (it.heading or 0.0) - arena.goal
     if since is None:
         return Seen(it.name, state)
-    caused = it.name == sight.turned and since >= sight.turned_at
+    caused = it.name == sight.turned and TAKES[0] <= since - sight.turned_at <= TAKES[1]
     lasts = ROBOT.spin_time if caused else 0.0
-    return Seen(it.name, state, max(NOTICED, sight.now - since), lasts)
+    return Seen(it.name, state, max(sight.now - since, NOTICED), lasts)
