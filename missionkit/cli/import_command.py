@@ -14,11 +14,13 @@ from missionkit.chart.text.foreign_files import LOGS, ForeignKind, foreign_kind
 from missionkit.cli.interchange_output import home_of, ledger_path, require_new, tell, write
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
 from missionkit.interchange.bounded_input import ForeignFileError, read
+from missionkit.interchange.calibration import camera_text
 from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.mission_text import mission_text
 from missionkit.interchange.plan_fitting import FitOptions, fit
 from missionkit.interchange.plan_formats import PLANS, plan_from
 
+CALIBRATIONS = (ForeignKind.OPENCV, ForeignKind.ROS_CAMERA)
 HEIGHTS, AREAS = ("above_home", "agl", "amsl"), ("fence", "survey")
 WRONG_KIND = "not a file that missionkit knows; it imports {}"
 
@@ -87,6 +89,8 @@ def _require_sound(wanted: ImportOptions) -> None:
 
 
 def _converted(raw: bytes, kind: ForeignKind, wanted: ImportOptions, ledger: Ledger) -> str:
+    if kind in CALIBRATIONS:
+        return camera_text(raw, ledger)
     areas = cast("Literal['survey', 'fence']", wanted.areas)
     heights = cast("Literal['above_home', 'agl', 'amsl'] | None", wanted.heights)
     options = FitOptions(

@@ -66,7 +66,7 @@ def foreign_kind(raw: bytes) -> ForeignKind | None:
     text = text.removeprefix("\ufeff").lstrip()
     if text.startswith("QGC WPL"):
         return ForeignKind.WAYPOINTS
-    if text.startswith("%YAML:1.0"):
+    if text.startswith("%YAML:1.0") or "!!opencv-matrix" in text:
         return ForeignKind.OPENCV
     if text.startswith("<"):
         return _xml(text)
