@@ -13,7 +13,7 @@ from missionkit.cli.command_options import reporting_errors
 from missionkit.cli.detector_commands import detector as detector_commands
 from missionkit.cli.fleet_commands import fleet
 from missionkit.cli.flight_commands import run
-from missionkit.cli.interchange_commands import export, import_
+from missionkit.cli.interchange_commands import export, import_, log
 from missionkit.cli.mission_file_commands import (
     check,
     explain,
@@ -44,7 +44,7 @@ app = typer.Typer(
 
 _COMMANDS = (
     *(run, validate, check, explain, plugins, schema, graph, new),
-    *(fleet, preflight, fence, sitl, campaign, report, export),
+    *(fleet, preflight, fence, sitl, campaign, report, export, log),
 )
 for _command in _COMMANDS:
     app.command()(reporting_errors(_command))

@@ -78,3 +78,19 @@ def export(
     from missionkit.cli import export_command as command  # noqa: PLC0415
 
     raise typer.Exit(command.export(mission, out, home, settings or (), plugin or (), force=force))
+
+
+def log(
+    file: Annotated[Path, typer.Argument(help="ULog, .tlog, or .bin of ArduPilot", metavar="FILE")],
+    mission: Annotated[
+        Path | None,
+        typer.Option(metavar="MISSION.yaml", help="check its requirements, from its origin"),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="parent folder of the record's folder")] = Path("runs"),
+    settings: Settings = None,
+    plugin: Plugins = None,
+) -> None:
+    """Turn the log of an autopilot into a flight record, with its picture."""
+    from missionkit.cli import log_command as command  # noqa: PLC0415
+
+    raise typer.Exit(command.log(file, out, mission, settings or (), plugin or ()))

@@ -1,0 +1,1 @@
+"""Logs of autopilots and ground stations: ULog, tlog and ArduPilot's dataflash, as records."""
