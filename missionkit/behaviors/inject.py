@@ -11,6 +11,7 @@ from typing_extensions import override
 from missionkit.geometry import Vec3, norm, rotate, vec
 from missionkit.goal_pose import bound_of, goal_of
 from missionkit.messages import Estimate, Guidance, Step, Target
+from missionkit.planning.route_following import unflown
 from missionkit.plugin import Behavior
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds
 
@@ -67,6 +68,8 @@ class Inject(Behavior):
         target = seen.targets.get(self.target)
         if target is None or target.seen_at is None:
             return Step(note=f"{self.target} was never seen", memory=before)
+        if before.since is not None:
+            before = before._replace(since=before.since + unflown(before.last, seen.now))
         waiting = seen.now - target.seen_at > self.patience or self._behind(seen)
         at_rest = before._replace(last=seen.now)
         here = at_rest if waiting else self._slide(before, seen.now)

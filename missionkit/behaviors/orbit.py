@@ -13,7 +13,7 @@ from missionkit.behaviors.go_to import HOME
 from missionkit.behaviors.route_flight import bearing
 from missionkit.geometry import Vec3, vec, wrap
 from missionkit.messages import Estimate, Goal, Guidance, Step
-from missionkit.planning.route_following import CLIMB, DESCENT, LAG, Triple
+from missionkit.planning.route_following import CLIMB, DESCENT, LAG, Triple, absent
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, Number, Seconds
 
@@ -21,6 +21,7 @@ ON_CIRCLE = 1.0  # m, from the circle, that counts as being on it
 CENTRIPETAL = 1.5  # m/s², at most: a smaller circle is flown more slowly
 YAW_LAG = 0.65  # s, by which the nose follows late where it turns steadily: 1/gain of the yaw law
 MOST_TURNS = 500
+BACK = 3.0  # m, ahead on the circle, on the way back to where it was interrupted
 CORNERS = 24  # of the polygon that checks take for a circle
 
 
@@ -30,7 +31,9 @@ class OnOrbit(NamedTuple):
     down: float  # m, NED, when it began
     bearing: float  # rad, from the target to the vehicle
     swept: float = 0.0  # rad, so far
-    since: float | None = None  # s, when it came to the circle first
+    since: float | None = None  # s, when it came to the circle first; later by what does not count
+    at: float = 0.0  # s, of the last step
+    returning: bool = False  # to where it was interrupted
 
 
 class Orbit(Behavior):
@@ -40,7 +43,9 @@ class Orbit(Behavior):
     as seen from above or not. With `to_height` it climbs or descends evenly from `height` (or the
     height that it began with) while it goes round, as along a tower; a turn then rises by
     (to_height - height) / turns. `look` says whether the nose points at the target, away from it or
-    along the circle. Without `turns` and `seconds` it goes on until something else ends it.
+    along the circle. Without `turns` and `seconds` it goes on until something else ends it. After
+    a pause it first returns to where it was interrupted: to the circle, and round it the shorter
+    way; that counts neither as turns nor as seconds.
 
         v <= speed,  v² / radius <= 1.5 m/s²
 
@@ -82,7 +87,8 @@ class Orbit(Behavior):
     def begin(self, seen: Estimate) -> OnOrbit:
         centre = self._centre(seen)
         away = None if centre is None else bearing(centre, seen.position)
-        return OnOrbit(float(seen.position[2]), seen.yaw + math.pi if away is None else away)
+        first = seen.yaw + math.pi if away is None else away
+        return OnOrbit(float(seen.position[2]), first, at=seen.now)
 
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
@@ -93,15 +99,18 @@ class Orbit(Behavior):
         away = bearing(centre, seen.position)
         at = on.bearing if away is None else away
         sense = 1.0 if self.clockwise else -1.0
-        off = math.dist(seen.position[:2], centre[:2]) - self.radius
-        if on.since is None and abs(off) > ON_CIRCLE:
-            spot = self._on_circle(centre, at, self._down(on))
-            guidance = Guidance(spot, self.speed, yaw=self._yaw(at, sense))
-            goal = Goal(spot, None, seen.now, self.target)
-            note = "flying to the circle"
-            return Step(guidance, goal=goal, note=note, memory=on._replace(bearing=at))
-        since = seen.now if on.since is None else on.since
-        turned = sense * wrap(at - on.bearing)
+        due = self._on_circle(centre, on.bearing, self._down(on))
+        off = math.dist(seen.position, due) if on.since is not None else 0.0
+        lost, returning = absent(on.at, seen.now, off, returning=on.returning)
+        since = None if on.since is None else on.since + lost
+        on = on._replace(at=seen.now, since=since, returning=returning)
+        level = abs(math.dist(seen.position[:2], centre[:2]) - self.radius)
+        if level > ON_CIRCLE and (on.since is None or returning):
+            return self._to_circle(seen, centre, at, sense, on)
+        if returning:
+            return self._back(seen, centre, at, sense, on)
+        turned = 0.0 if lost else sense * wrap(at - on.bearing)
+        since = seen.now if since is None else since
         on = on._replace(bearing=at, swept=on.swept + turned, since=since)
         return self._round(seen, centre, on, sense, since)
 
@@ -125,6 +134,26 @@ class Orbit(Behavior):
             north, east = self.radius * math.cos(angle), self.radius * math.sin(angle)
             found.append((centre[0] + north, centre[1] + east, first + share * (last - first)))
         return tuple(found)
+
+    def _to_circle(
+        self, seen: Estimate, centre: Vec3, at: float, sense: float, on: OnOrbit
+    ) -> Step:
+        """Fly to the nearest point of the circle."""
+        if on.since is None:
+            on = on._replace(bearing=at)
+        spot = self._on_circle(centre, at, self._down(on))
+        goal = Goal(spot, None, seen.now, self.target)
+        guidance = Guidance(spot, self.speed, yaw=self._yaw(at, sense))
+        return Step(guidance, goal=goal, note="flying to the circle", memory=on)
+
+    def _back(self, seen: Estimate, centre: Vec3, at: float, sense: float, on: OnOrbit) -> Step:
+        """Fly round the circle, the shorter way, to where it was interrupted."""
+        off = wrap(on.bearing - at)
+        ahead = at + math.copysign(min(abs(off), BACK / self.radius, 0.4), off)
+        spot = self._on_circle(centre, ahead, self._down(on))
+        guidance = Guidance(spot, self.speed, yaw=self._yaw(at, sense))
+        goal = Goal(self._on_circle(centre, on.bearing, self._down(on)), None, seen.now)
+        return Step(guidance, goal=goal, note="returning to where it was interrupted", memory=on)
 
     def _round(self, seen: Estimate, centre: Vec3, on: OnOrbit, sense: float, since: float) -> Step:
         """Go on round the circle."""

@@ -15,6 +15,7 @@ from missionkit.messages import Estimate, Goal, Guidance, Step
 from missionkit.plugin import Behavior
 from missionkit.units import Degrees
 
+ASIDE = 2.0  # m, from the place, at which it is not done
 SLOW = 0.1  # rad/s, that counts as having turned
 
 
@@ -42,7 +43,8 @@ class PointAt(Behavior):
             return Step(note=f"the position of {self.target} is unknown", memory=memory)
         yaw = bearing(seen.position, place)
         off = 0.0 if yaw is None else abs(wrap(yaw - seen.yaw))
-        done = off <= math.radians(self.within_deg) and norm(seen.rates) < SLOW
+        there = math.dist(seen.position, memory) <= ASIDE and norm(seen.rates) < SLOW
+        done = there and off <= math.radians(self.within_deg)
         guidance = Guidance(memory, 1.0, yaw=seen.yaw if yaw is None else yaw)
         goal = Goal(memory, yaw, seen.now, self.target)
         note = f"{math.degrees(off):.0f} deg off"

@@ -13,16 +13,19 @@ from missionkit.control.half_space import inside
 from missionkit.geometry import Vec3, norm
 from missionkit.goal_pose import bound_of
 from missionkit.messages import Estimate, Goal, Guidance, HalfSpace, Step, Target
+from missionkit.planning.route_following import absent
 from missionkit.planning.spiral_search import SpiralPath as Curve
 from missionkit.plugin import Behavior
 from missionkit.units import Metres, MetresPerSecond, RadiansPerSecond
 
 
-class Centre(NamedTuple):
-    """Where and when the search began."""
+class Searching(NamedTuple):
+    """Memory of `spiral`."""
 
-    position: Vec3  # (3,), m, NED
-    at: float  # s
+    centre: Vec3  # (3,), m, NED
+    since: float  # s, when it began, and later by what does not count
+    at: float  # s, of the last step
+    returning: bool = False  # to where it was interrupted
 
 
 class Spiral(Behavior):
@@ -35,7 +38,8 @@ class Spiral(Behavior):
     vehicle, for what lies on the ground. r(t) begins with `inner` r_0. `form` is `steady` (constant
     ground speed, turns a camera `footprint` apart) or `paper` (r = r_0 + v_r t with `growth`,
     θ = ω t with `rate`). Both keep to `speed`. Round a target's place the vehicle flies over it;
-    otherwise the plane `standoff` off the target's marker is never crossed.
+    otherwise the plane `standoff` off the target's marker is never crossed. After a pause it
+    continues on the curve where it was interrupted.
     """
 
     kind: ClassVar[str] = "spiral"
@@ -77,41 +81,51 @@ class Spiral(Behavior):
         return True
 
     @override
-    def begin(self, seen: Estimate) -> Centre:
-        target = seen.targets.get(self.target)
-        if target is None:
-            return Centre(seen.position, seen.now)
-        away = seen.position - target.position
-        away[2] = 0.0
-        if self.centre == "target":
-            return Centre(seen.position - away, seen.now)
-        gap = norm(away)
-        step = away * (self.back / gap) if gap > 0.1 else 0.0 * away
-        return Centre(seen.position + step, seen.now)
+    def begin(self, seen: Estimate) -> Searching:
+        return Searching(self._middle(seen), seen.now, seen.now)
 
     @override
     def step(self, seen: Estimate, memory: Any) -> Step:
-        centre: Centre = memory
-        here = self._curve.at(seen.now - centre.at)
-        position, velocity = centre.position + here.position, here.velocity
+        on: Searching = memory
         target = seen.targets.get(self.target)
-        yaw, bound = None, None
+        bound = None if target is None else self._bound(target, on.centre)
+        due, _ = self._place(on, on.at, bound)
+        off = norm(due - seen.position)
+        lost, returning = absent(on.at, seen.now, off, returning=on.returning)
+        on = on._replace(since=on.since + lost, at=seen.now, returning=returning)
+        position, velocity = self._place(on, seen.now, bound)
+        yaw = None
         if target is not None:
             offset = target.position - seen.position
             yaw = math.atan2(offset[1], offset[0])
-            bound = self._bound(target, centre)
-            nearest = position if bound is None else inside(position, bound)
-            velocity = velocity if nearest is position else 0.0 * velocity
-            position = nearest
         return Step(
-            Guidance(position, 2.0 * self.speed, velocity, yaw),
-            goal=Goal(centre.position, None, centre.at),
+            Guidance(position, 2.0 * self.speed, None if returning else velocity, yaw),
+            goal=Goal(on.centre, None, on.since),
             note=f"searching for {self.target}",
-            memory=centre,
+            memory=on,
             bound=bound,
         )
 
-    def _bound(self, target: Target, centre: Centre) -> HalfSpace | None:
+    def _middle(self, seen: Estimate) -> Vec3:
+        """Return the centre (3,), m, NED, of a search that begins here."""
+        target = seen.targets.get(self.target)
+        if target is None:
+            return seen.position
+        away = seen.position - target.position
+        away[2] = 0.0
+        if self.centre == "target":
+            return seen.position - away
+        gap = norm(away)
+        return seen.position + (away * (self.back / gap) if gap > 0.1 else 0.0 * away)
+
+    def _place(self, on: Searching, at: float, bound: HalfSpace | None) -> tuple[Vec3, Vec3]:
+        """Return where to be at a time (s), and how fast that place moves: (3,), m and m/s."""
+        here = self._curve.at(at - on.since)
+        position = on.centre + here.position
+        nearest = position if bound is None else inside(position, bound)
+        return nearest, here.velocity if nearest is position else 0.0 * here.velocity
+
+    def _bound(self, target: Target, centre: Vec3) -> HalfSpace | None:
         if self.centre == "target":
             return None
         return bound_of(target, self.standoff) or _before(target, self.standoff, centre)
@@ -121,9 +135,9 @@ class Spiral(Behavior):
         return (self.target,)
 
 
-def _before(target: Target, out: float, centre: Centre) -> HalfSpace | None:
+def _before(target: Target, out: float, centre: Vec3) -> HalfSpace | None:
     """Return the bound of a target whose marker may be turned anyhow: towards the search."""
-    away = centre.position - target.position
+    away = centre - target.position
     away[2] = 0.0
     gap = norm(away)
     return HalfSpace(target.position + out / gap * away, away / gap) if gap > out else None

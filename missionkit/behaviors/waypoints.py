@@ -24,7 +24,7 @@ from missionkit.behaviors.go_to import HOME
 from missionkit.behaviors.route_flight import Heading, bearing, begun, guided, triple
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Goal, Guidance, Step, is_event
-from missionkit.planning.route_following import OnRoute, RoutePoint, Triple
+from missionkit.planning.route_following import OnRoute, RoutePoint, Triple, absent
 from missionkit.plugin import Behavior
 from missionkit.positions import Place
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
@@ -210,9 +210,12 @@ class Waypoints(Behavior):
         self, seen: Estimate, on: OnWaypoints, route: tuple[RoutePoint, ...], since: float
     ) -> Step:
         """Stay at a place for its time, with its actuator on."""
-        it, position = self.places[on.at], vec(*route[on.at].position)
-        left, towards = it.wait - (seen.now - since), self._yaw(seen, on, it)
-        on = on._replace(route=on.route._replace(at=seen.now))
+        it, position, past = self.places[on.at], vec(*route[on.at].position), on.route
+        off = math.dist(seen.position, position)
+        lost, returning = absent(past.at, seen.now, off, returning=past.returning)
+        past = past._replace(at=seen.now, returning=returning)
+        on = on._replace(route=past, since=since + lost)
+        left, towards = it.wait - (seen.now - since - lost), self._yaw(seen, on, it)
         return Step(
             Guidance(position, 1.0, yaw=on.facing if towards is None else towards),
             payload=it.payload if left > 0.0 else None,

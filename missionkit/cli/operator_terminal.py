@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
+from functools import partial
 
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.key_events import Keys, Planned, offered
@@ -13,7 +14,7 @@ from missionkit.cli.live_view import LineView, LiveView, live_view
 from missionkit.cli.run_options import RunOptions
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.flight_loop import Observer, Operator
-from missionkit.messages import Observation, Record
+from missionkit.messages import CONTINUE, PAUSE, Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_sinks import (
     RECORD,
@@ -24,7 +25,7 @@ from missionkit.recorder.record_sinks import (
 from missionkit.sim.ground_truth import TrueState
 from missionkit.states import VEHICLES
 
-GIVE_BACK = "r"  # the key
+DEEDS = {"p": "pauses", "c": "continues", "r": "gives control back"}  # by key
 
 
 @contextmanager
@@ -55,7 +56,9 @@ def cockpit(
     deeds: dict[str, Callable[[], None]] = {}
     if not (order.headless or order.as_json):
         events = offered(mission)
-        deeds = {} if give_back is None else {GIVE_BACK: give_back}
+        deeds = {"p": partial(operator.send, PAUSE), "c": partial(operator.send, CONTINUE)}
+        if give_back is not None:
+            deeds["r"] = give_back
         over_ground = VEHICLES[mission.vehicle.use].over_ground
         title = _title(mission.name, events, deeds)
         view = live_view(sys.stdout, stopwatch, title, over_ground=over_ground)
@@ -95,7 +98,7 @@ class _KeyWatch:
 def _title(mission: str, events: Mapping[str, str], deeds: Collection[str]) -> str:
     """Return what stands above the live page: the mission, and which key does what."""
     hints = [f"{key} {event}" for key, event in events.items()]
-    hints += [f"{key} gives control back" for key in deeds]
+    hints += [f"{key} {DEEDS[key]}" for key in deeds]
     keys = ", ".join(hints)
     return f"{mission} — keys: {keys}" if keys else mission
 

@@ -27,6 +27,7 @@ def act(
     seen: Estimate,
     orders: Sequence[Action],
     contain: Containment,
+    pause: str = "",
 ) -> tuple[BehaviorState, Command, Step]:
     """Let the behaviour of the state that commands speak, and turn its answer into a command.
 
@@ -40,15 +41,13 @@ def act(
         seen: what is known, with that state in it.
         orders: the chart's own commands to the autopilot; the last sane one counts.
         contain: keeps what went wrong.
+        pause: why the behaviour pauses and the vehicle holds its place; "": it does not.
     """
     state = plan.chart.states[seen.state]
-    mode, step = Mode.GPS, HOLD_IDLE
-    if state.behavior is not None:
-        mode = state.kind.mode
-        if not acting.begun:
-            acting = _begun(acting, state.behavior, seen, contain)
-        step = _stepped(state.behavior, state, acting, seen, contain)
-        mode = Mode.GPS if mode is Mode.NONE and step.takes_over else mode
+    if pause:
+        mode, step = state.kind.mode, Step(note=pause, memory=acting.behavior)
+    else:
+        acting, mode, step = _answered(state, acting, seen, contain)
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = HOLD_MISBEHAVIOUR._replace(memory=acting.behavior, goal=acting.goal)
@@ -71,7 +70,7 @@ def act(
         control,
         avoidance,
         behavior=step.memory,
-        begun=state.behavior is not None,
+        begun=acting.begun,
         done=step.done,
         goal=step.goal,
         failing=failing,
@@ -84,6 +83,19 @@ def act(
         chosen=step.chosen,
     )
     return following, _ordered(command, orders, seen), step
+
+
+def _answered(
+    state: CompiledState, acting: BehaviorState, seen: Estimate, contain: Containment
+) -> tuple[BehaviorState, Mode, Step]:
+    """Return the behaviour's state, begun, the mode it is flown in, and its answer."""
+    behavior, mode = state.behavior, state.kind.mode
+    if behavior is None:
+        return acting, Mode.GPS, HOLD_IDLE
+    if not acting.begun:
+        acting = _begun(acting, behavior, seen, contain)
+    step = _stepped(behavior, state, acting, seen, contain)
+    return acting, Mode.GPS if mode is Mode.NONE and step.takes_over else mode, step
 
 
 def _without_goal(step: Step) -> Step:

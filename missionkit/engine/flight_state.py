@@ -62,6 +62,7 @@ class FlightMemory(NamedTuple):
     senses: SensorState
     chart: ChartMemory
     acting: BehaviorState  # of the state that commands
+    paused: bool = False  # by the operator
 
 
 class FlightState(NamedTuple):

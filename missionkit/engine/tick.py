@@ -14,6 +14,7 @@ from typing import NamedTuple
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.quick_step import decide
+from missionkit.engine import pause
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
 from missionkit.engine.flight_state import FlightMemory, SensorState
@@ -61,19 +62,31 @@ def tick(
     """
     t0 = stopwatch()
     observation = with_ground_contact(observation, memory.senses.status, lands=memory.acting.lands)
+    in_control = observation.in_control
+    paused = pause.asked(memory.paused, observation.events)
+    if pause.reason(plan.chart, memory.chart, by_operator=paused, in_control=in_control):
+        chart = pause.stopped(memory.chart, observation.now - memory.now)
+        memory = memory._replace(chart=chart)
     senses, seen = sense(plan, memory, observation, contain)
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)
     t2 = stopwatch()
+    paused = paused and not pause.ended(plan.chart, chart, decision, seen.now)
     acting = memory.acting
     if decision.entered:
         before, after = memory.chart.pilot, chart.pilot
         acting = handed_over(plan.chart, acting, before, after, decision.moves)
         seen = seen.standing(chart.state, chart.entered_at, done=acting.done, goal=acting.goal)
-    acting, command, step = act(plan, acting, seen, decision.orders, contain)
+    if not in_control:
+        acting = pause.let_go(plan.law, acting, seen)
+    why = pause.reason(plan.chart, chart, by_operator=paused, in_control=in_control)
+    acting, command, step = act(plan, acting, seen, decision.orders, contain, why)
     grounded = ""
-    if command.action in TAKE_OFF_ACTIONS and not plan.arm_anyway and _on_ground(seen):
-        grounded = against_arming(plan.chart, chart, seen, contain)
+    if command.action in TAKE_OFF_ACTIONS and _on_ground(seen):
+        if paused:
+            command, step = Command(payload=command.payload), step._replace(note=pause.BY_OPERATOR)
+        elif not plan.arm_anyway:
+            grounded = against_arming(plan.chart, chart, seen, contain)
     if grounded:
         command = Command(payload=command.payload)
         step = step._replace(note=f"not taking off: {grounded}")
@@ -95,7 +108,7 @@ def tick(
         estimate=seen,
         done=step.done,
     )
-    following = FlightMemory(observation.now, senses, chart, acting)
+    following = FlightMemory(observation.now, senses, chart, acting, paused)
     return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)
 
 

@@ -22,10 +22,12 @@ from missionkit.messages.command import (
 from missionkit.messages.estimate import Estimate, Goal, Health, Target
 from missionkit.messages.events import (
     ABORT,
+    CONTINUE,
     CONTROL_RESUMED,
     GROUND_TOUCHED,
     MARKER_DUPLICATED,
     MARKER_UPSIDE_DOWN,
+    PAUSE,
     is_event,
 )
 from missionkit.messages.image_features import FeatureMatches, FeatureSearch
@@ -66,11 +68,13 @@ from missionkit.messages.vision import (
 
 __all__ = [
     "ABORT",
+    "CONTINUE",
     "CONTROL_RESUMED",
     "GROUND_TOUCHED",
     "MARKER_DUPLICATED",
     "MARKER_UPSIDE_DOWN",
     "NO_CYCLE",
+    "PAUSE",
     "TRACKED",
     "Action",
     "AnchorRange",

@@ -10,6 +10,12 @@ ABORT = "operator: land"
 CONTROL_RESUMED = "control_resumed"
 """The event when a person, by a key, has let missionkit command again."""
 
+PAUSE = "operator.pause"
+"""Event of an operator who wants the vehicle to hold its place."""
+
+CONTINUE = "operator.continue"
+"""Event of an operator who lets the behaviour continue."""
+
 GROUND_TOUCHED = "ground_touched"
 """Comes when the vehicle touches the ground outside landing and take-off."""
 

@@ -180,4 +180,5 @@ class Observation:
     features: tuple[Features, ...] = ()
     external_pose: ExternalPose | None = None
     traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
+    in_control: bool = True  # no: a pilot commands, or the autopilot by itself
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record

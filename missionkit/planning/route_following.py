@@ -77,6 +77,33 @@ class _Leg(NamedTuple):
         return min(self.end.speed, steep / slope) if slope > 0.0 else self.end.speed
 
 
+def unflown(last: float, now: float) -> float:
+    """Return how long (s) no step was taken, 0.0 if the flight was not interrupted.
+
+    Args:
+        last: s, of the last step.
+        now: s, of this one.
+    """
+    return now - last if now - last > INTERRUPTED else 0.0
+
+
+def absent(last: float, now: float, off: float, *, returning: bool) -> tuple[float, bool]:
+    """Return how long (s) since the last step does not count, and whether the vehicle returns.
+
+    For what takes time at a place: neither an interruption nor the way back counts.
+
+    Args:
+        last: s, of the last step.
+        now: s, of this one.
+        off: m, from where the vehicle should be.
+        returning: whether it was on its way back at the last step.
+    """
+    gap = unflown(last, now)
+    if (returning or gap) and off > DISPLACED:
+        return now - last, True
+    return gap, False
+
+
 def follow(route: Sequence[RoutePoint], on: OnRoute, seen: Estimate) -> Followed:
     """Return where to be, how fast, and how far the route has been flown.
 
@@ -90,9 +117,9 @@ def follow(route: Sequence[RoutePoint], on: OnRoute, seen: Estimate) -> Followed
     """
     here: Triple = tuple(seen.position.tolist())
     leg = _leg(route, on)
-    gap = seen.now - on.at
+    gap = unflown(on.at, seen.now)
     on = on._replace(at=seen.now)
-    if gap > INTERRUPTED and math.dist(here, leg.at(on.along)) > DISPLACED:
+    if gap and math.dist(here, leg.at(on.along)) > DISPLACED:
         on = on._replace(returning=True, along=max(0.0, on.along - RUN_IN))
     if on.returning:
         back = leg.at(on.along)

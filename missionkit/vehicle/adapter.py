@@ -211,9 +211,11 @@ class MavsdkVehicle:
         frame = self._camera.latest(min(until, parts.observer.moved_until))
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
-        missing = self._reliance.problems(seen)
-        if missing:
-            seen = replace(seen, problems=seen.problems + missing)
+        seen = replace(
+            seen,
+            problems=seen.problems + self._reliance.problems(seen),
+            in_control=parts.authority.ours,
+        )
         if self.traffic is None:
             return seen
         return replace(seen, traffic=self.traffic.others(until, parts.observer.origin))
