@@ -13,14 +13,17 @@ from missionkit.chart.load import parse
 from missionkit.chart.text.foreign_files import LOGS, ForeignKind, foreign_kind
 from missionkit.cli.interchange_output import home_of, ledger_path, require_new, tell, write
 from missionkit.errors import ExitCode, FileError, Level, Problem, UsageError, nearest, printable
-from missionkit.interchange.bounded_input import ForeignFileError, read
+from missionkit.interchange.bounded_input import ForeignFileError, json_of, read, xml_of
 from missionkit.interchange.calibration import camera_text
+from missionkit.interchange.charts.chart_text import chart_text
+from missionkit.interchange.charts.xstate_chart import scxml_of
 from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.mission_text import mission_text
 from missionkit.interchange.plan_fitting import FitOptions, fit
-from missionkit.interchange.plan_formats import PLANS, plan_from
+from missionkit.interchange.plan_formats import plan_from
 
 CALIBRATIONS = (ForeignKind.OPENCV, ForeignKind.ROS_CAMERA)
+CHARTS = (ForeignKind.SCXML, ForeignKind.XSTATE)
 HEIGHTS, AREAS = ("above_home", "agl", "amsl"), ("fence", "survey")
 WRONG_KIND = "not a file that missionkit knows; it imports {}"
 
@@ -68,7 +71,7 @@ def import_file(wanted: ImportOptions) -> ExitCode:
     else:
         write(wanted.out, text.encode(), force=wanted.force)
         write(ledger_path(wanted.out), ledger.as_json().encode(), force=True)
-    return _checked(text, wanted) if kind in PLANS else ExitCode.SUCCESS
+    return _checked(text, wanted) if kind not in CALIBRATIONS else ExitCode.SUCCESS
 
 
 def _require_sound(wanted: ImportOptions) -> None:
@@ -91,6 +94,13 @@ def _require_sound(wanted: ImportOptions) -> None:
 def _converted(raw: bytes, kind: ForeignKind, wanted: ImportOptions, ledger: Ledger) -> str:
     if kind in CALIBRATIONS:
         return camera_text(raw, ledger)
+    if kind in CHARTS:
+        xstate = kind is ForeignKind.XSTATE
+        root = scxml_of(json_of(raw), ledger) if xstate else xml_of(raw)
+        aside = Ledger(ledger.source, ledger.form) if xstate else ledger
+        text = chart_text(root, wanted.file.stem, aside)
+        ledger.added += aside.added if xstate else []
+        return text
     areas = cast("Literal['survey', 'fence']", wanted.areas)
     heights = cast("Literal['above_home', 'agl', 'amsl'] | None", wanted.heights)
     options = FitOptions(

@@ -5,8 +5,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from convert import beyond_plain, convert
 from suite import Case, UnreachableError, cases
+
+from missionkit.interchange.charts.scxml_chart import beyond_plain, convert
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from convert import Converted
 from samples import calm
 
 from missionkit.chart.load import parse
@@ -14,6 +13,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.chart.semantics.compiled_chart import LEAVES
 from missionkit.chart.semantics.quick_step import begin, decide
+from missionkit.interchange.charts.scxml_chart import Converted
 from missionkit.plugin_containment import Containment
 
 CATALOGUE = builtin()

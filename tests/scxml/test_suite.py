@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from convert import beyond_plain, convert, sends_at_once
 from follow import followed
+
+from missionkit.interchange.charts.scxml_chart import beyond_plain, convert, sends_at_once
 
 OUTSIDE = Path(__file__).with_name("outside.txt")
 

@@ -7,7 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
-from scripts import TRUTH, BeyondError, Value, assignment, guard, literal
+from missionkit.interchange.charts.script_expressions import (
+    TRUTH,
+    BeyondError,
+    Value,
+    assignment,
+    guard,
+    literal,
+)
 
 SCXML = "{http://www.w3.org/2005/07/scxml}"
 STATES = ("state", "parallel", "final", "history")
@@ -265,7 +272,8 @@ class _Converter:
         text = element.get("delayexpr", f"'{element.get('delay', '0s')}'")
         if text in self.variables:
             return text
-        return self._or_beyond(f"<send> after {text}", 0.0, lambda: _seconds(literal(text)))
+        delay: float = self._or_beyond(f"<send> after {text}", 0.0, lambda: _seconds(literal(text)))
+        return delay
 
 
 def _seconds(text: object) -> float:

@@ -101,6 +101,8 @@ class _Reader:
                 return {"variable": name, "equals": True}
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 return self.compared(left, op, right)
+            case _:
+                pass
         raise BeyondError(self.text)
 
     def compared(self, left: ast.expr, op: ast.cmpop, right: ast.expr) -> Guard:
