@@ -31,6 +31,11 @@ class BeyondError(Exception):
 def guard(text: str, states: Mapping[str, str], variables: Mapping[str, Value]) -> Guard:
     """Return the guard that a condition stands for.
 
+    Args:
+        text: of the condition.
+        states: names of states by their ids.
+        variables: of the chart, with first values.
+
     Raises:
         BeyondError: there is none.
     """
@@ -54,6 +59,11 @@ def literal(text: str) -> Value:
 
 def assignment(text: str, name: str, variables: Mapping[str, Value]) -> Any:
     """Return what a mission writes for `name = text`.
+
+    Args:
+        text: of the expression.
+        name: of the variable.
+        variables: of the chart, with first values.
 
     Raises:
         BeyondError: it cannot.
