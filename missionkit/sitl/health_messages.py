@@ -6,7 +6,7 @@ https://mavlink.io/en/messages/ardupilotmega.html (EKF_STATUS_REPORT).
 
 from __future__ import annotations
 
-from missionkit.sitl import arming_rules
+from missionkit.sitl import arming_rules, fence_breach
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
 
@@ -21,6 +21,7 @@ SENSOR_HEALTH = (
     | mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
     | mavlink.MAV_SYS_STATUS_PREARM_CHECK
 )
+GEOFENCE = mavlink.MAV_SYS_STATUS_GEOFENCE
 WITHOUT_POSITION = (  # the bits are the same in ESTIMATOR_STATUS and EKF_STATUS_REPORT
     mavlink.EKF_ATTITUDE
     | mavlink.EKF_VELOCITY_VERT
@@ -43,6 +44,7 @@ def sys_status(state: SitlState) -> Message:
     """Return SYS_STATUS; the bit PREARM_CHECK says whether it could be armed.
 
     PX4 (`streams/SYS_STATUS.hpp`) sets it in the health alone, ArduPilot in all three fields.
+    ArduPilot says GEOFENCE healthy also where there is none (`AC_Fence::sys_status_failed`).
     """
     health, there = SENSOR_HEALTH, SENSOR_HEALTH
     if state.dialect.name == "px4":
@@ -53,6 +55,9 @@ def sys_status(state: SitlState) -> Message:
         health &= ~mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
     if arming_rules.problems(state):
         health &= ~mavlink.MAV_SYS_STATUS_PREARM_CHECK
+    if state.dialect.name == "ardupilot":
+        fenced = GEOFENCE if state.parameters["FENCE_ENABLE"] else 0
+        there, health = there | fenced, health | (0 if fence_breach.breached(state) else GEOFENCE)
     reading = state.sensed.battery
     volts = 0.0 if reading is None else reading.voltage
     charge = -1 if reading is None else round(100.0 * reading.charge)

@@ -232,6 +232,10 @@ def _no_logs(state: SitlState, channel: Channel, _: Message) -> None:
     channel.send(mavlink.MAVLink_log_entry_message(0, 0, 0, 0, 0), state.now)
 
 
+def _version(state: SitlState, channel: Channel, _: Message) -> None:
+    channel.send(status_messages.autopilot_version(state), state.now)
+
+
 def _origin(state: SitlState, channel: Channel, _: Message) -> None:
     """Say where the origin is: it is set by the first fix and stays there."""
     if state.sensed.gnss is not None:
@@ -253,4 +257,5 @@ SERVICES: dict[str, Service] = {
     "TIMESYNC": _timesync,
     "LOG_REQUEST_LIST": _no_logs,
     "SET_GPS_GLOBAL_ORIGIN": _origin,
+    "AUTOPILOT_VERSION_REQUEST": _version,
 }

@@ -2,12 +2,17 @@
 
 https://mavlink.io/en/services/mission.html: MISSION_COUNT, then one MISSION_REQUEST_INT and one
 MISSION_ITEM_INT for each item, then MISSION_ACK. A request that is not answered is repeated.
+
+ArduPilot asks by MISSION_REQUEST, unless the station says that it cannot answer that, and item 0 of
+its mission is home, also of an empty one (`MissionItemProtocol.cpp`,
+`MissionItemProtocol_Waypoints.cpp`, `AP_Mission.cpp`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from missionkit.sitl import guided_items
 from missionkit.sitl.peer_channel import Channel, Sender, sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.sitl_state import SitlState
@@ -28,6 +33,7 @@ class Upload:
     items: list[Item] = field(default_factory=list)
     asked_at: float = 0.0
     tries: int = 0
+    by_integers: bool = True  # the station is asked for MISSION_ITEM_INT
 
 
 class MissionProtocol:
@@ -58,9 +64,12 @@ class MissionProtocol:
             case "MISSION_SET_CURRENT":
                 set_current(state, message.seq)
             case "MISSION_COUNT":
-                self._begin(state, Upload(channel, who, kind, message.count))
+                px4 = state.dialect.name == "px4"
+                self._begin(state, Upload(channel, who, kind, message.count, by_integers=px4))
             case "MISSION_ITEM" | "MISSION_ITEM_INT":
-                self._take(state, message)
+                self._take(state, channel, message)
+            case "MISSION_ACK" if message.type == mavlink.MAV_MISSION_UNSUPPORTED:
+                self._ask_by_integers(state, who)
             case _:
                 pass  # MISSION_ACK ends a download
 
@@ -72,9 +81,16 @@ class MissionProtocol:
         self._upload = upload
         self._advance(state, upload)
 
-    def _take(self, state: SitlState, message: Message) -> None:
-        upload = self._upload
-        if upload is None or sender(message) != upload.who:
+    def _take(self, state: SitlState, channel: Channel, message: Message) -> None:
+        upload, who = self._upload, sender(message)
+        if guided_items.is_guided(state, message.current):
+            single = Item.of(message)
+            flown = mavlink.MAV_MISSION_INVALID_PARAM5_X
+            if single is not None:
+                flown = guided_items.fly(state, channel, who, single)
+            _acknowledge(state, channel, who, flown, MISSION_ITEMS)
+            return
+        if upload is None or who != upload.who:
             return
         item = Item.of(message)
         if item is None:
@@ -98,10 +114,16 @@ class MissionProtocol:
 
     def _ask(self, state: SitlState, upload: Upload) -> None:
         upload.asked_at, upload.tries = state.now, upload.tries + 1
-        request = mavlink.MAVLink_mission_request_int_message(
-            *upload.who, len(upload.items), upload.kind
-        )
-        upload.channel.send(request, state.now)
+        ask = mavlink.MAVLink_mission_request_message
+        if upload.by_integers:
+            ask = mavlink.MAVLink_mission_request_int_message
+        upload.channel.send(ask(*upload.who, len(upload.items), upload.kind), state.now)
+
+    def _ask_by_integers(self, state: SitlState, who: Sender) -> None:
+        upload = self._upload
+        if upload is not None and upload.who == who and not upload.by_integers:
+            upload.by_integers = True
+            self._ask(state, upload)
 
     def step(self, state: SitlState) -> None:
         """Ask again for an item that did not come; give up after some time."""
@@ -120,6 +142,8 @@ def _acknowledge(state: SitlState, channel: Channel, who: Sender, result: int, k
 
 def _give(state: SitlState, channel: Channel, message: Message, kind: int) -> None:
     who, items = sender(message), state.plans.items.get(kind, ())
+    if kind == MISSION_ITEMS and message.seq == 0 and state.dialect.name == "ardupilot":
+        items = (_home(state), *items[1:])
     if message.seq >= len(items):
         _acknowledge(state, channel, who, mavlink.MAV_MISSION_INVALID_SEQUENCE, kind)
         return
@@ -133,6 +157,20 @@ def _give(state: SitlState, channel: Channel, message: Message, kind: int) -> No
         place = (item.x / 1e7, item.y / 1e7, item.z)
         answer = mavlink.MAVLink_mission_item_message(*head, *place, kind)
     channel.send(answer, state.now)
+
+
+def _home(state: SitlState) -> Item:
+    spot = state.earth.spot(state.home)
+    return Item(
+        mavlink.MAV_FRAME_GLOBAL,
+        mavlink.MAV_CMD_NAV_WAYPOINT,
+        current=0,
+        autocontinue=1,
+        params=(0.0, 0.0, 0.0, 0.0),
+        x=round(1e7 * spot.latitude),
+        y=round(1e7 * spot.longitude),
+        z=spot.height,
+    )
 
 
 def _clear(state: SitlState, kind: int) -> None:

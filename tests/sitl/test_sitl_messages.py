@@ -188,3 +188,33 @@ def test_it_is_armable_only_once_it_has_a_position(either: Any) -> None:
     assert not either.last("SYS_STATUS").onboard_control_sensors_health & prearm
     either.run(1.5)
     assert either.last("SYS_STATUS").onboard_control_sensors_health & prearm
+
+
+def test_the_version_is_answered_by_message_and_by_both_commands(either: Any) -> None:
+    either.send(mavlink.MAVLink_autopilot_version_request_message(1, 1))
+    assert either.command(520, 1) == 0  # REQUEST_AUTOPILOT_CAPABILITIES
+    assert either.command(512, 148) == 0  # REQUEST_MESSAGE
+    answers = either.all("AUTOPILOT_VERSION")
+    assert len(answers) == 3
+    assert len({(it.capabilities, it.flight_sw_version) for it in answers}) == 1
+
+
+def test_ardupilots_fence_is_healthy_unless_breached_also_where_there_is_none(
+    station: Make,
+) -> None:
+    copter, bit = station("ardupilot"), mavlink.MAV_SYS_STATUS_GEOFENCE
+
+    def said() -> tuple[bool, bool]:
+        assert copter.command(512, 1) == 0
+        found = copter.last("SYS_STATUS")
+        healthy = bool(found.onboard_control_sensors_health & bit)
+        return bool(found.onboard_control_sensors_present & bit), healthy
+
+    copter.run(1.0)
+    assert said() == (False, True)
+    copter.take_off()
+    for name, value in (("FENCE_ENABLE", 1), ("FENCE_TYPE", 1), ("FENCE_ALT_MAX", 100.0)):
+        copter.state.parameters.set(name, value)
+    assert said() == (True, True)
+    copter.state.parameters.set("FENCE_ALT_MAX", 2.0)
+    assert said() == (True, False)

@@ -35,7 +35,7 @@ def upload(vehicle: Any, items: list[Any], kind: int = MISSION) -> int:
     vehicle.seen.clear()
     vehicle.send(mavlink.MAVLink_mission_count_message(1, 1, len(items), kind))
     for _ in range(200):
-        requests, acks = vehicle.all("MISSION_REQUEST_INT"), vehicle.all("MISSION_ACK")
+        requests, acks = vehicle.all(request_of(vehicle)), vehicle.all("MISSION_ACK")
         if acks:
             return int(acks[-1].type)
         vehicle.seen.clear()
@@ -44,6 +44,10 @@ def upload(vehicle: Any, items: list[Any], kind: int = MISSION) -> int:
         else:
             vehicle.run(0.02)
     raise AssertionError("never acknowledged")
+
+
+def request_of(vehicle: Any) -> str:
+    return "MISSION_REQUEST_INT" if vehicle.px4 else "MISSION_REQUEST"
 
 
 def download(vehicle: Any, kind: int) -> list[Any]:
@@ -62,6 +66,8 @@ def test_a_download_returns_the_upload(either: Any, kind: int) -> None:
     items = [item(either, n, commands[kind], 10.0 * n, 5.0, 7.0, kind, p1=3.0) for n in range(3)]
     assert upload(either, items, kind) == mavlink.MAV_MISSION_ACCEPTED
     got = download(either, kind)
+    if kind == MISSION and not either.px4:  # item 0 is home
+        got, items = got[1:], items[1:]
     assert [(i.seq, i.command, i.x, i.y, i.z, i.param1) for i in got] == [
         (i.seq, i.command, i.x, i.y, i.z, i.param1) for i in items
     ]
@@ -93,6 +99,57 @@ def test_an_upload_that_stops_is_given_up(station: Make) -> None:
 def test_items_out_of_range_are_refused(either: Any) -> None:
     either.send(mavlink.MAVLink_mission_request_int_message(1, 1, 4, MISSION))
     assert either.last("MISSION_ACK").type == mavlink.MAV_MISSION_INVALID_SEQUENCE
+
+
+def test_item_0_of_an_ardupilot_mission_is_home_also_of_an_empty_one(station: Make) -> None:
+    copter, px4 = station("ardupilot"), station("px4")
+    copter.run(1.0)
+    home = copter.state.earth.spot(copter.state.home)
+    for stored in (0, 2):
+        assert upload(copter, [item(copter, n, 16, 30.0, 30.0, 9.0) for n in range(stored)]) == 0
+        copter.send(mavlink.MAVLink_mission_request_message(1, 1, 0, MISSION))
+        got = copter.last("MISSION_ITEM")
+        assert (got.command, got.frame) == (16, mavlink.MAV_FRAME_GLOBAL)
+        assert (got.x, got.y, got.z) == pytest.approx(tuple(home), abs=1e-5)  # floats
+    px4.send(mavlink.MAVLink_mission_request_message(1, 1, 0, MISSION))
+    assert px4.last("MISSION_ACK").type == mavlink.MAV_MISSION_INVALID_SEQUENCE
+
+
+def test_a_station_that_only_knows_integers_says_so(station: Make) -> None:
+    copter = station("ardupilot")
+    copter.send(mavlink.MAVLink_mission_count_message(1, 1, 1, MISSION))
+    assert copter.last("MISSION_REQUEST").seq == 0
+    assert not copter.all("MISSION_REQUEST_INT")
+    copter.send(mavlink.MAVLink_mission_ack_message(1, 1, 3, MISSION))  # UNSUPPORTED
+    assert copter.last("MISSION_REQUEST_INT").seq == 0
+    copter.send(item(copter, 0, 16, 1.0, 2.0, 3.0))
+    assert copter.last("MISSION_ACK").type == mavlink.MAV_MISSION_ACCEPTED
+
+
+def guided(vehicle: Any, current: int, north: float, height: float, command: int = 16) -> int:
+    spot = vehicle.state.earth.spot(np.array([north, 0.0, 0.0]))
+    place = (spot.latitude, spot.longitude, height)
+    frame = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT
+    vehicle.send(
+        mavlink.MAVLink_mission_item_message(
+            1, 1, 0, frame, command, current, 0, 0, 0, 0, 0, *place
+        )
+    )
+    return int(vehicle.last("MISSION_ACK").type)
+
+
+def test_an_item_with_current_2_is_flown_to_at_once(station: Make) -> None:
+    copter = station("ardupilot")
+    assert guided(copter, 2, 10.0, 6.0) == mavlink.MAV_MISSION_ERROR  # on the ground
+    copter.take_off()
+    assert guided(copter, 2, 10.0, 6.0) == mavlink.MAV_MISSION_ACCEPTED
+    copter.run(12.0)
+    assert copter.truth.position.tolist() == pytest.approx([10.0, 0.0, -6.0], abs=0.5)
+    assert guided(copter, 3, 500.0, 9.0) == mavlink.MAV_MISSION_ACCEPTED  # the height alone
+    copter.run(8.0)
+    assert copter.truth.position.tolist() == pytest.approx([10.0, 0.0, -9.0], abs=0.5)
+    assert guided(copter, 2, 0.0, 6.0, command=21) == mavlink.MAV_MISSION_UNSUPPORTED
+    assert not copter.state.plans.mission
 
 
 def test_a_mission_is_flown(either: Any) -> None:
