@@ -28,6 +28,7 @@ from missionkit.campaigns.run_row import Row
 from missionkit.campaigns.variants import Axis, variants
 from missionkit.chart.load import load
 from missionkit.engine.clock import stopwatch
+from missionkit.engine.planned_events import planned as planned_event
 from missionkit.errors import UsageError
 from missionkit.recorder.run_folder import keep_mission
 from missionkit.rehearsal.stage import world_of
@@ -43,6 +44,7 @@ def campaign(
     seed: int = 0,
     vary: Mapping[str, Sequence[object]] = NO_VARIANTS,
     faults: Sequence[str] = (),
+    events: Sequence[str] = (),
     workers: int | None = None,
     timeout: float = 300.0,
     require: float | None = None,
@@ -63,6 +65,7 @@ def campaign(
         vary: values of parameters by name; every combination is a variant, and all variants fly
             the same seeds.
         faults: faults to inject in every flight, as for `--fault`.
+        events: events of the operator in every flight, as for `--event`.
         workers: number of processes; one per core if absent.
         timeout: s of wall time after which a flight is aborted.
         require: success rate, 0 to 1; stop as soon as it is shown or refuted (Wald's sequential
@@ -93,6 +96,7 @@ def campaign(
         axes,
         plugins=_files(mission),
         faults=faults,
+        events=events,
         seed=seed,
         runs=runs,
         timeout=timeout,
@@ -121,6 +125,7 @@ def planned(
     *,
     plugins: Sequence[Path] = (),
     faults: Sequence[str] = (),
+    events: Sequence[str] = (),
     seed: int,
     runs: int,
     timeout: float,
@@ -135,6 +140,7 @@ def planned(
         vary: parameters that variants differ in.
         plugins: files.
         faults: as `--fault` takes them.
+        events: as `--event` takes them.
         seed: of the first run.
         runs: of each variant.
         timeout: s of wall time a run may take.
@@ -143,7 +149,7 @@ def planned(
 
     Raises:
         FileError: mission, world or plug-in file cannot be used.
-        UsageError: a fault is not known or does not fit.
+        UsageError: a fault or an event is not known or does not fit.
     """
     catalogue = assemble(plugins)
     mission = None
@@ -154,12 +160,15 @@ def planned(
     world = world_of(mission, path.parent)
     for text in faults:
         fault_of(text, mission, world)
+    for text in events:
+        planned_event(text, mission.by_name())
     return Campaign(
         mission=str(path.resolve()),
         name=mission.name,
         settings=dict(settings),
         plugins=tuple(str(it.resolve()) for it in plugins),
         faults=tuple(faults),
+        events=tuple(events),
         vary=tuple(vary),
         seed=seed,
         runs=runs,

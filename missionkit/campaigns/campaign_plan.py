@@ -50,6 +50,7 @@ class Campaign(BaseModel):
     settings: dict[str, str] = {}
     plugins: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()  # of the operator
     vary: tuple[Axis, ...] = ()
     seed: int = 0
     runs: int  # of each variant
@@ -66,7 +67,9 @@ class Campaign(BaseModel):
     def order(self, folder: Path) -> RunOrder:
         """Return the settings for the workers."""
         records = str((folder / "records").resolve()) if self.records else ""
-        return RunOrder(self.mission, self.settings, self.plugins, self.faults, records)
+        return RunOrder(
+            self.mission, self.settings, self.plugins, self.faults, self.events, records
+        )
 
     def cases(self) -> Iterator[Case]:
         """Yield all runs; those of one seed, a variant each, follow one another."""

@@ -19,6 +19,7 @@ class RunOrder(NamedTuple):
     settings: Mapping[str, str]
     plugins: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()  # of the operator, NAME@WHEN
     records: str = ""  # folder for flight records; none without
 
 

@@ -21,7 +21,8 @@ from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.clock import date
-from missionkit.engine.flight_loop import Observer
+from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.engine.planned_events import PlannedEvents, planned
 from missionkit.outcome import outcome, reason
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.geographic_messages import Georeference
@@ -83,7 +84,11 @@ def _row(order: RunOrder, case: Case) -> Row:
     mission, catalogue, world, faults = loaded(order, case.settings)
     ready = stage(mission, catalogue, world, case.seed, faults)
     diary = VisitLog(ready.plan.period)
-    result = _flown(ready, diary, Path(order.records, str(case.number)) if order.records else None)
+    operator = Operator()
+    due = [planned(text, mission.by_name()) for text in order.events]
+    observers: list[Observer] = [diary, PlannedEvents(due, operator)]
+    folder = Path(order.records, str(case.number)) if order.records else None
+    result = _flown(ready, observers, operator, folder)
     return Row(
         number=case.number,
         variant=case.variant,
@@ -104,9 +109,10 @@ def _row(order: RunOrder, case: Case) -> Row:
     )
 
 
-def _flown(ready: Stage, diary: VisitLog, folder: Path | None) -> Rehearsal:
+def _flown(
+    ready: Stage, observers: list[Observer], operator: Operator, folder: Path | None
+) -> Rehearsal:
     with ExitStack() as stack:
-        observers: list[Observer] = [diary]
         if folder is not None:
             shutil.rmtree(folder, ignore_errors=True)  # of a campaign that was killed
             folder.mkdir(parents=True)
@@ -122,7 +128,7 @@ def _flown(ready: Stage, diary: VisitLog, folder: Path | None) -> Rehearsal:
             observers.append(
                 lambda record, seen: recorder.write(record, seen.frame, ready.vehicle.truth)
             )
-        return rehearse(ready, observers)
+        return rehearse(ready, observers, operator=operator)
 
 
 def metrics(grade: Grade) -> dict[str, float | None]:

@@ -29,6 +29,10 @@ def campaign(
         list[str] | None,
         typer.Option(metavar="NAME[=VALUE][@WHEN][+DURATION]", help="fault to inject"),
     ] = None,
+    event: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME@WHEN", help="an event from the operator in every run"),
+    ] = None,
     plugin: Plugins = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="processes; one a core if absent")
@@ -77,6 +81,7 @@ def campaign(
         tuple(settings or ()),
         tuple(vary or ()),
         tuple(fault or ()),
+        tuple(event or ()),
         tuple(plugin or ()),
         workers,
         cluster,

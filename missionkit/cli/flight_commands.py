@@ -48,7 +48,9 @@ def run(
     ] = None,
     event: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME@SECONDS", help="an event from the operator, such as go@12.5"),
+        typer.Option(
+            metavar="NAME@WHEN", help="an event from the operator, such as go@12.5 or go@hover:3"
+        ),
     ] = None,
     plugin: Plugins = None,
     speed: Annotated[

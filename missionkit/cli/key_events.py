@@ -1,4 +1,4 @@
-"""Events from the person at the keys, while a mission flies or as planned before it does."""
+"""Events from the person at the keys, while a mission flies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import select
 import termios
 import tty
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self, TextIO
@@ -15,7 +15,6 @@ from missionkit.chart.model.actions import Raise
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.traversal import actions_of
 from missionkit.engine.flight_loop import Operator
-from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record, is_event
 
 CHART_EVENTS = ("done.state.", "error.")  # what the chart says to itself
@@ -91,32 +90,3 @@ class Keys:
             return os.read(self._stream.fileno(), 1).decode(errors="replace")
         except OSError:
             return ""
-
-
-class Planned:
-    """Sends events at times that were given before the flight: `go@12.5`."""
-
-    def __init__(self, texts: Sequence[str], operator: Operator) -> None:
-        self._due = sorted(map(planned, texts))
-        self._operator = operator
-
-    def __call__(self, record: Record, _observation: Observation) -> None:
-        """Send what is due at the next tick."""
-        while self._due and self._due[0][0] <= record.now:
-            self._operator.send(self._due.pop(0)[1])
-
-
-def planned(text: str) -> tuple[float, str]:
-    """Return when to send which event.
-
-    Raises:
-        UsageError: the text is not `NAME@SECONDS`.
-    """
-    event, _, at = text.partition("@")
-    try:
-        seconds = float(at)
-    except ValueError:
-        seconds = -1.0
-    if not is_event(event) or not 0.0 <= seconds < float("inf"):
-        raise UsageError(f"event {text!r}: expected NAME@SECONDS, such as go@12.5")
-    return seconds, event

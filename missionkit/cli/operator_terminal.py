@@ -9,11 +9,12 @@ from contextlib import closing, contextmanager, nullcontext
 from functools import partial
 
 from missionkit.chart.model.mission import Mission
-from missionkit.cli.key_events import Keys, Planned, offered
+from missionkit.cli.key_events import Keys, offered
 from missionkit.cli.live_view import LineView, LiveView, live_view
 from missionkit.cli.run_options import RunOptions
 from missionkit.engine.clock import stopwatch
 from missionkit.engine.flight_loop import Observer, Operator
+from missionkit.engine.planned_events import PlannedEvents, planned
 from missionkit.messages import CONTINUE, PAUSE, Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_sinks import (
@@ -66,8 +67,12 @@ def cockpit(
         view = LineView(sys.stdout, logs_only=True)
     keys = Keys(sys.stdin, operator, events, deeds)
     watch = _KeyWatch(recorder, view, sinks.view, truth)
-    planned = Planned(order.events, operator)
-    observers: dict[str, Observer] = {RECORD: watch, "keys": keys, "planned events": planned}
+    due = [planned(text, mission.by_name()) for text in order.events]
+    observers: dict[str, Observer] = {
+        RECORD: watch,
+        "keys": keys,
+        "planned events": PlannedEvents(due, operator),
+    }
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
     with view or nullcontext(), closing(sinks), recorder, keys, _giving_back(give_back):
         yield safe

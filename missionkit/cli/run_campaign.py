@@ -43,6 +43,7 @@ class CampaignOptions(NamedTuple):
     settings: tuple[str, ...]
     vary: tuple[str, ...]
     faults: tuple[str, ...]
+    events: tuple[str, ...]
     plugins: tuple[Path, ...]
     workers: int | None
     cluster: str | None
@@ -113,6 +114,7 @@ def _begun(wanted: CampaignOptions) -> tuple[Campaign, Path]:
         axes(wanted.vary, settings),
         plugins=wanted.plugins,
         faults=wanted.faults,
+        events=wanted.events,
         seed=wanted.seed,
         runs=wanted.runs or RUNS,
         timeout=wanted.timeout,

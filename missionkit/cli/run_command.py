@@ -7,10 +7,10 @@ from missionkit.api.run_origin import Origin, Origins, check_same, found_origin,
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.cli.key_events import planned
 from missionkit.cli.overrides import overrides
 from missionkit.cli.recalled_options import check_plugins, recalled
 from missionkit.cli.run_options import RunOptions
+from missionkit.engine.planned_events import planned
 from missionkit.errors import ExitCode
 
 
@@ -31,7 +31,7 @@ def run(order: RunOptions) -> ExitCode:
     refuse(mission, catalogue)
     origins = _origins(order, mission, before)
     for text in order.events:
-        planned(text)
+        planned(text, mission.by_name())
     if order.sitl is not None:
         return _in_sitl(order.sitl, order, mission, catalogue, origins)
     if order.vehicle is not None:

@@ -27,7 +27,7 @@ class RunOptions(NamedTuple):
     system: int | None = None  # MAVLink system id, where several vehicles share the link
     source: str | None = None  # of a real camera, or "rendered"
     share: tuple[str, ...] = ()  # estimates to send to the vehicle: "pose", "target=NAME"
-    events: tuple[str, ...] = ()  # from the operator, NAME@SECONDS
+    events: tuple[str, ...] = ()  # from the operator, NAME@WHEN
     resume: Path | None = None  # the folder of the run to resume
     gap: float = DEFAULT_GAP  # s that the simulated vehicle flew alone
     force: bool = False  # also with another mission

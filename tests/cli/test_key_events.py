@@ -5,14 +5,11 @@ from __future__ import annotations
 import os
 import pty
 
-import pytest
-
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.cli.key_events import Keys, Planned, offered
+from missionkit.cli.key_events import Keys, offered
 from missionkit.engine.flight_loop import Operator
-from missionkit.errors import UsageError
-from missionkit.messages import Observation, Record
+from missionkit.messages import Observation
 
 MISSION = """\
 missionkit: 1
@@ -56,27 +53,6 @@ def test_without_a_terminal_nothing_is_read(tmp_path):
     with path.open(encoding="utf-8") as stream, Keys(stream, operator, {"1": "go"}) as keys:
         keys(None, Observation(0.05))
     assert operator.take() == ()
-
-
-def record_at(now):
-    fields = dict.fromkeys(Record._fields)
-    return Record(**{**fields, "now": now})
-
-
-def test_a_plan_is_sent_when_it_is_due():
-    operator = Operator()
-    plan = Planned(["stop.now@2", "go@0.5"], operator)
-    sent = []
-    for tick in range(1, 60):
-        plan(record_at(0.05 * tick), None)
-        sent += [(round(0.05 * tick, 2), event) for event in operator.take()]
-    assert sent == [(0.5, "go"), (2.0, "stop.now")]
-
-
-@pytest.mark.parametrize("text", ["go", "@3", "go@", "go@soon", "go@-1", "go@inf", "a b@1"])
-def test_an_unreadable_plan_is_reported(text):
-    with pytest.raises(UsageError, match="expected NAME@SECONDS, such as"):
-        Planned([text], Operator())
 
 
 def test_a_key_can_do_other_things_than_send_an_event():
