@@ -15,12 +15,17 @@ from missionkit.sitl.sitl_state import GCS, SEVERITY_WARNING, SitlState
 WARMING_UP = 1.0  # s after boot
 
 
+def is_warming_up(state: SitlState) -> bool:
+    """Say whether it was started a moment ago."""
+    return state.now - state.booted < WARMING_UP
+
+
 def problems(state: SitlState) -> list[str]:
     """Return why it cannot be armed in any mode, empty if it can."""
     truth = state.body.truth
     least = max(state.body.world.autopilot.arming_charge, _asked_charge(state))
     reasons = {
-        "sensors are warming up": state.now - state.booted < WARMING_UP,
+        "sensors are warming up": is_warming_up(state),
         "no position estimate": not state.positioned,
         "low battery": state.body.charge < least,
         "crashed": truth.crashed,

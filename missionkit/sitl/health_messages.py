@@ -68,8 +68,12 @@ def sys_status(state: SitlState) -> Message:
 
 
 def _estimate(state: SitlState) -> tuple[int, float]:
-    """Return the flags of the estimator, and its position innovation over what it allows."""
-    known = (state.sensed.gnss is not None or state.by_flow) and not state.blind
+    """Return the flags of the estimator, and its position innovation over what it allows.
+
+    After a start on the ground it has a position once it could be armed, as clients expect.
+    """
+    starting = arming_rules.is_warming_up(state) and not state.in_air
+    known = (state.sensed.gnss is not None or state.by_flow) and not state.blind and not starting
     return (WITH_POSITION if known else WITHOUT_POSITION), (1.5 if state.gnss_lost else 0.1)
 
 

@@ -218,3 +218,18 @@ def test_ardupilots_fence_is_healthy_unless_breached_also_where_there_is_none(
     assert said() == (True, True)
     copter.state.parameters.set("FENCE_ALT_MAX", 2.0)
     assert said() == (True, False)
+
+
+def test_the_estimator_has_a_position_no_sooner_than_it_can_be_armed(station: Make) -> None:
+    copter = station("ardupilot")
+    placed = mavlink.EKF_POS_HORIZ_ABS | mavlink.EKF_PRED_POS_HORIZ_ABS
+    assert copter.mode("GUIDED") == 0
+
+    def ready() -> bool:
+        assert copter.command(512, 193) == 0
+        return bool(copter.last("EKF_STATUS_REPORT").flags & placed)
+
+    copter.run(0.6)
+    assert not ready()
+    copter.until(ready, 3.0)
+    assert copter.command(400, 1) == 0
