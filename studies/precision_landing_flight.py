@@ -39,7 +39,7 @@ states:
 ABOVE = """\
     kind: custom
     behavior:
-      {use: precision_land, target: pad, phase: deviate, least: $height, sigmas: 0,
+      {use: land_on, target: pad, phase: deviate, least: $height, sigmas: 0,
        half_angle_deg: 3, speed: $speed}
 """
 END = """\
@@ -57,13 +57,13 @@ FIXED = f"""\
     transitions: [{{to: descend, after: PAUSE}}]
   descend:
     kind: custom
-    behavior: {{use: precision_land, target: pad, phase: descend, speed: $speed, descent: $descent}}
+    behavior: {{use: land_on, target: pad, phase: descend, speed: $speed, descent: $descent}}
 {END}"""
 BLIND = f"""\
 {TAKE_OFF.replace("NEXT", "glide")}\
   glide:
     kind: custom
-    behavior: {{use: precision_land, target: pad, phase: glide, sigmas: 0, least: 0,
+    behavior: {{use: land_on, target: pad, phase: glide, sigmas: 0, least: 0,
                speed: $speed, descent: $descent}}
 {END}"""
 

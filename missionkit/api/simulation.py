@@ -115,7 +115,7 @@ def fault_of(text: str, mission: Mission, world: AnyWorld) -> Fault:
         UsageError: it cannot.
     """
     fault = parse_fault(text)
-    markers = {marker.id for marker in world.markers} if isinstance(world, World) else set()
+    markers = {marker.id for marker in world.all_markers} if isinstance(world, World) else set()
     if fault.name == "marker_hidden" and fault.value not in {None, *markers}:
         hint = ", ".join(map(str, sorted(markers))) or "it has no markers"
         raise UsageError(f"fault {text!r}: no such marker in world {world.world!r}: {hint}")

@@ -108,6 +108,11 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
         world: what to draw.
         seed: of the image noise.
     """
+    if world.deck is not None and world.deck.moves:
+        raise UsageError(
+            "the world has a deck that drives, which cannot be drawn over MAVLink: the "
+            "simulator's time is not known there"
+        )
     rng, model = np.random.default_rng(seed), section.model()
     exposure, nothing = section.exposure, frozenset[int]()
     from missionkit.sim.robot_look import looks_at  # noqa: PLC0415 (imports numba)
@@ -128,7 +133,7 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
     from missionkit.sim.robot_boxes import BoxSpotter  # noqa: PLC0415
 
     boxes = BoxSpotter(world, model, np.random.default_rng([seed, 1]))
-    spotter = Spotter(world.markers, model, table(world), rng)
+    spotter = Spotter(world.all_markers, model, table(world), rng)
 
     def find(pose: Pose, at: float) -> Frame:
         body = pose.body

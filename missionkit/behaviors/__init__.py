@@ -12,10 +12,10 @@ from missionkit.behaviors.herd import Herd
 from missionkit.behaviors.hold import Hold
 from missionkit.behaviors.inject import Inject
 from missionkit.behaviors.land import Land
+from missionkit.behaviors.land_on import LandOn
 from missionkit.behaviors.loiter import Loiter
 from missionkit.behaviors.orbit import Orbit
 from missionkit.behaviors.point_at import PointAt
-from missionkit.behaviors.precision_land import PrecisionLand
 from missionkit.behaviors.robot_contact import LandInFront, TouchTop
 from missionkit.behaviors.servo import Servo
 from missionkit.behaviors.shadow import Shadow
@@ -42,7 +42,7 @@ BEHAVIORS = (
     Loiter,
     Orbit,
     PointAt,
-    PrecisionLand,
+    LandOn,
     Sector,
     Servo,
     Shadow,

@@ -137,8 +137,12 @@ class VelocityLaw(NamedTuple):
 def _vouched(seen: Estimate) -> Vec3 | None:
     """Return the vehicle's velocity (3,), m/s, NED, while a target in view vouches for it.
 
-    A target that is tracked does not: it moves, and corrects nothing.
+    A target that moves does not: it corrects nothing.
     """
-    looks = (it.seen_at for name, it in seen.targets.items() if not names_a_track(name))
+    looks = (
+        it.seen_at
+        for name, it in seen.targets.items()
+        if it.velocity is None and not names_a_track(name)
+    )
     fresh = any(at is not None and seen.now - at <= IN_VIEW for at in looks)
     return seen.velocity if fresh and not seen.health.diverged else None

@@ -130,7 +130,7 @@ def scenery_of(world: Any, mission: Mission | None = None) -> Scenery:
         tuple(map(_obstacle, world.obstacles)),
         tuple(
             DrawnMarker(f"marker {it.id}", vec(*it.position), it.attitude, it.size)
-            for it in world.markers
+            for it in getattr(world, "all_markers", world.markers)
         ),
         tuple(DrawnTarget(name, it.position[:2]) for name, it in targets.items()),
         tuple(

@@ -32,6 +32,7 @@ from missionkit.sim.flight_grading import (
 )
 from missionkit.sim.simulators import graded
 from missionkit.sim.world import Marker, World
+from missionkit.sim.world_files import AnyWorld
 from missionkit.states import VEHICLES
 
 
@@ -93,7 +94,9 @@ def graded_flight(ready: Stage, flown: FlownFlight, seen: Witness) -> Rehearsal:
         visit=next((visit for visit in visits.values() if visit is not None), None),
         estimate_error=seen.estimate_error,
         outside_fence=outside(ready.mission, in_flight(rows)),
-        landing_error=None if place is None else math.dist(place, landed_at(rows)),
+        landing_error=None
+        if place is None or _on_moving_deck(ready.world)
+        else math.dist(place, landed_at(rows)),
     )
     errors = {
         state: None
@@ -119,6 +122,11 @@ def graded_flight(ready: Stage, flown: FlownFlight, seen: Witness) -> Rehearsal:
     met = result.landed and all(it.met for it in found)
     came = results(ready.plan.chart.watch.requirements, flown.memory.chart.monitors)
     return Rehearsal(flown, result._replace(succeeded=met), found, wrong, passage, came)
+
+
+def _on_moving_deck(world: AnyWorld) -> bool:
+    """Say whether the place where it landed may have driven on since."""
+    return isinstance(world, World) and world.deck is not None and world.deck.moves
 
 
 def _docking(result: Grade) -> tuple[bool, tuple[float, float] | None]:

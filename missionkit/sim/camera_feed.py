@@ -14,6 +14,7 @@ from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.robot_boxes import BoxSpotter
 from missionkit.sim.robot_look import RobotLook, looks_of
 from missionkit.sim.world import World
+from missionkit.units import Spot
 
 if TYPE_CHECKING:
     from missionkit.perception.camera_section import Camera
@@ -30,6 +31,7 @@ class Shot(NamedTuple):
     repeat: bool  # frozen: the last frame comes again
     flipped: bool  # upside down
     robots: tuple[RobotLook, ...] = ()
+    shift: Spot = (0.0, 0.0)  # m, north and east, by which the deck has driven
 
 
 class Feed:
@@ -54,7 +56,9 @@ class Feed:
         self._camera = camera
         self._world = world
         self._model = camera.model()
-        self._spotter = Spotter(world.markers, self._model, things, rng)
+        self._spotter = Spotter(
+            world.all_markers, self._model, things, rng, len(world.deck_markers)
+        )
         self._boxes = BoxSpotter(world, self._model, boxes)
         self._renderer = self._start(world, rng) if camera.drawn else None
         self._waiting: deque[Shot] = deque()
@@ -102,7 +106,12 @@ class Feed:
         if not off:
             due = at + self._camera.latency + delay
             looks = tuple(looks_of(self._world, robots))
-            self._waiting.append(Shot(at, due, x[:13].copy(), hidden, frozen, flipped, looks))
+            state, shift = x[:13].copy(), (0.0, 0.0)
+            deck = self._world.deck
+            if deck is not None and deck.moves:
+                shift = deck.shift(at)
+                state[3:5] -= deck.velocity_at(at)  # blur is that of the markers on the deck
+            self._waiting.append(Shot(at, due, state, hidden, frozen, flipped, looks, shift))
 
     def deliver(self, now: float) -> Frame | None:
         """Return the newest frame that has arrived by `now` (s), if any; older ones are lost."""
@@ -129,8 +138,10 @@ class Feed:
         x, exposure = shot.state, self._camera.exposure
         body = Transform(x[6:10], x[:3])
         if self._renderer is None:
-            corners = self._spotter.find(x, exposure, shot.hidden)
+            corners = self._spotter.find(x, exposure, shot.hidden, shot.shift)
             boxes = self._boxes.find(body, shot.robots) if self._any_robots else ()
             return Frame(shot.at, None, corners, boxes)
-        image = self._renderer.render(body, x[3:6], x[10:13], exposure, shot.hidden, shot.robots)
+        image = self._renderer.render(
+            body, x[3:6], x[10:13], exposure, shot.hidden, shot.robots, shot.shift
+        )
         return Frame(shot.at, image)

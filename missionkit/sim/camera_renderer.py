@@ -8,15 +8,16 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from missionkit.geometry import Transform, Vec3, rotate, to_matrix
+from missionkit.geometry import Transform, Vec3, rotate, to_matrix, vec
 from missionkit.messages import CameraModel, Image
 from missionkit.sim import ground_drawing, lens_model
 from missionkit.sim.occlusion import OcclusionScene
 from missionkit.sim.perspective_canvas import CanvasView, paint, view_of
 from missionkit.sim.robot_drawing import robot_solids
 from missionkit.sim.robot_look import RobotLook
-from missionkit.sim.solid_shapes import Solid, edge_lines, solids
+from missionkit.sim.solid_shapes import Solid, deck_solids, edge_lines, moved, solids
 from missionkit.sim.world import World
+from missionkit.units import Spot
 
 BLUR_DEPTH = 40.0  # m, depth assumed for motion blur where there is nothing nearer
 
@@ -42,6 +43,7 @@ class Renderer:
         )
         self._lines = () if world.arena is None else edge_lines(world.arena)
         self._scene = OcclusionScene(solids(world))
+        self._deck = deck_solids(world)
 
     def render(
         self,
@@ -51,6 +53,7 @@ class Renderer:
         exposure: float,
         hidden: frozenset[int] = frozenset(),
         robots: Sequence[RobotLook] = (),
+        shift: Spot = (0.0, 0.0),
     ) -> Image:
         """Return one grey frame (height, width).
 
@@ -61,13 +64,16 @@ class Renderer:
             exposure: how long the shutter is open, s.
             hidden: ids of markers that are not to be seen.
             robots: ground robots as they stand in the middle of the exposure.
+            shift: m, north and east, by which the deck has driven.
         """
         view = view_of(body @ self._camera.mount, self._lens)
         canvas = np.empty((view.size[1], view.size[0]), np.uint8)
         ground_drawing.paint(canvas, view, self._bands)
         for line in self._lines:
             paint(canvas, view, line)
-        moving = robot_solids(robots, view)
+        away = vec(*shift, 0.0)
+        deck = [moved(it, away) for it in self._deck if it.marker not in hidden]
+        moving = [*deck, *robot_solids(robots, view)]
         self._scene.shade(canvas, view, moving)
         visible = self._scene.arranged(view, hidden, moving)
         for solid in visible:

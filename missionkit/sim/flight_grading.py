@@ -175,14 +175,21 @@ def grade(
     )
 
 
-def touched_at(rows: Mat) -> float | None:
+def touched_at(rows: Mat, below: float = -math.inf) -> float | None:
     """Return when (s) the ground was first touched outside landing and take-off.
 
     Args:
         rows: (N, TRACK_WIDTH) track.
+        below: m, NED; what is touched higher up does not count.
     """
     flown = np.logical_or.accumulate(rows[:, 14] == 0.0)
-    wrong = flown & (rows[:, 14] > 0.0) & (rows[:, 15] > 0.0) & (rows[:, 16] < TAKE_OFF)
+    wrong = (
+        flown
+        & (rows[:, 3] >= below)
+        & (rows[:, 14] > 0.0)
+        & (rows[:, 15] > 0.0)
+        & (rows[:, 16] < TAKE_OFF)
+    )
     return float(rows[int(wrong.argmax()), 0]) if wrong.any() else None
 
 

@@ -53,7 +53,13 @@ VELOCITY_BIAS = 50  # 50:53 m/s, part of VELOCITY_ERROR, from a fault
 LOOP_PERIOD = 53  # s, of a velocity loop that is too slow; 0: every step
 LOOP_DUE = 54  # s, when it runs next
 PUSH = 55  # 55:58 m/s², what it wanted last
-SIZE = 58
+DECK_HALF = 58  # m, half its side; 0: no deck
+DECK_DOWN = 59  # m, NED, of its middle
+DECK_SLOPE = 60  # 60:62 how much farther down for a metre to the north, and to the east
+DECK_AT = 62  # 62:64 m, north and east of its middle now
+DECK_VELOCITY = 64  # 64:66 m/s, north and east
+DECK_TURN = 66  # rad/s, of its course
+SIZE = 67
 
 IMU_EVERY = 2  # physics steps
 TRACK_WIDTH = 21

@@ -17,6 +17,7 @@ from missionkit.jit import compiled
 from missionkit.messages import CameraModel
 from missionkit.sim.obstacle_distance import cast
 from missionkit.sim.world import Marker
+from missionkit.units import Spot
 
 Corners = tuple[str, int, npt.NDArray[np.float64]]
 PIXEL_SD = 0.25  # px
@@ -208,6 +209,7 @@ class Spotter:
         camera: its lens and mount.
         things: (N, 8) obstacles.
         rng: the camera's stream.
+        carried: how many of the markers, the last ones, lie on the deck.
     """
 
     def __init__(
@@ -216,7 +218,9 @@ class Spotter:
         camera: CameraModel,
         things: Mat,
         rng: np.random.Generator,
+        carried: int = 0,
     ) -> None:
+        self._first = len(markers) - carried
         self._markers = tuple(markers)
         self._shapes = np.array([outline(m) for m in markers]).reshape(-1, 5, 3)
         self._lens = lens_of(camera)
@@ -224,17 +228,24 @@ class Spotter:
         self._things = things
         self._rng = rng
 
-    def find(self, x: Vec3, exposure: float, hidden: frozenset[int]) -> tuple[Corners, ...]:
+    def find(
+        self, x: Vec3, exposure: float, hidden: frozenset[int], shift: Spot = (0.0, 0.0)
+    ) -> tuple[Corners, ...]:
         """Return dictionary, id and corners (4, 2), px, of each marker found.
 
         Args:
             x: (13,) true state at the middle of the exposure, see `kernel_layout`.
             exposure: s.
             hidden: ids of markers that are covered.
+            shift: m, north and east, by which the deck has driven.
         """
+        shapes = self._shapes
+        if shift != (0.0, 0.0):
+            shapes = shapes.copy()
+            shapes[self._first :, :, :2] += shift
         pixels = np.empty((len(self._markers), 4, 2))
         place, mount = self._mount.translation, self._mount.rotation
-        views = glimpse(self._shapes, x, place, mount, self._lens, self._things, pixels)
+        views = glimpse(shapes, x, place, mount, self._lens, self._things, pixels)
         found: list[Corners] = []
         for marker, (cosine, speed), corners in zip(
             self._markers, views.tolist(), pixels, strict=True

@@ -22,7 +22,7 @@ from missionkit.sim.kernel_layout import (
     LoopGains,
 )
 from missionkit.sim.obstacle_distance import nearest_gap
-from missionkit.sim.rigid_body import advance, electrical_power, touch
+from missionkit.sim.rigid_body import advance, drive_deck, electrical_power, touch
 from missionkit.sim.robot_contact import Floor, live
 
 
@@ -191,6 +191,8 @@ def fly(
         for part in range(17):  # a slice would take numba two seconds longer to compile
             before[part] = x[part]
         advance(x, u, wind, body, at.DT, work)
+        if memory[at.DECK_HALF] > 0.0:
+            drive_deck(memory)
         touch(x, memory)
         if robots.shape[0] > 0:
             end = (step + n + 1) * at.DT

@@ -15,6 +15,7 @@ from missionkit.sim import kernel_layout as at
 from missionkit.sim.obstacle_distance import table
 from missionkit.sim.physics_steps import fly
 from missionkit.sim.random_blocks import Normals
+from missionkit.sim.rigid_body import over_deck, surface
 from missionkit.sim.robot_contact import start
 from missionkit.sim.world import World
 
@@ -35,6 +36,7 @@ class Plant:
         self._imu = Normals(rngs["imu"], 12)
         self._place(world)
         self._begin(world)
+        self._raise_deck(world)
 
     def _place(self, world: World) -> None:
         self.state[:2] = world.start
@@ -50,6 +52,27 @@ class Plant:
         biases = self._imu.take(1)[0]
         memory[at.ACCEL_BIAS : at.ACCEL_BIAS + 3] = imu.accel_bias * biases[:3]
         memory[at.GYRO_BIAS : at.GYRO_BIAS + 3] = imu.gyro_bias * biases[3:6]
+
+    def _raise_deck(self, world: World) -> None:
+        deck, memory = world.deck, self.memory
+        if deck is None:
+            return
+        memory[at.DECK_HALF], memory[at.DECK_DOWN] = 0.5 * deck.size, -deck.height
+        memory[at.DECK_SLOPE : at.DECK_SLOPE + 2] = deck.slope
+        memory[at.DECK_AT : at.DECK_AT + 2] = deck.at
+        memory[at.DECK_VELOCITY : at.DECK_VELOCITY + 2] = deck.velocity
+        memory[at.DECK_TURN] = math.radians(deck.turn_rate_deg)
+
+    def above_surface(self) -> Vec3:
+        """Return the state (17,) with the position from the deck where it is above that."""
+        x, memory = self.state, self.memory
+        if memory[at.DECK_HALF] <= 0.0 or not over_deck(x, memory):
+            return x
+        x = x.copy()
+        down = surface(x, memory)
+        x[0:2] -= memory[at.DECK_AT : at.DECK_AT + 2]
+        x[2] -= down
+        return x
 
     @property
     def now(self) -> float:

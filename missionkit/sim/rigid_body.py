@@ -12,6 +12,13 @@ from missionkit.jit import compiled
 from missionkit.planning.rotor_power import RotorModel, rotor_power
 from missionkit.sim.kernel_layout import (
     CRASHED,
+    DECK_AT,
+    DECK_DOWN,
+    DECK_HALF,
+    DECK_SLOPE,
+    DECK_TURN,
+    DECK_VELOCITY,
+    DT,
     ON_GROUND,
     RATE,
     Body,
@@ -21,6 +28,8 @@ HARD = 2.0  # m/s, a faster touch of the ground is a crash
 STICKING = 0.05  # m/s and rad/s, slower motion on the ground stops
 LEVELLING = 0.1 * RATE  # 1/s, at which the ground turns the body level
 LEVEL = 1e-9  # rad
+CLINGS = 0.002  # m, above the deck it still stands on it, while it slides down its slope
+EDGE = 0.15  # m, who is deeper below the deck has hit its side
 
 
 @compiled
@@ -112,24 +121,84 @@ def advance(x: Vec3, u: Vec3, wind: Vec3, body: Body, dt: float, work: Vec3) -> 
 
 
 @compiled
-def touch(x: Vec3, memory: Vec3) -> None:
-    """Keep the body on or above the ground; a touch faster than `HARD` is a crash.
+def drive_deck(memory: Vec3) -> None:
+    """Move the deck by one step, and turn its course.
 
-    The feet are the origin of the body: at rest the position is (n, e, 0). Contact takes away the
-    sinking speed at once, sliding and spin within some tens of milliseconds, and turns the body
-    level as fast, by its rates: ω = -k (φ, θ), with the tilt from the ground's normal in body axes.
+    Args:
+        memory: by `kernel_layout`, changed in place.
     """
-    grounded = x[2] >= 0.0
+    turn = memory[DECK_TURN] * DT
+    c, s = math.cos(turn), math.sin(turn)
+    north, east = memory[DECK_VELOCITY], memory[DECK_VELOCITY + 1]
+    memory[DECK_VELOCITY] = c * north - s * east
+    memory[DECK_VELOCITY + 1] = s * north + c * east
+    memory[DECK_AT] += 0.5 * DT * (north + memory[DECK_VELOCITY])
+    memory[DECK_AT + 1] += 0.5 * DT * (east + memory[DECK_VELOCITY + 1])
+
+
+@compiled
+def over_deck(x: Vec3, memory: Vec3) -> bool:
+    """Say whether the body is above the deck, or inside it.
+
+    Args:
+        x: (17,) state.
+        memory: by `kernel_layout`.
+    """
+    half = memory[DECK_HALF]
+    north, east = x[0] - memory[DECK_AT], x[1] - memory[DECK_AT + 1]
+    return bool(half > 0.0 and abs(north) <= half and abs(east) <= half)
+
+
+@compiled
+def surface(x: Vec3, memory: Vec3) -> float:
+    """Return how far down (m, NED) the deck is where the body is over it.
+
+    Args:
+        x: (17,) state.
+        memory: by `kernel_layout`.
+    """
+    north, east = x[0] - memory[DECK_AT], x[1] - memory[DECK_AT + 1]
+    return float(memory[DECK_DOWN] + memory[DECK_SLOPE] * north + memory[DECK_SLOPE + 1] * east)
+
+
+@compiled
+def touch(x: Vec3, memory: Vec3) -> None:
+    """Keep the body on or above the ground or the deck; a touch faster than `HARD` is a crash.
+
+    The feet are the origin of the body: at rest on the ground the position is (n, e, 0). Contact
+    takes away the sinking speed at once, sliding and spin within some tens of milliseconds, and
+    turns the body level with what it stands on as fast, by its rates: ω = -k (φ, θ), with the tilt
+    from the normal in body axes. A deck that drives takes the body along.
+
+    Args:
+        x: (17,) state, changed in place.
+        memory: by `kernel_layout`, changed in place.
+    """
+    floor, slope_n, slope_e, drive_n, drive_e = 0.0, 0.0, 0.0, 0.0, 0.0
+    if over_deck(x, memory):
+        floor = surface(x, memory)
+        slope_n, slope_e = memory[DECK_SLOPE], memory[DECK_SLOPE + 1]
+        drive_n, drive_e = memory[DECK_VELOCITY], memory[DECK_VELOCITY + 1]
+        if x[2] > floor + EDGE:
+            memory[CRASHED] = 1.0
+        if memory[ON_GROUND] > 0.0 and floor - CLINGS < x[2] < floor and x[5] > -STICKING:
+            x[2] = floor
+    grounded = x[2] >= floor
     memory[ON_GROUND] = 1.0 if grounded else 0.0
     if not grounded:
         return
     if x[5] > HARD:
         memory[CRASHED] = 1.0
-    x[2] = 0.0
+    x[2] = floor
     x[5] = min(0.0, x[5])
-    for n in (3, 4, 12):
-        x[n] = 0.85 * x[n] if abs(x[n]) > STICKING else 0.0
-    roll = 2.0 * (x[8] * x[9] + x[6] * x[7])  # of the ground's normal, R^T e3
-    pitch = 2.0 * (x[6] * x[8] - x[7] * x[9])
+    north, east = x[3] - drive_n, x[4] - drive_e
+    x[3] = drive_n + (0.85 * north if abs(north) > STICKING else 0.0)
+    x[4] = drive_e + (0.85 * east if abs(east) > STICKING else 0.0)
+    x[12] = 0.85 * x[12] if abs(x[12]) > STICKING else 0.0
+    w, i, j, k = x[6], x[7], x[8], x[9]
+    size = math.sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
+    n, e, d = -slope_n / size, -slope_e / size, 1.0 / size  # the normal, downwards, R^T n:
+    roll = 2.0 * (i * j - w * k) * n + (1 - 2 * (i * i + k * k)) * e + 2.0 * (j * k + w * i) * d
+    pitch = (1 - 2 * (j * j + k * k)) * n + 2.0 * (i * j + w * k) * e + 2.0 * (i * k - w * j) * d
     x[10] = -LEVELLING * roll if abs(roll) > LEVEL else 0.0
-    x[11] = -LEVELLING * pitch if abs(pitch) > LEVEL else 0.0
+    x[11] = LEVELLING * pitch if abs(pitch) > LEVEL else 0.0

@@ -98,7 +98,7 @@ class SimulatedVehicle(SimulatedPort):
         self._home = (0.0, 0.0)  # m, north and east, where it armed
         self._return: ReturnFlight | None = None  # while the autopilot flies home
         self._cycle = NO_CYCLE
-        self._ids = frozenset(marker.id for marker in world.markers)
+        self._ids = frozenset(marker.id for marker in world.all_markers)
         self._inbox = Inbox()
         self._flow.start(self.now, self._plant.state)
         self._remember()
@@ -276,9 +276,9 @@ class SimulatedVehicle(SimulatedPort):
         if self._mag.beat.due(step):
             box.mag = self._mag.measure(now, x)
         if self._flow.beat.due(step):
-            box.flow = self._flow.measure(now, x)
+            box.flow = self._flow.measure(now, self._plant.above_surface())
         if self._range.beat.due(step):
-            seen = self._range.measure(now, x)
+            seen = self._range.measure(now, self._plant.above_surface())
             box.range = None if self._injected.active("range_lost", now) else seen
         if self._outside is not None and self._outside.beat.due(step):
             self._outside.expose(now, x, lost=self._injected.active("external_pose_lost", now))

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from missionkit.sim.fault_injection import Fault
-from missionkit.sim.flight_grading import Grade, grade
+from missionkit.sim.flight_grading import Grade, grade, touched_at
 from missionkit.sim.free_flyer.docking_grading import grade_docking
 from missionkit.sim.free_flyer.free_flyer import FreeFlyer
 from missionkit.sim.free_flyer.warm_up import warm_up as warm_up_flyer
@@ -22,6 +22,7 @@ from missionkit.sim.world_files import AnyWorld
 if TYPE_CHECKING:
     from missionkit.perception.camera_section import Camera
 
+ON_DECK = 0.05  # m, higher, what the vehicle stands on is the deck
 Simulated = SimulatedVehicle | FreeFlyer
 
 
@@ -50,5 +51,9 @@ def graded(vehicle: Simulated) -> Grade:
     if isinstance(vehicle, SimulatedVehicle):
         herd = grade_herd(vehicle.robots)
         found = grade(rows)._replace(herd=herd)
-        return found if herd is None else found._replace(touched_at=None)  # it lands before robots
+        if herd is not None:
+            return found._replace(touched_at=None)  # it lands before robots
+        if vehicle.world.deck is not None:  # on the deck it may stand
+            return found._replace(touched_at=touched_at(rows, below=-ON_DECK))
+        return found
     return grade(rows)._replace(docking=grade_docking(rows, vehicle.world, vehicle.impulse))

@@ -13,6 +13,7 @@ from missionkit.geometry import Vec3, to_matrix, vec
 from missionkit.messages import Image, Points
 from missionkit.sim import textures
 from missionkit.sim.arena import Arena
+from missionkit.sim.deck import THICK
 from missionkit.sim.perspective_canvas import Face, Hull
 from missionkit.sim.world import Box, Cylinder, Marker, Obstacle, Sphere, World
 
@@ -46,6 +47,41 @@ def solids(world: World) -> list[Solid]:
         UsageError: a marker's dictionary or id does not exist.
     """
     return [*map(obstacle, world.obstacles), *map(marker, world.markers)]
+
+
+def deck_solids(world: World) -> list[Solid]:
+    """Return the deck of a world, then the markers on it, where they are at the start."""
+    deck = world.deck
+    if deck is None:
+        return []
+    (north, east), half = deck.at, 0.5 * deck.size
+    slope_n, slope_e = deck.slope
+    ring = [(-half, -half), (-half, half), (half, half), (half, -half)]
+    top = np.array(
+        [(north + n, east + e, slope_n * n + slope_e * e - deck.height) for n, e in ring]
+    )
+    low = top + vec(0.0, 0.0, THICK)
+    edges = prism(top[:, :2], 0.0, 0.0).edges
+    sides = [(top[i], top[(i + 1) % 4], low[i]) for i in range(4)]
+    sides += [(top[3], top[2], top[0]), (low[0], low[1], low[3])]
+    slab = _block(Hull(np.vstack([top, low]), edges), sides)
+    return [slab, *map(marker, world.deck_markers)]
+
+
+def moved(solid: Solid, shift: Vec3) -> Solid:
+    """Return a solid `shift` (3,), m, NED, away."""
+
+    def faces(eye: Vec3) -> list[Face]:
+        return [
+            face._replace(origin=face.origin + shift, hull=_moved(face.hull, shift))
+            for face in solid.faces(eye - shift)
+        ]
+
+    return Solid(_moved(solid.hull, shift), solid.normals, faces, solid.marker)
+
+
+def _moved(hull: Hull, shift: Vec3) -> Hull:
+    return Hull(hull.points + shift, hull.edges)
 
 
 def obstacle(of: Obstacle) -> Solid:
@@ -185,6 +221,16 @@ def _box(of: Box) -> Solid:
     # each side by its top left, top right and bottom left corner, as seen from outside
     sides = [(top[i], top[(i + 1) % 4], low[i]) for i in range(4)]
     sides += [(top[3], top[2], top[0]), (low[0], low[1], low[3])]
+    return _block(hull, sides)
+
+
+def _block(hull: Hull, sides: Sequence[tuple[Vec3, Vec3, Vec3]]) -> Solid:
+    """Return a block of plaster.
+
+    Args:
+        hull: of it.
+        sides: each by its top left, top right and bottom left corner, as seen from outside.
+    """
     built = [_side(*corners) for corners in sides]
 
     def faces(eye: Vec3) -> list[Face]:

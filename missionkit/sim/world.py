@@ -23,6 +23,7 @@ from missionkit.sim.arena import (
     PlacedRobot,
     Robots,
 )
+from missionkit.sim.deck import Deck, DeckMarker
 from missionkit.sim.fault_injection import FAULT_KINDS, Kind
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
@@ -33,6 +34,7 @@ from missionkit.sim.vehicle_parameters import (
 )
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
 
+SHEET = 0.001  # m, from one marker of a deck to the one that lies on it
 WindSpeed = Annotated[MetresPerSecond, Field(ge=-100, le=100)]
 
 
@@ -163,6 +165,27 @@ def marker_attitude(facing_deg: float, tilt_deg: float = 0.0, roll_deg: float = 
     return multiply(upright, multiply(tilt, roll))
 
 
+def _on_deck(deck: Deck, it: DeckMarker, count: int) -> Marker:
+    """Return a marker of a deck where it lies at the start, `count` sheets of paper high."""
+    up, right = it.offset
+    lift = SHEET * count
+    facing, tilt = math.radians(deck.facing_deg), math.radians(deck.tilt_deg)
+    north = -up * math.cos(tilt) + lift * math.sin(tilt)  # along the heading of the lean
+    east = -right
+    down = -deck.height - up * math.sin(tilt) - lift * math.cos(tilt)
+    c, s = math.cos(facing), math.sin(facing)
+    position = (deck.at[0] + c * north - s * east, deck.at[1] + s * north + c * east, down)
+    return Marker(
+        dictionary=it.dictionary,
+        id=it.id,
+        size=it.size,
+        position=position,
+        facing_deg=deck.facing_deg,
+        tilt_deg=90.0 - deck.tilt_deg,
+        roll_deg=it.roll_deg,
+    )
+
+
 class World(ParameterModel):
     """Everything the simulator needs to know beyond the mission file."""
 
@@ -174,6 +197,7 @@ class World(ParameterModel):
     wind: Wind = Wind()
     obstacles: tuple[Obstacle, ...] = ()
     markers: tuple[Marker, ...] = ()
+    deck: Deck | None = None
     arena: Arena | None = None
     robots: Robots | None = None
     obstacle_robots: ObstacleRobots | None = None
@@ -216,6 +240,29 @@ class World(ParameterModel):
         """
         return type(self).model_validate({**dict(self), "start": start})
 
+    @model_validator(mode="after")
+    def _starts_beside_the_deck(self) -> Self:
+        deck = self.deck
+        if deck is None:
+            return self
+        near = 0.5 * deck.size + self.quadrotor.radius
+        if all(abs(a - b) <= near for a, b in zip(deck.at, self.start, strict=True)):
+            raise ValueError("the deck stands on the take-off point")
+        return self
+
+    @property
+    def all_markers(self) -> tuple[Marker, ...]:
+        """The markers, then those of the deck where they are at the start."""
+        return self.markers + self.deck_markers
+
+    @property
+    def deck_markers(self) -> tuple[Marker, ...]:
+        """The markers on the deck where they are at the start."""
+        deck = self.deck
+        if deck is None:
+            return ()
+        return tuple(_on_deck(deck, it, count) for count, it in enumerate(deck.markers, 1))
+
     @property
     def middle(self) -> Spot:
         """Centre of the arena, or the take-off point's."""
@@ -233,7 +280,7 @@ class World(ParameterModel):
 
     def marker(self, id: int, dictionary: str | None = None) -> Marker | None:
         """Return the first marker with that id (and dictionary), if there is one."""
-        for marker in self.markers:
+        for marker in self.all_markers:
             if marker.id == id and dictionary in {None, marker.dictionary}:
                 return marker
         return None

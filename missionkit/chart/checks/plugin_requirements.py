@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from missionkit.behaviors.precision_land import PrecisionLand
+from missionkit.behaviors.land_on import LandOn
 from missionkit.behaviors.survey import ParallelLines
 from missionkit.chart.checks.guard_regions import region_of
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
@@ -46,6 +46,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     yield from _not_below(chart)
     yield from _no_spacing(chart)
     yield from _no_images(chart)
+    yield from _nothing_moves(chart)
 
 
 def _no_spacing(chart: AnalysedChart) -> Iterator[Problem]:
@@ -82,6 +83,20 @@ def _no_images(chart: AnalysedChart) -> Iterator[Problem]:
         )
 
 
+def _nothing_moves(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield each target that the navigator is to follow and that the mission does not have."""
+    mission = chart.mission
+    for name in getattr(mission.navigation.plugin, "moving", ()):
+        if name not in mission.targets:
+            yield Problem(
+                mission.navigation.place,
+                f"'moving' names {name!r}, which is no target of this mission",
+                Level.ERROR,
+                "no-target",
+                f"targets: {{{name}: {{position: [...]}}}}",
+            )
+
+
 def _nothing_to_track(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield that nothing finds what is to be tracked."""
     mission = chart.mission
@@ -104,12 +119,12 @@ def _not_below(chart: AnalysedChart) -> Iterator[Problem]:
         return
     for _, state, _ in chart.tree.states.values():
         use = state.behavior
-        if use is None or not isinstance(use.plugin, PrecisionLand):
+        if use is None or not isinstance(use.plugin, LandOn):
             continue
         if use.plugin.sigmas and use.plugin.half_angle_deg is None:
             yield Problem(
                 use.place,
-                "behaviour 'precision_land' waits for the pad below, but the camera does not see "
+                "behaviour 'land_on' waits for the pad below, but the camera does not see "
                 "straight down",
                 Level.ERROR,
                 "no-view-below",

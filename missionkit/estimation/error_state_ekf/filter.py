@@ -14,6 +14,7 @@ from missionkit.estimation.error_state_ekf import (
     initialization,
     innovation_monitor,
     measurement_log,
+    moving_target,
     process_model,
     realignment,
     replay_buffer,
@@ -89,11 +90,16 @@ class ErrorStateEkf:
 
         Sightings of targets that were not surveyed are left aside.
         """
-        seen = [s for s in sightings if s.target in self._names]
-        if known.past is None or known.missing or not seen:
+        past, moving = known.past, self._settings.moving
+        if past is None or known.missing:
+            return known
+        for sighting in (s for s in sightings if s.target in moving and s.target in self._names):
+            known = self._followed(known, past, sighting)
+        seen = [s for s in sightings if s.target in self._names and s.target not in moving]
+        if not seen:
             return known
         rows = [self._row(s) for s in seen]
-        known = self._advance(known, known.past, NO_IMU, rows)
+        known = self._advance(known, past, NO_IMU, rows)
         for sighting, row in zip(seen, rows, strict=True):
             known = self._look(known, sighting, row)
         return known
@@ -228,6 +234,26 @@ class ErrorStateEkf:
                 again = [reset.forget_target(row), row]
                 known = self._advance(known, replay_buffer.without(past, [row]), NO_IMU, again)
                 track = TargetTrack(track.facing, seen.at)
+        return known._replace(tracks=(*known.tracks[:i], track, *known.tracks[i + 1 :]))
+
+    def _followed(self, known: FilterMemory, past: ReplayBuffer, seen: Sighting) -> FilterMemory:
+        """Take in a sighting of a target that moves."""
+        s, i = self._settings, self._names.index(seen.target)
+        body = replay_buffer.pose_at(past, seen.at)
+        if body is None or not measurement_log.sound(seen):
+            return known
+        place = (body @ self._mount).apply(seen.pose.translation)
+        track = known.tracks[i]
+        motion = moving_target.sighted(
+            track.motion,
+            seen.at,
+            place,
+            seen.position_sd,
+            float(self._gates[3]),
+            s.moving_accel,
+            s.moving[seen.target],
+        )
+        track = track._replace(motion=motion, seen_at=motion.at)
         return known._replace(tracks=(*known.tracks[:i], track, *known.tracks[i + 1 :]))
 
     def _faced(

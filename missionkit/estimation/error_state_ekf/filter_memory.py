@@ -10,6 +10,7 @@ import numpy as np
 from missionkit.estimation.error_state_ekf import initialization, innovation_monitor
 from missionkit.estimation.error_state_ekf.initialization import RestSamples
 from missionkit.estimation.error_state_ekf.innovation_monitor import InnovationMonitor
+from missionkit.estimation.error_state_ekf.moving_target import TargetMotion
 from missionkit.estimation.error_state_ekf.replay_buffer import ReplayBuffer
 from missionkit.estimation.error_state_ekf.target_attitude import TargetAttitude
 from missionkit.frames import FROM_THE_START, NO_MOTION, Timed
@@ -22,6 +23,7 @@ class TargetTrack(NamedTuple):
     facing: TargetAttitude = TargetAttitude()
     seen_at: float | None = None  # s, of the last accepted sighting
     strays: Mat = np.empty((0, 3))  # (n, 3), m, NED: where sightings refused in a row put it
+    motion: TargetMotion | None = None  # of one that moves, once it was seen
 
 
 class FilterMemory(NamedTuple):

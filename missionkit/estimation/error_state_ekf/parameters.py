@@ -17,8 +17,9 @@ class VisualInertialEkf(Plugin):
     sightings of the targets' markers correct it, and with `flow` also optical flow and range finder
     over flat ground, with `external_pose` also poses that motion capture measures, each at the
     time it was measured. A target begins where the mission file says and is corrected together
-    with the vehicle. The defaults suit a consumer drone whose inertial unit gives 100 samples a
-    second.
+    with the vehicle; one that is `moving` is followed apart from it, with its velocity, and tells
+    nothing about where the vehicle is. The defaults suit a consumer drone whose inertial unit gives
+    100 samples a second.
 
         ẋ = (v, R(q) (a_m - b_a) + g, ½ q ⊗ (ω_m - b_g), 0, 0),   x += K (z - h(x))
 
@@ -34,6 +35,10 @@ class VisualInertialEkf(Plugin):
     gyro_bias_walk: Number = Field(default=2e-5, ge=0, description="rad/s/√s")
     accel_bias_sd: Number = Field(default=0.1, gt=0, description="m/s², at switch-on")
     target_walk: Number = Field(default=0.01, ge=0, description="m/√s, a target's own motion")
+    moving: dict[str, MetresPerSecond] = Field(
+        default={}, description="targets that move level, and how fast each may be at most"
+    )
+    moving_accel: Number = Field(default=0.3, gt=0, description="m/s²/√Hz, of those targets")
     target_turn_walk: Number = Field(default=0.01, gt=0, description="rad/√s")
     baro_sd: Metres = Field(
         default=1.0, gt=0, description="more than the noise, for its offset drifts"

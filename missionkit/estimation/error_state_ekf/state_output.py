@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from missionkit.estimation.error_state_ekf import innovation_monitor
+from missionkit.estimation.error_state_ekf import innovation_monitor, moving_target
 from missionkit.estimation.error_state_ekf.filter_memory import FilterMemory, TargetTrack
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.error_state_ekf.replay_buffer import ReplayBuffer
@@ -53,7 +53,10 @@ def aligned(
             cause=cause,
             placed=innovation_monitor.placed(known.monitor, known.now, settings),
         ),
-        targets={n: _target(n, i, x, P, known.tracks[i]) for i, n in enumerate(names)},
+        targets={
+            n: _target(n, i, x, P, known.tracks[i], known.now, settings)
+            for i, n in enumerate(names)
+        },
         covariance=P[:D_LANDMARKS, :D_LANDMARKS].copy(),
         correction=known.corrections[-1].transform.translation,
         late=known.monitor.late,
@@ -98,7 +101,17 @@ def relative_sd(P: Mat, index: int) -> float:
     return math.sqrt(max(total / 3.0, 0.0))
 
 
-def _target(name: str, index: int, x: Vec3, P: Mat, track: TargetTrack) -> Target:
+def _target(
+    name: str,
+    index: int,
+    x: Vec3,
+    P: Mat,
+    track: TargetTrack,
+    now: float,
+    settings: VisualInertialEkf,
+) -> Target:
+    if track.motion is not None:
+        return moving_target.target_of(name, track.motion, now, settings.moving_accel)
     place = x[LANDMARKS + 3 * index : LANDMARKS + 3 * index + 3].copy()
     attitude = track.facing.attitude
     angle_sd = None if attitude is None else math.sqrt(track.facing.variance + angle_variance(P))

@@ -13,7 +13,7 @@ from missionkit.guards.state_progress import DONE_QUANTITY
 from missionkit.messages import Action
 from missionkit.messages.region import ONLY_TRUE
 
-STAYS_DOWN = frozenset(("hold", "land", "precision_land"))  # behaviours that never take off
+STAYS_DOWN = frozenset(("hold", "land"))  # behaviours that never take off
 
 
 @dataclass(frozen=True, slots=True)
