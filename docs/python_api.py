@@ -18,8 +18,11 @@ ROOT = Path(__file__).parent
 PAGE = ROOT / "reference" / "python-api.md"
 SECTIONS = ("Args", "Attributes", "Returns", "Raises", "Example")
 PARTS = {
-    "Functions": ("load", "validate", "rehearse", "fly", "campaign"),
-    "What they take and return": ("LoadedMission", "Operator", "Summary", "Analysis", "Problem"),
+    "Functions": ("load", "validate", "rehearse", "fly", "replay", "campaign"),
+    "What they take and return": (
+        *("LoadedMission", "Operator", "Summary", "Analysis", "Replay", "ReplayDifference"),
+        "Problem",
+    ),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),
     "Plug-ins": (
         "Plugin",
@@ -177,6 +180,16 @@ EXAMPLES = {
     "Analysis": """
         >>> analysis.variants[0].outcomes  # of the campaign above
         {'success': 1}
+    """,
+    "Replay": """
+        >>> summary = missionkit.rehearse(mission, folder="runs/again")
+        >>> [part] = missionkit.replay("runs/again")
+        >>> part.difference is None, part.notes
+        (True, ())
+    """,
+    "ReplayDifference": """
+        >>> missionkit.ReplayDifference(35.3, 705, "state: gps flown, visual replayed").tick
+        705
     """,
     "Problem": """
         >>> [str(problem) for problem in missionkit.validate("mission.yaml")]

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from missionkit.api.flight import fly as fly
     from missionkit.api.missions import LoadedMission as LoadedMission
     from missionkit.api.missions import load as load
+    from missionkit.api.replay import Replay as Replay
+    from missionkit.api.replay import ReplayDifference as ReplayDifference
+    from missionkit.api.replay import replay as replay
     from missionkit.api.simulation import rehearse as rehearse
     from missionkit.api.validation import validate as validate
     from missionkit.campaigns.analysis import Analysis as Analysis
@@ -71,6 +74,7 @@ _HOMES = {  # module -> what it gives
     "api.campaign": ("campaign",),
     "api.flight": ("fly",),
     "api.missions": ("LoadedMission", "load"),
+    "api.replay": ("Replay", "ReplayDifference", "replay"),
     "api.simulation": ("rehearse",),
     "api.validation": ("validate",),
     "campaigns.analysis": ("Analysis",),

@@ -10,15 +10,15 @@ from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.interrupts import landing_on_interrupt
 from missionkit.api.missions import LoadedMission
-from missionkit.api.run_origin import keep_origin, origin_of, stamp
+from missionkit.api.run_origin import Origin, keep_origin, origin_of_loaded, stamp
 from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.api.vehicle_flight import fly_vehicle, share_of, vehicle_of
 from missionkit.api.vehicle_outcome import FlightLog, outcome_of, reason_of, with_remarks
 from missionkit.chart.semantics.requirement_watch import results
 from missionkit.engine.clock import date
-from missionkit.engine.flight_loop import Observer, Operator, keep_nothing
+from missionkit.engine.flight_loop import Keeper, Observer, Operator, each_of
 from missionkit.engine.mission_success import conditions
-from missionkit.engine.prepared_mission import prepare
+from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.messages import Observation, Record
 from missionkit.recorder.geographic_messages import Georeference
@@ -96,7 +96,7 @@ def fly(
     )
     sinks, operator, log = background(), operator or Operator(), FlightLog(plan.chart)
     own = [_Unhurried(f"observer {n}", it, sinks.reports) for n, it in enumerate(observers, 1)]
-    scene = scenery_of(world, model)
+    scene, origin = scenery_of(world, model), origin_of_loaded(mission)
     with landing_on_interrupt(operator), ExitStack() as whole:
         if folder is not None:
             Path(folder).mkdir(parents=True, exist_ok=True)
@@ -107,21 +107,23 @@ def fly(
             scene,
             sinks,
             mission.path,
+            origin,
             Georeference(lambda: vehicle.observer.origin, date),
+            address,
         )
-        save = _saving(book, mission, vehicle, sinks)
+        save = _saving(book, origin, vehicle, sinks)
         with book, ExitStack() as stack:
             for each in own:
                 stack.callback(each.close)
             flown = outside_loop(
                 lambda: fly_vehicle(
-                    plan,
+                    book.plan,
                     vehicle,
                     (log, with_remarks((*book.observing(()), *own), vehicle)),
                     operator=operator,
                     speed=speed,
                     time_limit=model.settings.time_limit,
-                    keeper=now_and_then(plan.chart, is_plain, save) if save else keep_nothing,
+                    keeper=each_of(*_keepers(plan, save), book.keep),
                     reports=sinks.reports,
                     look_first=not anyway,
                 )
@@ -141,21 +143,19 @@ def fly(
 
 
 def _saving(
-    book: Logbook, mission: LoadedMission, vehicle: MavsdkVehicle, sinks: Sinks
+    book: Logbook, origin: Origin, vehicle: MavsdkVehicle, sinks: Sinks
 ) -> VehicleCheckpointWriter | None:
     """Return what writes checkpoints, and leave what a resumed run is compared with."""
     if book.folder is None or book.recorder is None:
         return None
-    origin = origin_of(
-        mission.model,
-        mission.path,
-        settings=[f"{name}={value}" for name, value in mission.settings.items()],
-        plugins=[it for it in mission.plugins if isinstance(it, Path)],
-    )
     keep_origin(book.folder, origin)
     return VehicleCheckpointWriter(
         book.folder, vehicle, book.recorder, stamp(origin), sinks.checkpoints
     )
+
+
+def _keepers(plan: PreparedMission, save: VehicleCheckpointWriter | None) -> tuple[Keeper, ...]:
+    return () if save is None else (now_and_then(plan.chart, is_plain, save),)
 
 
 class _Unhurried:

@@ -7,9 +7,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from missionkit.api.run_origin import forget_origin
+from missionkit.api.journal_recording import SIMULATOR, JournaledFlight, journaled
+from missionkit.api.run_origin import Origin, forget_origin
 from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
-from missionkit.engine.flight_loop import Observer
+from missionkit.engine.flight_loop import Keeper, Observer, keep_nothing
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record
@@ -18,7 +19,13 @@ from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.plot import draw
-from missionkit.recorder.record_sinks import CHECKPOINTS, RECORD, Sinks, contained
+from missionkit.recorder.record_sinks import (
+    CHECKPOINTS,
+    JOURNAL,
+    RECORD,
+    Sinks,
+    contained,
+)
 from missionkit.recorder.run_folder import keep_mission
 from missionkit.recorder.run_summary import Summary, outcome_text, write_summary
 from missionkit.recorder.scenery import Scenery
@@ -36,7 +43,9 @@ class Logbook:
         scenery: what stands around.
         sinks: take what is written, and reports of what fails.
         mission: path of the file that is flown, copied into the folder.
+        origin: what the flight stands on, for its journal.
         reference: where on the earth and when it flies.
+        vehicle: address, or the simulator.
 
     Raises:
         UsageError: the folder holds a flight record already.
@@ -49,9 +58,14 @@ class Logbook:
         scenery: Scenery,
         sinks: Sinks,
         mission: Path,
+        origin: Origin,
         reference: Georeference | None = None,
+        vehicle: str = SIMULATOR,
     ) -> None:
         self.digest = ""
+        self.plan = plan  # to fly: its images are kept for the journal
+        self.keep: Keeper = keep_nothing
+        self._journaled: JournaledFlight | None = None
         self.folder = None if folder is None else Path(folder)
         self._sinks = sinks
         self.scenery = scenery
@@ -64,6 +78,8 @@ class Logbook:
                     f"{self.folder}: already holds a flight record: choose another name"
                 )
             keep_mission(self.folder, mission)
+            kept = journaled(self.folder, plan, origin, sinks.journal, vehicle=vehicle)
+            self._journaled, self.plan, self.keep = kept, kept.plan, kept.keep
             self.recorder = FlightRecorder(
                 self.folder,
                 camera=plan.camera,
@@ -84,6 +100,8 @@ class Logbook:
     ) -> None:
         if self.recorder is not None:
             self.digest = self.recorder.close()
+        if self._journaled is not None:
+            self._journaled.journal.close()
         self._sinks.close()
 
     @property
@@ -109,6 +127,8 @@ class Logbook:
 
         reports = self._sinks.reports
         named = [(RECORD, keep), *((f"observer {n}", it) for n, it in enumerate(observers, 1))]
+        if self._journaled is not None:
+            named.insert(1, (JOURNAL, self._journaled.observe))
         return tuple(contained(what, call, reports) for what, call in named)
 
     def finished(

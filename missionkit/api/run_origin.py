@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, TypeAdapter, ValidationError
 
+from missionkit.api.missions import LoadedMission
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.recorder.checkpoint import opened, sealed, write_surely
@@ -41,6 +42,26 @@ class Origins(NamedTuple):
 
     now: Origin
     before: Origin | None = None
+
+
+def origin_of_loaded(
+    mission: LoadedMission, *, seed: int = 0, faults: Iterable[str] = ()
+) -> Origin:
+    """Return what a flight from Python stands on, files as they are now.
+
+    Args:
+        mission: that is flown.
+        seed: of a flight in the simulator.
+        faults: of a flight in the simulator.
+    """
+    return origin_of(
+        mission.model,
+        mission.path,
+        settings=[f"{name}={value}" for name, value in mission.settings.items()],
+        plugins=[it for it in mission.plugins if isinstance(it, Path)],
+        seed=seed,
+        faults=faults,
+    )
 
 
 def origin_of(

@@ -8,6 +8,7 @@ from pathlib import Path
 from missionkit.api.event_loop import outside_loop
 from missionkit.api.flight_log import Logbook
 from missionkit.api.missions import LoadedMission
+from missionkit.api.run_origin import origin_of_loaded
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import RealTime, date
 from missionkit.engine.flight_loop import Observer, Operator
@@ -73,16 +74,18 @@ def rehearse(
         scene,
         sinks,
         mission.path,
+        origin_of_loaded(mission, seed=seed, faults=faults),
         Georeference.fixed(model.geodetic_origin, date),
     ) as log:
         observing = log.observing(observers, lambda: ready.vehicle.truth)
         result = outside_loop(
             lambda: fly_simulated(
-                ready,
+                ready._replace(plan=log.plan),
                 observing,
                 operator=operator,
                 pace=None if speed is None else RealTime(speed),
                 reports=sinks.reports.take,
+                keeper=log.keep,
             )
         )
     log.scenery = with_paths(scene, ready.vehicle)

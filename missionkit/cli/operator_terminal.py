@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
 from functools import partial
 
+from missionkit.api.journal_recording import JournaledFlight
 from missionkit.chart.model.mission import Mission
 from missionkit.cli.key_events import Keys, offered
 from missionkit.cli.live_view import LineView, LiveView, live_view
@@ -18,6 +19,7 @@ from missionkit.engine.planned_events import PlannedEvents, planned
 from missionkit.messages import CONTINUE, PAUSE, Observation, Record
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_sinks import (
+    JOURNAL,
     RECORD,
     Sink,
     Sinks,
@@ -35,6 +37,7 @@ def cockpit(
     operator: Operator,
     mission: Mission,
     recorder: FlightRecorder,
+    journaled: JournaledFlight,
     sinks: Sinks,
     truth: Callable[[], TrueState | None] = lambda: None,
     give_back: Callable[[], None] | None = None,
@@ -48,6 +51,7 @@ def cockpit(
         operator: gets what is requested at the keys.
         mission: that is flown.
         recorder: takes every tick.
+        journaled: keeps every tick whole.
         sinks: what is shown goes to one of them; take reports of what fails.
         truth: of a simulated vehicle.
         give_back: gives control back after a pilot's takeover.
@@ -70,11 +74,19 @@ def cockpit(
     due = [planned(text, mission.by_name()) for text in order.events]
     observers: dict[str, Observer] = {
         RECORD: watch,
+        JOURNAL: journaled.observe,
         "keys": keys,
         "planned events": PlannedEvents(due, operator),
     }
     safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
-    with view or nullcontext(), closing(sinks), recorder, keys, _giving_back(give_back):
+    with (
+        view or nullcontext(),
+        closing(sinks),
+        recorder,
+        closing(journaled.journal),
+        keys,
+        _giving_back(give_back),
+    ):
         yield safe
 
 

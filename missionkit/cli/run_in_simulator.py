@@ -72,11 +72,13 @@ def _flown(
         Georeference.fixed(ready.mission.geodetic_origin, date),
     )
     again = None if past is None else past.again
+    kept = folder.journal(ready.plan, past, sinks.journal)
+    ready = ready._replace(plan=kept.plan)
     save = RehearsalCheckpointWriter(
         folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past
     )
     with cockpit(
-        order, operator, ready.mission, recorder, sinks, lambda: ready.vehicle.truth
+        order, operator, ready.mission, recorder, kept, sinks, lambda: ready.vehicle.truth
     ) as observers:
         result = rehearse(
             ready,
@@ -86,6 +88,7 @@ def _flown(
             save=save,
             reports=sinks.reports.take,
             again=again,
+            keeper=kept.keep,
         )
     landing_requested = operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, landing_requested=landing_requested)

@@ -25,7 +25,7 @@ from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.engine.clock import date
-from missionkit.engine.flight_loop import AT_REST, Operator
+from missionkit.engine.flight_loop import AT_REST, Operator, each_of
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
@@ -117,17 +117,18 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
     save = VehicleCheckpointWriter(
         folder.path, vehicle, recorder, folder.stamp, sinks.checkpoints, past
     )
+    kept = folder.journal(plan, past, sinks.journal, str(order.vehicle))
     log = FlightLog(plan.chart, None if past is None else past.track)
     back = vehicle.resume_control
-    with cockpit(order, operator, mission, recorder, sinks, give_back=back) as observers:
+    with cockpit(order, operator, mission, recorder, kept, sinks, give_back=back) as observers:
         flown = fly_vehicle(
-            plan,
+            kept.plan,
             vehicle,
             (log, with_remarks(observers, vehicle)),
             operator=operator,
             speed=speed,
             time_limit=mission.settings.time_limit,
-            keeper=now_and_then(plan.chart, is_plain, save),
+            keeper=each_of(now_and_then(plan.chart, is_plain, save), kept.keep),
             reports=sinks.reports,
             resume=None if past is None else lambda: woken(past, vehicle, speed),
             look_first=past is None and not order.anyway,

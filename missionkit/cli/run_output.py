@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
 from missionkit.api.flight_log import with_reports
+from missionkit.api.journal_recording import SIMULATOR, JournaledFlight, journaled
 from missionkit.api.run_origin import (
+    Origin,
     Origins,
     forget_origin,
     keep_origin,
@@ -55,7 +57,26 @@ class Folder(NamedTuple):
     """Where a run leaves its files."""
 
     path: Path
-    stamp: str  # of what the flight stands on
+    origin: Origin  # what the flight stands on
+
+    @property
+    def stamp(self) -> str:
+        """A digest of what the flight stands on."""
+        return stamp(self.origin)
+
+    def journal(
+        self, plan: PreparedMission, past: Past | None, sink: Sink, vehicle: str = SIMULATOR
+    ) -> JournaledFlight:
+        """Return the plan to fly and what keeps its journal.
+
+        Args:
+            plan: of the mission.
+            past: the flight before a resume.
+            sink: writes the journal.
+            vehicle: address, or the simulator.
+        """
+        begins = past is None
+        return journaled(self.path, plan, self.origin, sink, vehicle=vehicle, begins=begins)
 
     def recorder(
         self,
@@ -156,4 +177,4 @@ def folder_of(
         if before != origin:
             keep_mission(path, order.mission)
             keep_origin(path, origin)
-        yield Folder(path, stamp(origin)), past
+        yield Folder(path, origin), past

@@ -6,11 +6,11 @@ from typing import Any
 
 from missionkit.estimation.navigator import FeatureNavigator, Navigator
 from missionkit.messages import CameraModel, Frame
-from missionkit.perception.feature_matching import matched
+from missionkit.perception.vision_recording import Vision
 
 
 def with_features(
-    navigator: Navigator, known: Any, frame: Frame | None, camera: CameraModel
+    navigator: Navigator, known: Any, frame: Frame | None, eye: Vision, camera: CameraModel
 ) -> Any:
     """Return a navigator's memory after what a frame shows of its features, if it has any.
 
@@ -18,11 +18,13 @@ def with_features(
         navigator: any.
         known: its memory after the observation that brought the frame.
         frame: None if none came.
+        eye: looks for them.
         camera: lens and mount.
     """
-    if frame is None or frame.image is None or not isinstance(navigator, FeatureNavigator):
+    if frame is None or not isinstance(navigator, FeatureNavigator):
         return known
     search = navigator.search(known, frame.at)
     if search is None:
         return known
-    return navigator.see(known, search, matched(frame.image, frame.at, camera, search))
+    matches = eye.match(frame, camera, search)
+    return known if matches is None else navigator.see(known, search, matches)

@@ -41,6 +41,16 @@ def keep_nothing(_: FlightState, __: Record) -> None:
     """Save nothing: the flight cannot be resumed."""
 
 
+def each_of(*keepers: Keeper) -> Keeper:
+    """Return a keeper that calls several, in their order."""
+
+    def keep(course: FlightState, record: Record) -> None:
+        for keeper in keepers:
+            keeper(course, record)
+
+    return keep
+
+
 class FlightEnd(StrEnum):
     """How a flight ended."""
 

@@ -28,6 +28,7 @@ from missionkit.geometry import Quat, Vec3
 from missionkit.goal_pose import facing
 from missionkit.messages import CameraModel, Occupancy
 from missionkit.perception.vision_pipeline import VisionPipeline
+from missionkit.perception.vision_recording import Vision
 from missionkit.planning import warm_up as planning
 from missionkit.planning.avoidance_planner import AvoidancePlanner
 from missionkit.planning.potential_field import brake_of
@@ -41,7 +42,7 @@ class PreparedMission(NamedTuple):
 
     chart: Chart
     navigator: Navigator
-    eye: VisionPipeline
+    eye: Vision
     camera: CameraModel
     law: ControlLaw
     facing: Mapping[str, Quat]  # target -> marker attitude as surveyed

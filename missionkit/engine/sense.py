@@ -56,7 +56,7 @@ def sense(
         plan = plan._replace(navigator=plan.navigator.within(contain))
     before = memory.senses
     navigation = plan.navigator.propagate(before.navigation, seen)
-    navigation = with_features(plan.navigator, navigation, seen.frame, plan.camera)
+    navigation = with_features(plan.navigator, navigation, seen.frame, plan.eye, plan.camera)
     state = plan.navigator.read(navigation)
     found = _look(plan, memory, navigation, state, seen, contain)
     if found.sightings:

@@ -10,9 +10,19 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from missionkit.geometry import Transform, Vec3
-from missionkit.messages import CameraModel, Frame, GroundFrame, Look, Observation, Sighting
+from missionkit.messages import (
+    CameraModel,
+    FeatureMatches,
+    FeatureSearch,
+    Frame,
+    GroundFrame,
+    Look,
+    Observation,
+    Sighting,
+)
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.duplicate_markers import without_duplicates
+from missionkit.perception.feature_matching import matched
 from missionkit.perception.ground_search import ground_frame
 from missionkit.perception.marker_search import MarkerSearch, Priors
 from missionkit.perception.marker_selection import Candidate, plausible, select
@@ -120,6 +130,20 @@ class VisionPipeline:
         seen = frozenset(s.target for s in sightings)
         ground = ground_frame(self._boxes, self._camera, frame, priors, contain)
         return Seen(following, (*missed, Look(frame.at, seen)), sightings, ground)
+
+    def match(
+        self, frame: Frame, camera: CameraModel, search: FeatureSearch
+    ) -> FeatureMatches | None:
+        """Return which of a navigator's features a frame shows; None: it has no image.
+
+        Args:
+            frame: with its image.
+            camera: lens and mount.
+            search: where the navigator expects them.
+        """
+        if frame.image is None:
+            return None
+        return matched(frame.image, frame.at, camera, search)
 
     def _eye(self, at: float, priors: Priors) -> Transform | None:
         """Return camera to world at a time (s); None while the vehicle's own pose is unknown."""

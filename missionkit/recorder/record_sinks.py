@@ -181,20 +181,23 @@ class Background:
 
 
 class Sinks(NamedTuple):
-    """Where a flight's record, checkpoints and live view go."""
+    """Where a flight's record, checkpoints, live view and journal go."""
 
     reports: Reports  # of what failed
     record: Sink
     checkpoints: Sink
     view: Sink
+    journal: Sink
 
     def close(self) -> None:
         """Wait for all of them."""
-        for sink in (self.record, self.checkpoints, self.view):
+        for sink in (self.record, self.checkpoints, self.view, self.journal):
             sink.close()
 
 
 RECORD, CHECKPOINTS, VIEW = "the flight record", "checkpoints", "the live view"
+JOURNAL = "the journal"
+JOURNAL_ROOM = 2000  # ticks, of 2 kB each: 100 s of a disk that does not answer
 
 
 def inline() -> Sinks:
@@ -205,6 +208,7 @@ def inline() -> Sinks:
         Inline(RECORD, reports),
         Inline(CHECKPOINTS, reports, persistent=True),
         Inline(VIEW, reports),
+        Inline(JOURNAL, reports),
     )
 
 
@@ -216,4 +220,5 @@ def background() -> Sinks:
         Background(RECORD, reports),
         Background(CHECKPOINTS, reports, room=1, newest=True, persistent=True),
         Background(VIEW, reports),
+        Background(JOURNAL, reports, room=JOURNAL_ROOM),
     )

@@ -24,6 +24,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def is_plain(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    kind = type(value)
+    kind: Any = type(value)
     write = WRITERS.get(kind)
     if write is not None:
         return write(value)
@@ -132,7 +133,8 @@ def _array(value: np.ndarray[Any, Any]) -> Any:
     return {"array": [dtype, list(value.shape), base64.b64encode(data).decode("ascii")]}
 
 
-def _name_of(kind: type) -> str:
+@lru_cache(512)
+def _name_of(kind: Any) -> str:
     name = f"{kind.__module__}:{kind.__qualname__}"
     if _class_of(name) is not kind:
         raise NotPlainError(name.replace(":", "."))

@@ -13,6 +13,7 @@ from missionkit.engine.flight_loop import (
     Keeper,
     Observer,
     Operator,
+    each_of,
     fly,
     keep_nothing,
     no_reports,
@@ -60,6 +61,7 @@ def rehearse(
     save: Callable[[Kept], None] | None = None,
     reports: Callable[[], tuple[str, ...]] = no_reports,
     again: Again | None = None,
+    keeper: Keeper = keep_nothing,
 ) -> Rehearsal:
     """Fly and grade.
 
@@ -71,10 +73,11 @@ def rehearse(
         save: called at every transition and once a second with the state to resume from.
         reports: what failed beside the flight since the last call; joins the problems.
         again: the saved state to resume from.
+        keeper: called after every tick but the last, besides `save`.
     """
     visits = Witness(ready)
     resume = None if again is None else _restored(ready, visits, again)
-    keeper = keep_nothing if save is None else _keeping(ready, visits, save)
+    keepers = (keeper,) if save is None else (_keeping(ready, visits, save), keeper)
     flown: list[FlownFlight] = []
 
     async def flight() -> None:  # returns nothing: asyncio would write it all out as text
@@ -86,7 +89,7 @@ def rehearse(
                 operator=operator,
                 pace=pace,
                 time_limit=ready.mission.settings.time_limit,
-                keeper=keeper,
+                keeper=each_of(*keepers),
                 reports=reports,
                 resume=resume,
             )

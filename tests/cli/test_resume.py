@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import missionkit
 from missionkit.api.run_origin import found_origin, keep_origin
 from missionkit.cli import run_in_simulator as command
 from missionkit.recorder import checkpoint
@@ -95,10 +96,15 @@ def test_a_killed_run_continues_and_is_summarised_as_a_whole(call, killed):
     assert written["duration"] > saved.now + 3.0
     assert (written["grade"]["landed"], written["seed"]) == (True, 0)
     assert {path.name for path in folder.iterdir()} == {
-        *("flight.mcap", "flight-2.mcap", "mission.yaml", "summary.json", "track.png")
+        *("flight.mcap", "flight-2.mcap", "mission.yaml", "summary.json", "track.png"),
+        *("journal.mcap", "journal-2.mcap"),
     }
     again = next(read(folder / "flight-2.mcap", "/command"))
     assert saved.now + 2.7 < again.at < saved.now + 3.2  # nothing was commanded before
+    killed_part, rest = missionkit.replay(folder)
+    assert (killed_part.difference, rest.difference) == (None, None)
+    assert killed_part.until < again.at <= rest.since < again.at + 0.1
+    assert rest.until == pytest.approx(written["duration"], abs=0.1)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1.0, 1.8])

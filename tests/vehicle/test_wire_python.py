@@ -54,6 +54,7 @@ def test_observers_that_fail_or_wait_cost_their_records_and_never_the_flight(mon
     assert any("observer 2: ValueError: no idea" in problem for problem in summary.problems)
     assert read_summary(folder).outcome == "success"
     assert (folder / "flight.mcap").stat().st_size > 0
+    assert [part.difference for part in missionkit.replay(folder)] == [None]
     assert not {"origin.json", "checkpoint.json"} & {it.name for it in folder.iterdir()}
     origin = found_origin(killed)  # as a killed program would have left it
     assert list(differences(origin, origin_of(mission.model, path))) == []

@@ -1,0 +1,121 @@
+"""Replaying flights: every tick is computed again and compared with what was flown."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.api.recorded_mission import mission_flown
+from missionkit.engine.prepared_mission import prepare
+from missionkit.errors import UsageError
+from missionkit.recorder.flight_journal import JOURNAL_FILE
+from missionkit.recorder.journal_reader import Journal, read_journal
+from missionkit.replays.decision_difference import first_difference
+from missionkit.replays.replayed_flight import replayed, start_at
+from missionkit.version import __version__
+
+
+class ReplayDifference(NamedTuple):
+    """First tick that decides otherwise than in flight."""
+
+    at: float  # s, mission time
+    tick: int
+    field: str  # which field, with both values
+
+
+class Replay(NamedTuple):
+    """Result of a replay.
+
+    Attributes:
+        journal: file that was replayed.
+        ticks: number of ticks that were computed again.
+        since: s, mission time of the first.
+        until: s, mission time of the last.
+        difference: the first difference, None if there is none.
+        notes: sentences: what of the journal cannot be used, which version flew.
+    """
+
+    journal: Path
+    ticks: int
+    since: float
+    until: float
+    difference: ReplayDifference | None
+    notes: tuple[str, ...]
+
+
+def replay(
+    run: str | Path, *, since: float = 0.0, plugins: Sequence[str | Path] = ()
+) -> tuple[Replay, ...]:
+    """Compute every tick of a recorded flight again, and compare what it decides, bit by bit.
+
+    The mission comes out of the journal, as it was flown. Verdicts, transitions and commands are
+    compared; the observations are those of the flight, detections instead of images.
+
+    Args:
+        run: folder of a run, or a journal.
+        since: mission time (s) from which to replay; earlier by up to 5 s, where the journal holds
+            a memory to start from.
+        plugins: plug-in files that the flight used.
+
+    Returns:
+        One result for each journal: a resumed flight has several.
+
+    Raises:
+        FileError: the mission cannot be used by this version of missionkit.
+        UsageError: there is no journal, it cannot be read, or a plug-in file is not named.
+
+    Example:
+        >>> summary = missionkit.rehearse(mission, folder="runs/kept")
+        >>> [part.difference for part in missionkit.replay("runs/kept")]
+        [None]
+    """
+    return tuple(
+        _replayed(read_journal(path), since, [Path(it) for it in plugins])
+        for path in journals(Path(run))
+    )
+
+
+def journals(run: Path) -> list[Path]:
+    """Return the journals of a run in the order they were flown.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if run.is_file():
+        return [run]
+    stem, ending = Path(JOURNAL_FILE).stem, Path(JOURNAL_FILE).suffix
+    parts = sorted(run.glob(f"{stem}-*{ending}"), key=lambda it: (len(it.name), it.name))
+    found = [it for it in (run / JOURNAL_FILE, *parts) if it.is_file()]
+    if not found:
+        raise UsageError(f"{run}: nothing to replay: it holds no {JOURNAL_FILE}")
+    return found
+
+
+def _replayed(journal: Journal, since: float, plugins: Sequence[Path]) -> Replay:
+    with tempfile.TemporaryDirectory() as folder:
+        mission = mission_flown(journal, Path(folder), plugins)
+        plan = prepare(mission.model, mission.catalogue)
+    start = start_at(plan, journal, since)
+    begun, until, count = start.memory.now, start.memory.now, 0
+    difference: ReplayDifference | None = None
+    for tick in replayed(plan, journal, start):
+        until, count = tick.now, count + 1
+        field = first_difference(tick.flown, tick.replayed)
+        if field:
+            difference = ReplayDifference(tick.now, tick.number, field)
+            break
+    ended = difference is not None or start.number + count == len(journal.ticks)
+    notes = tuple(_notes(journal, until, whole=ended))
+    return Replay(journal.path, count, begun, until, difference, notes)
+
+
+def _notes(journal: Journal, until: float, *, whole: bool) -> Iterator[str]:
+    if journal.ends:
+        yield journal.ends
+    if not whole:
+        yield f"{journal.path}: ticks are missing after {until:.2f} s: the replay ends there"
+    version = journal.head.origin.version
+    if version != __version__:
+        yield f"{journal.path}: missionkit {version} flew, {__version__} replays"

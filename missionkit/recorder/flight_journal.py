@@ -1,0 +1,178 @@
+"""The journal of a flight: all that its ticks were given and what they decided, bit by bit.
+
+One MCAP file beside the flight record. `/origin` comes first: the text of every file the flight
+stands on. `/tick` is written at every tick: the observation, what its image showed, and the
+decision. `/memory` is the flight's memory before the next tick, from which a replay can start.
+Values are written by `value_codec`: reading them runs nothing. A kill loses 0.1 s at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from mcap.writer import CompressionType, Writer
+
+from missionkit.messages import Command, Fired, Imu, Observation, Record, Verdict
+from missionkit.recorder import value_codec
+from missionkit.recorder.json_fragments import nanoseconds
+from missionkit.recorder.record_sinks import Job, Sink
+
+JOURNAL_FILE = "journal.mcap"
+ORIGIN, TICK, MEMORY = "/origin", "/tick", "/memory"
+VERSION = 1  # grows when what is written below changes
+MEMORY_PERIOD = 5.0 - 1e-6  # s between two memories; a replay of 5 s is quick, a memory is large
+FLUSH_TICKS = 2
+CHUNK_BYTES = 1 << 20  # more than waits between two flushes
+
+
+class JournalHead(NamedTuple):
+    """What the flight stands on."""
+
+    version: int
+    origin: Any  # the run's order, and the text of every file it stands on
+    vehicle: str  # "simulator", or the address
+    begins: bool  # the first tick is that of the mission, not of a resumed part
+    arm_anyway: bool
+
+
+class Decision(NamedTuple):
+    """What one tick decided: a replay must decide the same."""
+
+    state: str
+    active: tuple[str, ...]
+    verdicts: tuple[tuple[str, Verdict], ...]
+    fired: tuple[Fired, ...]
+    command: Command
+    step_note: str
+    done: bool
+
+
+class JournalTick(NamedTuple):
+    """One tick."""
+
+    number: int  # counts from 0 without a gap
+    observation: Observation  # without images; its inertial samples are in `imu`
+    imu: npt.NDArray[np.float64]  # (N, 7): s, (3,) m/s², (3,) rad/s
+    image: Any  # what an image showed; None: there was none, or it had no pixels
+    decision: Decision
+
+
+class JournalMemory(NamedTuple):
+    """The flight's memory before a tick."""
+
+    number: int  # of that tick
+    now: float  # s, of the tick before
+    memory: Any
+
+
+def decision_of(record: Record) -> Decision:
+    """Return what a tick decided."""
+    return Decision(
+        record.state,
+        record.active,
+        record.verdicts,
+        record.fired,
+        record.command,
+        record.step_note,
+        record.done,
+    )
+
+
+class FlightJournal:
+    """Writes the journal of one flight, tick by tick; errors end the journal, not the flight.
+
+    Args:
+        path: does not exist yet.
+        head: comes first.
+        take_image: returns what the image of this tick showed, None without one.
+        sink: does the writing.
+    """
+
+    def __init__(
+        self, path: Path, head: JournalHead, take_image: Callable[[], Any], sink: Sink
+    ) -> None:
+        self._take_image = take_image
+        self._sink = sink
+        self._count = 0
+        self._remembered = -float("inf")
+        self._stream = path.open("xb")
+        self._writer = Writer(
+            self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD
+        )
+        self._writer.start(profile="", library="missionkit")
+        schema = self._writer.register_schema("missionkit.value", "jsonschema", b"{}")
+        self._channels = {
+            topic: self._writer.register_channel(topic, "json", schema)
+            for topic in (ORIGIN, TICK, MEMORY)
+        }
+        self._put(lambda: self._write(ORIGIN, 0.0, head))
+
+    def observe(self, record: Record, observation: Observation) -> None:
+        """Keep one tick; an observer of the flight."""
+        number, image = self._count, self._take_image()
+        self._count += 1
+        self._put(lambda: self._tick(number, record, observation, image))
+
+    def keep(self, memory: Any, now: float) -> None:
+        """Keep the flight's memory after a tick, when it is due.
+
+        Args:
+            memory: immutable.
+            now: s.
+        """
+        if now - self._remembered < MEMORY_PERIOD:
+            return
+        self._remembered = now
+        following = JournalMemory(self._count, now, memory)
+        self._put(lambda: self._memory(following))
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._put(self._finish)
+        self._sink.close()
+
+    def _put(self, job: Job) -> None:
+        self._sink.put(job)
+
+    def _tick(self, number: int, record: Record, observation: Observation, image: Any) -> None:
+        tick = JournalTick(
+            number, without_samples(observation), rows(observation), image, decision_of(record)
+        )
+        self._write(TICK, record.now, tick)
+        if number % FLUSH_TICKS == 0:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+
+    def _memory(self, following: JournalMemory) -> None:
+        with suppress(value_codec.NotPlainError):  # of a plug-in: a replay starts elsewhere
+            self._write(MEMORY, following.now, following)
+
+    def _write(self, topic: str, now: float, value: Any) -> None:
+        at = nanoseconds(now)
+        self._writer.add_message(self._channels[topic], at, value_codec.written(value).encode(), at)
+
+    def _finish(self) -> None:
+        self._writer.finish()  # type: ignore[no-untyped-call]
+        self._stream.close()
+
+
+def rows(observation: Observation) -> npt.NDArray[np.float64]:
+    """Return the inertial samples as one array (N, 7): a twentieth of the text."""
+    return np.array([(it.at, *it.accel, *it.gyro) for it in observation.imu]).reshape(-1, 7)
+
+
+def without_samples(observation: Observation) -> Observation:
+    """Return an observation without images and inertial samples."""
+    frame = observation.frame
+    return replace(observation, imu=(), frame=None if frame is None else frame._replace(image=None))
+
+
+def whole(tick: JournalTick) -> Observation:
+    """Return the observation of a tick, without its image."""
+    samples = tuple(Imu(float(row[0]), row[1:4], row[4:7]) for row in tick.imu)
+    return replace(tick.observation, imu=samples)

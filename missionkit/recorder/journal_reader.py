@@ -1,0 +1,105 @@
+"""Reading a journal back, also one that ends in the middle because its writer was killed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from missionkit.errors import UsageError
+from missionkit.recorder import value_codec
+from missionkit.recorder.flight_journal import (
+    MEMORY,
+    ORIGIN,
+    TICK,
+    VERSION,
+    JournalHead,
+    JournalMemory,
+    JournalTick,
+)
+from missionkit.recorder.record_reader import MAGIC, raw_messages
+from missionkit.recorder.value_codec import NotReadableError
+
+
+class Journal(NamedTuple):
+    """A journal on disk: where it can be replayed from, and its ticks as text."""
+
+    path: Path
+    head: JournalHead
+    ticks: tuple[tuple[float, bytes], ...]  # s, and the text of each tick
+    memories: tuple[tuple[float, bytes], ...]  # s of the tick before, and the text of each memory
+    ends: str = ""  # why it ends before the flight did; "": it is whole
+
+
+def read_journal(path: Path) -> Journal:
+    """Return the usable part of a journal.
+
+    Raises:
+        UsageError: it is not one, or another version of missionkit wrote it.
+    """
+    ticks: list[tuple[float, bytes]] = []
+    memories: list[tuple[float, bytes]] = []
+    head: JournalHead | None = None
+    for topic, at, data in raw_messages(path):
+        if topic == ORIGIN and head is None:
+            head = _head(path, data)
+        elif topic == TICK:
+            ticks.append((at * 1e-9, data))
+        elif topic == MEMORY:
+            memories.append((at * 1e-9, data))
+    if head is None:
+        raise UsageError(f"{path}: this is not the journal of a flight: it names no mission")
+    return Journal(path, head, tuple(ticks), tuple(memories), _ends(path, ticks))
+
+
+def _ends(path: Path, ticks: Sequence[tuple[float, bytes]]) -> str:
+    with path.open("rb") as stream:
+        stream.seek(-len(MAGIC), os.SEEK_END)
+        if stream.read() == MAGIC:
+            return ""
+    until = f"at {ticks[-1][0]:.2f} s" if ticks else "before its first tick"
+    return f"{path}: it ends {until}: the flight was killed, or the file was cut short"
+
+
+def tick_of(path: Path, text: bytes) -> JournalTick:
+    """Return a tick.
+
+    Raises:
+        UsageError: the text is none.
+    """
+    value = _value(path, text)
+    if not isinstance(value, JournalTick):
+        raise UsageError(f"{path}: a tick was changed after the flight")
+    return value
+
+
+def memory_of(path: Path, text: bytes) -> JournalMemory:
+    """Return a memory.
+
+    Raises:
+        UsageError: the text is none.
+    """
+    value = _value(path, text)
+    if not isinstance(value, JournalMemory):
+        raise UsageError(f"{path}: a memory was changed after the flight")
+    return value
+
+
+def _head(path: Path, text: bytes) -> JournalHead:
+    value = _value(path, text)
+    if not isinstance(value, JournalHead):
+        raise UsageError(f"{path}: this is not the journal of a flight")
+    if value.version != VERSION:
+        raise UsageError(
+            f"{path}: another version of missionkit wrote this journal (format {value.version}; "
+            f"this one reads {VERSION})"
+        )
+    return value
+
+
+def _value(path: Path, text: bytes) -> object:
+    try:
+        return value_codec.read(text.decode())
+    except (UnicodeDecodeError, NotReadableError) as error:
+        raise UsageError(f"{path}: it cannot be read: {error}") from error

@@ -1,0 +1,1 @@
+"""Flying recorded flights through a chart again: the same one, or another."""
