@@ -9,6 +9,7 @@ from pathlib import Path
 
 from missionkit.api.flight_log import Logbook
 from missionkit.api.interrupts import landing_on_interrupt
+from missionkit.api.run_origin import origin_of_loaded
 from missionkit.api.simulation import fault_of
 from missionkit.cli.fleet_members import FleetOptions, Member
 from missionkit.engine.clock import RealTime, date
@@ -63,12 +64,15 @@ def fly_in_simulator(
     logs: dict[str, Logbook] = {}
     with ExitStack() as stack:
         stack.enter_context(landing_on_interrupt(operator))
-        for member in members:
-            logs[member.name] = stack.enter_context(_logbook(member, stages[member.name], folder))
+        for number, member in enumerate(members):
+            seed = member_seed(wanted.seed, number)
+            log = _logbook(member, stages[member.name], folder, seed)
+            logs[member.name] = stack.enter_context(log)
         flown = rehearse_fleet(
-            stages,
+            {name: ready._replace(plan=logs[name].plan) for name, ready in stages.items()},
             {name: log.observing((), partial(_truth, stages[name])) for name, log in logs.items()},
             separation=wanted.separation,
+            keepers={name: log.keep for name, log in logs.items()},
             operator=operator,
             pace=None if wanted.speed is None else RealTime(wanted.speed),
         )
@@ -105,13 +109,14 @@ def _truth(ready: Stage) -> TrueState:
     return ready.vehicle.truth
 
 
-def _logbook(member: Member, ready: Stage, folder: Path) -> Logbook:
+def _logbook(member: Member, ready: Stage, folder: Path, seed: int) -> Logbook:
     return Logbook(
         folder / member.name,
         ready.plan,
         scenery_of(ready.world, ready.mission),
         inline(),
         member.mission.path,
+        origin_of_loaded(member.mission, seed=seed, faults=member.faults),
         Georeference.fixed(ready.mission.geodetic_origin, date),
     )
 

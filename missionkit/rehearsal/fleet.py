@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from missionkit.engine.clock import Pace, processor_time
-from missionkit.engine.flight_loop import AT_REST, Observer, Operator, fly
+from missionkit.engine.flight_loop import (
+    AT_REST,
+    Keeper,
+    Observer,
+    Operator,
+    fly,
+    keep_nothing,
+)
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record
@@ -75,6 +83,7 @@ def rehearse_fleet(
     observers: Mapping[str, Sequence[Observer]],
     *,
     separation: float,
+    keepers: Mapping[str, Keeper] = MappingProxyType({}),
     operator: Operator | None = None,
     pace: Pace | None = None,
 ) -> FleetFlight:
@@ -84,6 +93,7 @@ def rehearse_fleet(
         stages: by the vehicle's name.
         observers: of each vehicle, called after its ticks.
         separation: m, nearer than which two vehicles in the air are in conflict.
+        keepers: of each vehicle, called after every tick but the last.
         operator: may request a landing of all.
         pace: lets mission time pass; as fast as possible by default.
 
@@ -116,6 +126,7 @@ def rehearse_fleet(
                 pace=steps.pace(number),
                 time_limit=ready.mission.settings.time_limit,
                 shared=contain,
+                keeper=keepers.get(name, keep_nothing),
             )
             flights[name] = graded_flight(ready, flown, seen)
             if flown.end in AT_REST:
