@@ -33,12 +33,25 @@ class Vision(Protocol):
         priors: Priors,
         contain: Containment | None = None,
     ) -> Seen:
-        """Return the next memory, and what was to be seen since the last tick."""
+        """Return the next memory, and what was to be seen since the last tick.
+
+        Args:
+            memory: as the last tick left it.
+            observation: with the frame that arrived, if one did.
+            priors: prior beliefs about the targets.
+            contain: keeps what went wrong in a detector.
+        """
 
     def match(
         self, frame: Frame, camera: CameraModel, search: FeatureSearch
     ) -> FeatureMatches | None:
-        """Return which features a frame shows; None: it has no image."""
+        """Return which features a frame shows; None: it has no image.
+
+        Args:
+            frame: that arrived.
+            camera: lens and mount.
+            search: where the navigator expects its features.
+        """
 
 
 class ImageResult(NamedTuple):
@@ -75,7 +88,14 @@ class RecordedVision:
         priors: Priors,
         contain: Containment | None = None,
     ) -> Seen:
-        """Look, and keep what an image showed."""
+        """Look, and keep what an image showed.
+
+        Args:
+            memory: as the last tick left it.
+            observation: with the frame that arrived, if one did.
+            priors: prior beliefs about the targets.
+            contain: keeps what went wrong in a detector.
+        """
         seen = self._inner.look(memory, observation, priors, contain)
         if observation.frame is not None and observation.frame.image is not None:
             self._last = self._last._replace(seen=seen)
@@ -84,7 +104,13 @@ class RecordedVision:
     def match(
         self, frame: Frame, camera: CameraModel, search: FeatureSearch
     ) -> FeatureMatches | None:
-        """Match features, and keep them."""
+        """Match features, and keep them.
+
+        Args:
+            frame: that arrived.
+            camera: lens and mount.
+            search: where the navigator expects its features.
+        """
         matches = self._inner.match(frame, camera, search)
         self._last = self._last._replace(matches=matches)
         return matches
@@ -122,7 +148,14 @@ class ReplayedVision:
         priors: Priors,
         contain: Containment | None = None,
     ) -> Seen:
-        """Return what the flight saw."""
+        """Return what the flight saw.
+
+        Args:
+            memory: as the last tick left it.
+            observation: with the frame that arrived, if one did.
+            priors: prior beliefs about the targets.
+            contain: keeps what went wrong in a detector.
+        """
         if self.shown is not None and self.shown.seen is not None:
             return self.shown.seen
         return self._inner.look(memory, observation, priors, contain)
@@ -130,7 +163,13 @@ class ReplayedVision:
     def match(
         self, frame: Frame, camera: CameraModel, search: FeatureSearch
     ) -> FeatureMatches | None:
-        """Return what the flight matched."""
+        """Return what the flight matched.
+
+        Args:
+            frame: that arrived.
+            camera: lens and mount.
+            search: where the navigator expects its features.
+        """
         if self.shown is not None:
             return self.shown.matches
         return self._inner.match(frame, camera, search)

@@ -71,7 +71,9 @@ def test_it_leaves_a_folder_for_each_vehicle_and_a_summary(call, leg, tmp_path):
     }
     for name in ("west", "east"):
         left = {path.name for path in (folder / name).iterdir()}
-        assert left == {"flight.mcap", "mission.yaml", "summary.json", "track.png"}
+        assert left == {
+                "flight.mcap", "journal.mcap", "mission.yaml", "summary.json", "track.png",
+            }  # fmt: skip
     parameters = json.loads((folder / "east" / "summary.json").read_text())["parameters"]
     assert parameters == {"start": [0, 9], "to": [3, 9], "height": 3}
 
