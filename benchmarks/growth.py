@@ -9,6 +9,9 @@ import numpy as np
 
 from benchmarks.flights import ready, warm_up
 from benchmarks.measure import Table
+from benchmarks.peers.fixture import Fixture
+from benchmarks.peers.missionkit_chart import ENGINES
+from benchmarks.peers.ring import ring
 from benchmarks.peers.turns import medians
 from missionkit.estimation.error_state_ekf.filter import ErrorStateEkf
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
@@ -40,6 +43,7 @@ def tables() -> list[Table]:
         _row("confidence of a marker, one frame", "window W", "n W", _windows(flight[0])),
         _row("avoidance, one scan", "obstacle points m", "m log m", _points(flight[0])),
         _row("filter: inertial, fix, height, heading", "states k", "k³", _states(flight[1])),
+        _row("quiet tick of a chart", "states of the chart", "", _charts()),
     ]
     note = (
         "P1, section 8.3, says O(n W + m log m + k³) a cycle. Medians of processor time. Exponent "
@@ -65,6 +69,11 @@ def _flown() -> tuple[Estimate, list[Observation]]:
     at, seen, observations = ready("none"), [], []
     rehearse(at, [lambda record, it: (seen.append(record.estimate), observations.append(it))])
     return seen[len(seen) // 2], observations
+
+
+def _charts() -> dict[int, Work]:
+    """Tick charts of so many states with 3 guards each, the one in the middle active."""
+    return {n: Fixture(ENGINES[0], ring(n, 3)).quiet() for n in (10, 100, 1000)}
 
 
 def _markers() -> dict[int, Work]:

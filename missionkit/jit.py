@@ -1,8 +1,8 @@
 """Numerical kernels: compiled by numba where it is installed, plain Python where it is not.
 
 Both give the same numbers: kernels use scalar arithmetic and `math`, never fast-math.
-numba is imported when the first kernel is called: it costs a few tenths of a second, which a command
-that flies nothing does not pay. What flies calls its kernels once before take-off.
+numba is imported when the first kernel is called: it costs a few tenths of a second, which a
+command that flies nothing does not pay. What flies calls its kernels once before take-off.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ _folder = cache(folder_for)  # found once for all kernels of a module
 
 
 def compiled(function: F) -> F:
-    """Compile `function` to machine code at its first call, kept in a folder named after its source.
+    """Compile `function` to machine code at its first call.
 
-    Where nothing can be written it is compiled in every process; with `NUMBA_DISABLE_JIT` it stays
-    plain Python.
+    It is kept in a folder named after its source. Where nothing can be written it is compiled in
+    every process; with `NUMBA_DISABLE_JIT` it stays plain Python.
     """
     return cast(F, update_wrapper(Kernel(function), function))
 
@@ -48,7 +48,7 @@ class Kernel:
     @property
     def _numba_type_(self) -> Any:
         """The type by which numba knows it where a kernel calls it or is given it."""
-        return self.made()._numba_type_  # noqa: SLF001 - numba's protocol
+        return self.made()._numba_type_
 
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of what numba makes of it, such as `py_func`."""

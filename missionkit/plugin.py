@@ -38,7 +38,9 @@ Place = tuple[float, float, float]
 class Plugin(BaseModel):
     """Parameters of something a mission file names with `use:`."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, defer_build=True, extra="forbid", strict=False, allow_inf_nan=False
+    )
 
     kind: ClassVar[str]
     target_keys: ClassVar[tuple[str, ...]] = ("target", "of")

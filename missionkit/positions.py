@@ -61,7 +61,9 @@ class ConversionContext:
 class GeodeticSpot(BaseModel):
     """A place on the map, WGS 84."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, defer_build=True, extra="forbid", strict=True, allow_inf_nan=False
+    )
     lat: Degrees = Field(ge=-90, le=90, description="latitude, north positive")
     lon: Degrees = Field(ge=-180, le=180, description="longitude, east positive")
 

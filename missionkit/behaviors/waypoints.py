@@ -35,7 +35,7 @@ MOST_PLACES = 2_000  # more of them take a large part of a tick to go through
 class Waypoint(BaseModel):
     """One place of a route, how to fly there, and what to do there."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     at: Place = Field(description="with or without its own height, or a target of the mission")
     height: Metres | None = Field(default=None, description="above the take-off point")

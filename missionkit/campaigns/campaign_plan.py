@@ -21,7 +21,7 @@ PLAN_FILE = "campaign.json"
 class Rule(BaseModel):
     """When to stop before all runs are flown."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid")
 
     width: float | None = None  # of the success rate's interval
     require: float | None = None  # success rate to be exceeded
@@ -42,7 +42,7 @@ class Rule(BaseModel):
 class Campaign(BaseModel):
     """Everything that decides what is flown and when to stop."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid")
 
     missionkit: str = __version__
     mission: str  # path

@@ -35,7 +35,7 @@ class Case(NamedTuple):
 class Row(BaseModel):
     """One run that has ended."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid")
 
     number: int
     variant: int

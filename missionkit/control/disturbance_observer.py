@@ -33,7 +33,7 @@ PositiveNumber = Annotated[Number, Field(gt=0)]
 class DisturbanceObserver(BaseModel):
     """How the autopilot answers a velocity, level and vertical, and how fast to learn the rest."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     gain: tuple[PositiveNumber, PositiveNumber] = Field(
         default=(2.2, 4.0), description="1/s, k, of the autopilot's velocity loop"

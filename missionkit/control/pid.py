@@ -32,7 +32,7 @@ class Gains(BaseModel):
     goal.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     kp: PositivePair = (0.9, 1.0)  # 1/s
     ki: Pair = (0.25, 0.25)  # 1/s²

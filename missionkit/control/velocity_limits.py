@@ -41,7 +41,7 @@ class Limits(BaseModel):
     the vehicle answers, where it must not overshoot at all.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     speed: MetresPerSecond = Field(default=8.0, gt=0)
     climb: MetresPerSecond = Field(default=2.5, gt=0)

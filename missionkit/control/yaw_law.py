@@ -38,7 +38,7 @@ class YawLaw(BaseModel):
     yaw is given.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     far: Metres = Field(default=60.0, gt=0)
     near: Metres = Field(default=1.5, gt=0)

@@ -25,7 +25,7 @@ class EstimatedChain(BaseModel):
     ends begins again: the row of an ending says where flights begin.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     chain: Literal[1] = Field(description="version of the format")
     mission: str = Field(default="", description="that was flown")

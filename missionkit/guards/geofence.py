@@ -47,7 +47,7 @@ class Hole(BaseModel):
     Without a height its corners alone may be written.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
     polygon: Corners = Field(description="corners in order")
     height: Metres | None = Field(default=None, gt=0, description="it may be flown over above")
 

@@ -27,7 +27,7 @@ Costs = Number | Mapping[str, Number]
 class MdpAction(BaseModel):
     """An action: where it leads from each state in which it can be taken, and what it costs."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     leads: Mapping[str, Leads] = Field(default={}, description="state -> next states")
     learned: tuple[str, ...] = Field(

@@ -60,7 +60,7 @@ class Entry(BaseModel):
     variable, the value of a guard, or a product of such terms, which are clamped together.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     number: float | None = Field(default=None, ge=0, le=1, description="written alone")
     rest: bool = Field(default=False, description="what the row leaves of 1; written as a word")

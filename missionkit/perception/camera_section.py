@@ -37,7 +37,7 @@ Side = Annotated[int, Field(ge=16, le=8192, json_schema_extra={"unit": "px"})]
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
 
 class Mount(_Section):

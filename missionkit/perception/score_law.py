@@ -20,7 +20,7 @@ class ScoreLaw(BaseModel):
     Source: J. Platt, "Probabilistic Outputs for Support Vector Machines", 1999.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     bias: Number = 0.0
     margin: Number = Field(default=0.3, description="of what is found beyond what is asked for")

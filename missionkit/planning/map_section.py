@@ -21,7 +21,7 @@ MOST_CELLS = 4_000_000
 class MapModel(BaseModel):
     """Unknown keys are errors, values never change."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
 
 class Weight(MapModel):

@@ -27,7 +27,7 @@ DEAREST = 10.0
 class MapFile(BaseModel):
     """The YAML file of a map."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     image: str = Field(min_length=1, description="PNG or PGM, beside this file")
     resolution: Metres = Field(gt=0)

@@ -57,7 +57,7 @@ class RotorPower(BaseModel):
     airframe's drag is 0.0118 N/(m/s)², 104 W at 9 m/s.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     diameter: Metres = Field(default=0.2286, gt=0, description="of one rotor")
     induced: Number = Field(default=1.15, ge=1, description="κ, losses of the induced flow")

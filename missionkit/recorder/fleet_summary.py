@@ -16,7 +16,7 @@ MemberOutcome = Literal["success", "ended_safely", "crash", "lost"]
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid")
 
 
 class MemberSummary(_Part):

@@ -27,7 +27,7 @@ from missionkit.units import (
 class ParameterModel(BaseModel):
     """Base of every part of a world file: unknown keys are errors, values never change."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
 
 PHYSICS_RATE = 200  # Hz, physics and inner autopilot

@@ -8,8 +8,10 @@ import pytest
 from stepping import CATALOGUE, Walk
 
 from missionkit.chart.load import load
+from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.semantics.chart_compiler import compile_mission
+from missionkit.errors import FileError
 
 PART = """\
 params: {pad: home, wait: 5.0}
@@ -114,3 +116,43 @@ def test_files_include_files_beside_them(tmp_path: Path):
     mission = load(tmp_path / "m.yaml", CATALOGUE)
     assert list(mission.by_name()) == ["x", "x/a", "x/a/b", "out"]
     assert mission.initial.to == ("x",)
+
+
+REQUIRING = """\
+requirements:
+  - {name: low-first, precedence: {enter: low}, before: {in: end}}
+  - {name: not-long, response: {when: over, then: {in: away}, within: 5}, broken: {to: near}}
+  - {name: stays, always: {not: {variable: passes, above: 3}}, while: outside, after: {enter: near}}
+"""
+
+
+def test_requirements_of_a_file_speak_of_its_own_states(tmp_path: Path):
+    (tmp_path / "charts").mkdir()
+    (tmp_path / "charts" / "part.yaml").write_text(PART + REQUIRING)
+    deep = "initial: part\nstates:\n  part: {include: charts/part.yaml}\n"
+    (tmp_path / "deep.yaml").write_text(deep)
+    third = "  third: {include: deep.yaml}\n"
+    own = "requirements: [{name: ends, existence: {in: land}}]\n"
+    (tmp_path / "m.yaml").write_text(MISSION + third + own)
+    mission = load(tmp_path / "m.yaml", CATALOGUE)
+    names = [each.name for each in mission.requirements]
+    assert names[:4] == ["ends", "first/low-first", "first/not-long", "first/stays"]
+    assert names[-1] == "third/part/stays"
+    at = {each.name: each for each in mission.requirements}
+    low, long, stays = (at[f"third/part/{name}"] for name in ("low-first", "not-long", "stays"))
+    assert [getattr(it, "state", "") for it in low.moments()] == [
+        "third/part/low",
+        "third/part/end",
+    ]
+    assert [str(ex.text(it)) for it in long.moments()] == ["part/over", "in away"]
+    assert long.broken is not None
+    assert long.broken.to == "third/part/near"
+    assert [str(ex.text(it)) for it in stays.guards()] == ["not part/passes above 3", "outside"]
+
+
+def test_requirements_of_a_file_are_a_list(tmp_path: Path):
+    (tmp_path / "charts").mkdir()
+    (tmp_path / "charts" / "part.yaml").write_text(PART + "requirements: {name: it}\n")
+    (tmp_path / "m.yaml").write_text(MISSION)
+    with pytest.raises(FileError, match="'requirements': expected a list"):
+        load(tmp_path / "m.yaml", CATALOGUE)

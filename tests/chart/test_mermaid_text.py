@@ -209,3 +209,13 @@ def test_a_problem_of_every_instance_is_listed_once_and_marked_on_each(
         (f"{name}/near", 0): (1,) for name in ("first", "second", "third/in")
     }
     assert [it.place().inside for it in near] == ["first", "second", "third/in"]
+
+
+def test_requirements_stand_on_the_diagram(catalogue: Catalogue):
+    required = "requirements: [{name: ends, existence: {in: land-now}, within: 900}]\n"
+    mission = parse(TEXT + required, "m.yaml", catalogue)
+    sentence = "within 900 s, it happens that land-now is active"
+    note = mermaid(mission).partition("requirements:")[2]
+    assert sentence in note.partition("end note")[0]
+    assert ">Requirements:</text>" in svg(mission)
+    assert sentence in svg(mission)

@@ -11,6 +11,7 @@ from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.model.guard_expressions import text
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import Failsafe, Start, State, Transition
+from missionkit.chart.prose.requirement_text import requirement_text
 
 KIND_COLOURS = {
     "idle": "#e5e7eb",
@@ -89,6 +90,8 @@ def mermaid(mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NO_OVE
         for each in mission.failsafes
     ]
     lines += _note(f"left of {first}", "in every flying state:", failsafes)
+    required = list(map(requirement_text, mission.requirements))
+    lines += _note(f"left of {first}", "requirements:", required)
     lines += _note(f"right of {first}", "problems:", marks.lines)
     for name, state, _ in mission.walk():
         border = "#c81e1e,stroke-width:3px" if name in marks.states else "#555"

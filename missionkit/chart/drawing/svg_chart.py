@@ -31,6 +31,7 @@ from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
 from missionkit.chart.drawing.svg_shapes import LINE, PICTURE_MARGIN
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import State
+from missionkit.chart.prose.requirement_text import requirement_text
 
 TITLE_HEIGHT = 66.0  # title
 LABEL_WIDTH = 26  # characters
@@ -256,3 +257,7 @@ def _strips(shown: Shown) -> Iterator[tuple[str, list[str]]]:
             noted = overlay.failsafes.get(each.name, NO_NOTE).lines
             strip_lines += svg_shapes.listed(": ".join([failsafe_text(each), *noted]))
         yield "strip", ["Failsafes, in every flying state, the first that holds:", *strip_lines]
+    if mission.requirements:
+        sentences = map(requirement_text, mission.requirements)
+        required = [line for it in sentences for line in svg_shapes.listed(it)]
+        yield "strip", ["Requirements:", *required]

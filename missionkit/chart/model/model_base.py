@@ -163,7 +163,9 @@ def scope_of(info: ValidationInfo) -> Scope:
 class MissionPart(BaseModel):
     """A mapping in a mission file, which knows where it stands."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, defer_build=True, extra="forbid", strict=True, allow_inf_nan=False
+    )
 
     _source: LocatedTable | None = PrivateAttr(default=None)
 

@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.guard_parser import Condition, parse
-from missionkit.chart.model.model_base import NAMES_KEY, MissionPart, Name, StateName
+from missionkit.chart.model.model_base import NAMES_KEY, GuardName, MissionPart, StateName
 from missionkit.chart.text.located_data import LocatedTable, shown
 from missionkit.chart.text.mistake import sentence, sentences
 from missionkit.units import Seconds
@@ -84,7 +84,7 @@ class Broken(MissionPart):
 class Requirement(MissionPart):
     """A requirement: one of never, always, existence, precedence and response."""
 
-    name: Name
+    name: GuardName
     never: MomentOf | None = Field(default=None, description="must not happen")
     always: Condition | None = Field(default=None, description="must hold all the time")
     existence: MomentOf | None = Field(default=None, description="must happen")

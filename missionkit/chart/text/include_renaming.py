@@ -43,6 +43,26 @@ class Renaming:
         """Rename in `variables:`."""
         return _rekeyed(data, self._variable_name)
 
+    def requirements(self, data: Any) -> Any:
+        """Rename in `requirements:`; each gets the prefix itself."""
+        keys: dict[str, Change] = {
+            **dict.fromkeys(("always", "while"), self.guard),
+            **dict.fromkeys(("never", "existence", "precedence"), self._moment),
+            **dict.fromkeys(("after", "before"), self._moment),
+            "name": self._own_name,
+            "response": lambda it: _changed(it, {"when": self._moment, "then": self._moment}),
+            "broken": lambda it: _changed(it, {"to": self._state_name}),
+        }
+        return _each(data, lambda each: _changed(each, keys))
+
+    def _own_name(self, data: Any) -> Any:
+        return _prefixed(data, frozenset((data,)), self.prefix) if isinstance(data, str) else data
+
+    def _moment(self, data: Any) -> Any:
+        """Rename in a guard, or in `{enter: state}`."""
+        enters = isinstance(data, LocatedTable) and "enter" in data and "hysteresis" not in data
+        return _changed(data, {"enter": self._state_name}) if enters else self.guard(data)
+
     def guard(self, data: Any) -> Any:
         """Rename in a guard expression."""
         if isinstance(data, Text):

@@ -2,9 +2,9 @@
 
     down: {include: charts/land_on_pad.yaml, with: {pad: north-pad}, transitions: [...]}
 
-The file has the keys of a state (`initial`, `states`, …) and may have `params`, `guards` and
-`variables`. Its names get the state's name in front. A name it does not define means what the
-including file defines.
+The file has the keys of a state (`initial`, `states`, …) and may have `params`, `guards`,
+`variables` and `requirements`. Its names get the state's name in front. A name it does not define
+means what the including file defines.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from missionkit.errors import FileError, Place, Problem
 
 KEY, WITH = "include", "with"
 SECTIONS = ("guards", "variables")
+REQUIREMENTS = "requirements"
 PLACEHOLDER_KIND = "logic"  # the kind of a state whose file cannot be used
 MAX_INCLUDE_DEPTH = 8
 MAX_FILES = 100
@@ -51,6 +52,12 @@ def inlined(expanded: Expanded, file: str) -> Expanded:
     data = with_value(expanded.data, "states", states)
     for section in SECTIONS:
         data = with_value(data, section, merged(data.get(section), work.sections[section]))
+    written = data.get(REQUIREMENTS)
+    if work.requirements and (written is None or isinstance(written, LocatedList)):
+        joined = together(
+            LocatedList(data.place) if written is None else written, work.requirements
+        )
+        data = with_value(data, REQUIREMENTS, joined)
     return Expanded(data, work.origins, tuple(work.problems), tuple(work.files))
 
 
@@ -83,6 +90,7 @@ class _IncludeWork:
     sections: dict[str, LocatedTable] = field(
         default_factory=lambda: {section: LocatedTable(Place("", 1, 1)) for section in SECTIONS}
     )
+    requirements: LocatedList = field(default_factory=lambda: LocatedList(Place("", 1, 1)))
 
     def states(self, data: Any, around: _Around) -> Any:
         """Return `states:` with every include in it carried out."""
@@ -108,8 +116,11 @@ class _IncludeWork:
                 without(state, (KEY, WITH)), "kind", state.get("kind", PLACEHOLDER_KIND)
             )
         inner = self._filled(document, state)
+        before, self.requirements = self.requirements, LocatedList(document.data.place)
         states = self.states(inner.get("states"), _Around((*around.files, path), here))
-        return self._joined(name, state, with_value(inner, "states", states))
+        joined = self._joined(name, state, with_value(inner, "states", states))
+        self.requirements = together(before, self.requirements)
+        return joined
 
     def _path(self, state: LocatedTable, chain: tuple[Path, ...]) -> Path | None:
         written = state[KEY]
@@ -160,12 +171,21 @@ class _IncludeWork:
         ):
             if isinstance(inner.get(section), LocatedTable):
                 self.sections[section] = merged(self.sections[section], rename(inner[section]))
-        joined: LocatedTable = renaming.state(without(inner, SECTIONS))
+        own = self._own_requirements(inner)
+        self.requirements = renaming.requirements(together(own, self.requirements))
+        joined: LocatedTable = renaming.state(without(inner, (*SECTIONS, REQUIREMENTS)))
         for key, value in without(state, (KEY, WITH)).items():
             both = key == "transitions" and isinstance(value, LocatedList) and key in joined
             new = together(value, joined[key]) if both else value
             joined = with_value(joined, key, new, state.key_places[key], state.value_places[key])
         return joined
+
+    def _own_requirements(self, inner: LocatedTable) -> LocatedList:
+        own = inner.get(REQUIREMENTS)
+        if own is not None and not isinstance(own, LocatedList):
+            message = f"'requirements': expected a list, got {shown(own)}"
+            self.problems.append(Problem(inner.place_of(REQUIREMENTS), message))
+        return own if isinstance(own, LocatedList) else LocatedList(inner.place)
 
 
 def _unfit(written: object) -> str:

@@ -19,7 +19,7 @@ ORIGIN: Point = (0.0, 0.0, 0.0)
 class FeaturedTarget(BaseModel):
     """A target's pose in the mother-ship's frame, and its feature points in its own frame."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     position: Point
     attitude_deg: Angles = ORIGIN

@@ -22,7 +22,7 @@ Part = tuple[Column, Column, Annotated[int, Field(ge=1)], Annotated[int, Field(g
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
 
 class CascadeStump(_Part):

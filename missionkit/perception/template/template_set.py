@@ -23,7 +23,7 @@ Picture = Annotated[tuple[Row, ...], Field(strict=False)]
 class TemplateSet(BaseModel):
     """Square grey pictures of an object, each with a rim of what is around it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", allow_inf_nan=False)
 
     templates: Literal[1] = Field(description="version of the format")
     side: Annotated[int, Field(ge=8, le=64)] = Field(description="of a picture, px")

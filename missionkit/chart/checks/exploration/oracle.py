@@ -99,7 +99,7 @@ class Situation:
         self.known = oracle.nothing
         self.age = age  # s that the commanding state has lasted at most
         self.ages: dict[str, float] = {}  # s that each state has lasted at most
-        self.answers: list[tuple[Leaf, Answer]] = []
+        self.answers: dict[str, Verdict] = {}  # by the names of the leaves
         self.fresh = False  # the commanding state was entered in this tick
         self.before: Boxes = ()  # what was known just before that
 
@@ -123,25 +123,33 @@ class Situation:
     def enter(self) -> None:
         """Forget what is known only of the state that commanded before."""
         self.fresh, self.before = True, self.known.boxes
-        self.answers = []
+        self.answers = {}
         self.known = self.known.after(
             "entry", lambda: kept_at_entry(self.known.boxes) or EVERYWHERE
         )
 
     def take(self, leaf: Leaf) -> Verdict:
         """Choose what a leaf answers, among what the situation leaves open."""
-        for asked, answer in self.answers:
-            if asked is leaf:
-                return VERDICTS[answer]
-        possible = [(each, known) for each in leaf.options if (known := self._after(leaf, each))]
+        verdict = self.answers.get(leaf.name)
+        if verdict is not None:
+            return verdict
+        possible = self._possible(leaf)
         at = self.pick(len(possible)) if len(possible) > 1 else 0
-        option, known = possible[at] if possible else (leaf.options[0], self.known)
-        self.known = known
-        self.answers.append((leaf, option))
-        return VERDICTS[option]
+        option, self.known = possible[at] if possible else (leaf.options[0], self.known)
+        verdict = self.answers[leaf.name] = VERDICTS[option]
+        return verdict
 
-    def _after(self, leaf: Leaf, option: Answer) -> Knowledge | None:
+    def _possible(self, leaf: Leaf) -> Sequence[tuple[Answer, Knowledge]]:
+        """Return the answers that are left open, and what is known after each: worked out once."""
         age = 0.0 if self.fresh else self.age
+        key = leaf.name, age >= leaf.soonest
+        found = self.known.open.get(key)
+        if found is None:
+            every = ((each, self._after(leaf, each, age)) for each in leaf.options)
+            found = self.known.open[key] = tuple((each, it) for each, it in every if it is not None)
+        return found
+
+    def _after(self, leaf: Leaf, option: Answer, age: float) -> Knowledge | None:
         if option is Answer.HOLDS and age < leaf.soonest:
             return None
         truth = leaf.at_entry if self.fresh else leaf.truth
@@ -157,10 +165,11 @@ class Situation:
 class Knowledge:
     """What some choices say of the quantities; what follows from one more is worked out once."""
 
-    __slots__ = ("_after", "boxes")
+    __slots__ = ("_after", "boxes", "open")
 
     def __init__(self, boxes: Boxes) -> None:
         self.boxes = boxes
+        self.open: dict[tuple[str, bool], Sequence[tuple[Answer, Knowledge]]] = {}  # of leaves
         self._after: dict[str, Knowledge] = {}
 
     def after(self, choice: str, work: Callable[[], Boxes]) -> Knowledge:
