@@ -50,6 +50,10 @@ class Kernel:
         """The type by which numba knows it where a kernel calls it or is given it."""
         return self.made()._numba_type_
 
+    def __reduce__(self) -> str:
+        """Pickle it by its name."""
+        return self._function.__qualname__
+
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of what numba makes of it, such as `py_func`."""
         if name.startswith("__"):
