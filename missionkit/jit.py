@@ -13,6 +13,8 @@ from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from typing_extensions import override
+
 from missionkit.kernel_cache import folder_for
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -50,6 +52,7 @@ class Kernel:
         """The type by which numba knows it where a kernel calls it or is given it."""
         return self.made()._numba_type_
 
+    @override
     def __reduce__(self) -> str:
         """Pickle it by its name."""
         return self._function.__qualname__
