@@ -9,6 +9,7 @@ from missionkit.api.missions import assemble
 from missionkit.chart.load import load
 from missionkit.cli.interchange_output import home_of, ledger_path, require_new, tell, write
 from missionkit.cli.overrides import overrides
+from missionkit.cli.tube_command import export_tube
 from missionkit.errors import ExitCode, UsageError
 from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.mission_plan import mission_plan
@@ -29,7 +30,7 @@ def export(
     What a plan cannot say, such as failsafes, is not a mistake: the exit code is that of success.
 
     Args:
-        path: of the mission file.
+        path: of the mission file, or the folder of a campaign.
         out: file to write; how its name ends says the format.
         home: LAT,LON,ALT of a mission without an origin.
         settings: NAME=VALUE, as of `--set`.
@@ -40,6 +41,8 @@ def export(
         FileError: the mission cannot be loaded.
         UsageError: it has no place on the earth, or the file cannot be written.
     """
+    if path.is_dir():
+        return export_tube(path, out, home, force=force)
     kind, writer = writer_of(out)
     require_new(out, force=force)
     mission = load(path, assemble(plugins), overrides(settings))

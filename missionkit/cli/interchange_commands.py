@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import MissionFile, Plugins, Settings
+from missionkit.cli.command_options import Plugins, Settings
 
 Home = Annotated[
     str | None,
@@ -58,7 +58,10 @@ def import_(
 
 
 def export(
-    mission: MissionFile,
+    mission: Annotated[
+        Path,
+        typer.Argument(help="mission file, or the folder of a campaign", metavar="MISSION.yaml"),
+    ],
     out: Annotated[
         Path,
         typer.Option(
