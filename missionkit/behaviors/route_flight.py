@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
 from missionkit.geometry import Vec3, vec
@@ -11,7 +10,7 @@ from missionkit.messages import Estimate, Goal, Guidance, Step
 from missionkit.planning.route_following import (
     Followed,
     OnRoute,
-    RoutePoint,
+    Route,
     Triple,
     follow,
 )
@@ -32,7 +31,7 @@ def triple(position: Vec3) -> Triple:
 
 
 def guided(
-    route: Sequence[RoutePoint], on: OnRoute, seen: Estimate, yaw: float | None = None
+    route: Route, on: OnRoute, seen: Estimate, yaw: float | None = None
 ) -> tuple[Step, Followed]:
     """Return the step of a behaviour that does no more than fly a route, done at its end.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import (
@@ -24,7 +26,7 @@ from missionkit.behaviors.go_to import HOME
 from missionkit.behaviors.route_flight import Heading, bearing, begun, guided, triple
 from missionkit.geometry import vec
 from missionkit.messages import Estimate, Goal, Guidance, Step, is_event
-from missionkit.planning.route_following import OnRoute, RoutePoint, Triple, absent
+from missionkit.planning.route_following import OnRoute, Route, RoutePoint, Triple, absent
 from missionkit.plugin import Behavior
 from missionkit.positions import Place
 from missionkit.units import Degrees, Metres, MetresPerSecond, Point, Seconds, Spot
@@ -171,19 +173,36 @@ class Waypoints(Behavior):
             if place is not None
         )
 
-    def _route(self, seen: Estimate, on: OnWaypoints) -> tuple[RoutePoint, ...] | None:
-        known = {name: triple(it.position) for name, it in seen.targets.items()}
-        home = None if seen.home is None else triple(seen.home)
-        points = []
-        for it in self.places:
-            place = _spot(it.at, known, home)
-            if place is None:
-                return None
-            high = self._high(it, place, on.down)
-            points.append(
-                RoutePoint(high, it.speed or self.speed, it.stops, self.radius, self.within)
-            )
-        return tuple(points)
+    def _route(self, seen: Estimate, on: OnWaypoints) -> Route | None:
+        """Return the points, each made when it is asked for; None: a target is not known."""
+        targets = seen.targets
+        if any((seen.home is None) if it == HOME else (it not in targets) for it in self._named):
+            return None
+        return _Route(self, on.down, seen)
+
+    @cached_property
+    def _named(self) -> frozenset[str]:
+        """The targets that are places of the route, home among them."""
+        return frozenset(it.at for it in self.places if isinstance(it.at, str))
+
+    def point(self, number: int, down: float, seen: Estimate) -> RoutePoint:
+        """Return one point of the route.
+
+        Args:
+            number: of the place.
+            down: m, NED, when it began.
+            seen: where the targets and home are.
+        """
+        it = self.places[number]
+        place: Spot | Triple
+        if not isinstance(it.at, str):
+            place = it.at
+        elif it.at == HOME:
+            place = (0.0, 0.0, 0.0) if seen.home is None else triple(seen.home)
+        else:
+            place = triple(seen.targets[it.at].position)
+        high = self._high(it, place, down)
+        return RoutePoint(high, it.speed or self.speed, it.stops, self.radius, self.within)
 
     def _high(self, it: Waypoint, place: Spot | Point, down: float) -> Triple:
         """Return a place with its height: its own, that of all, a target's, or as it began."""
@@ -206,9 +225,7 @@ class Waypoints(Behavior):
             return seen.yaw if towards is None else towards
         return on.yaw if self.heading == "free" else None
 
-    def _waiting(
-        self, seen: Estimate, on: OnWaypoints, route: tuple[RoutePoint, ...], since: float
-    ) -> Step:
+    def _waiting(self, seen: Estimate, on: OnWaypoints, route: Route, since: float) -> Step:
         """Stay at a place for its time, with its actuator on."""
         it, position, past = self.places[on.at], vec(*route[on.at].position), on.route
         off = math.dist(seen.position, position)
@@ -224,6 +241,21 @@ class Waypoints(Behavior):
             note=f"{on.at + 1} of {len(route)}: waiting, {max(0.0, left):.0f} s left",
             memory=on if left > 0.0 else on._replace(since=None),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class _Route:
+    """The points of `waypoints`, of which a tick needs only those of the next legs."""
+
+    behavior: Waypoints
+    down: float  # m, NED, when it began
+    seen: Estimate
+
+    def __len__(self) -> int:
+        return len(self.behavior.places)
+
+    def __getitem__(self, number: int, /) -> RoutePoint:
+        return self.behavior.point(number, self.down, self.seen)
 
 
 def _spot(

@@ -8,6 +8,7 @@ from missionkit.guards.detection_confidence import ArucoConfidence
 from missionkit.guards.distances import NearGoal, Within
 from missionkit.guards.disturbance import Disturbed
 from missionkit.guards.estimate_quality import EstimateBad, GnssLost
+from missionkit.guards.event_count import Count
 from missionkit.guards.geofence import Inside, InsideFence
 from missionkit.guards.gps_to_visual import GpsToVisual
 from missionkit.guards.ground_height import HeightAboveGround
@@ -38,6 +39,7 @@ GUARDS = (
     BatteryBelow,
     CameraSilent,
     Converged,
+    Count,
     Covered,
     Disturbed,
     Done,

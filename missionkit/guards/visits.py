@@ -11,12 +11,14 @@ from missionkit.messages import Estimate, Verdict
 from missionkit.plugin import CompositeGuard
 from missionkit.plugin_protocols import Inputs, NamedInput
 
+EPSILON = 1e-6  # s
+
 
 class Visits(NamedTuple):
     """Memory of `visited`."""
 
     times: int = 0
-    entered_at: float | None = None  # s, when the visit counted last began
+    lasted: float | None = None  # s, of the present visit at the last tick; None: elsewhere
 
 
 class Visited(CompositeGuard):
@@ -41,9 +43,11 @@ class Visited(CompositeGuard):
     @override
     def advance(self, memory: Any, seen: Estimate) -> Visits:
         been: Visits = memory
-        if seen.state != self.state or seen.entered_at == been.entered_at:
-            return been
-        return Visits(been.times + 1, seen.entered_at)
+        if seen.state != self.state:
+            return been._replace(lasted=None)
+        lasted = seen.now - seen.entered_at  # stands still during a pause
+        fresh = been.lasted is None or lasted < been.lasted - EPSILON
+        return Visits(been.times + fresh, lasted)
 
     @override
     def check(self, memory: Any, seen: Estimate, inputs: Inputs) -> Verdict:

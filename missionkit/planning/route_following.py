@@ -11,8 +11,7 @@ with a and b the accelerations across and along the route and s the way that is 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from missionkit.geometry import Vec3, vec
 from missionkit.messages import Estimate
@@ -36,6 +35,16 @@ class RoutePoint(NamedTuple):
     stop: bool = False  # come to rest there
     radius: float = 2.0  # m, before the point, at which it may begin to turn
     within: float = 1.0  # m, that counts as having stopped at it
+
+
+class Route(Protocol):
+    """The points of a route, one at least; only those of the next legs are asked for."""
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+
+    def __getitem__(self, number: int, /) -> RoutePoint:
+        """Return a point."""
 
 
 class OnRoute(NamedTuple):
@@ -104,7 +113,7 @@ def absent(last: float, now: float, off: float, *, returning: bool) -> tuple[flo
     return gap, False
 
 
-def follow(route: Sequence[RoutePoint], on: OnRoute, seen: Estimate) -> Followed:
+def follow(route: Route, on: OnRoute, seen: Estimate) -> Followed:
     """Return where to be, how fast, and how far the route has been flown.
 
     A vehicle that was kept from following it, and is elsewhere by then, first returns to where it
@@ -135,7 +144,7 @@ def follow(route: Sequence[RoutePoint], on: OnRoute, seen: Estimate) -> Followed
     return _towards(route, on)
 
 
-def time_of(route: Sequence[RoutePoint], start: Triple) -> float:
+def time_of(route: Route, start: Triple) -> float:
     """Return about how long (s) a route takes from `start`, its corners as braking allows."""
     total, leg = 0.0, 0
     entry = 0.0
@@ -156,7 +165,7 @@ def _ramp(length: float, entry: float, top: float, leaves: float) -> float:
     return ramps + max(0.0, length - flown) / peak
 
 
-def _leg(route: Sequence[RoutePoint], on: OnRoute) -> _Leg:
+def _leg(route: Route, on: OnRoute) -> _Leg:
     start = on.start if on.leg == 0 else route[on.leg - 1].position
     end = route[on.leg]
     length = math.dist(start, end.position)
@@ -171,7 +180,7 @@ class _Corner(NamedTuple):
     lead: float  # m, before the point, at which it turns
 
 
-def _corner(route: Sequence[RoutePoint], on: OnRoute, leg: _Leg) -> _Corner:
+def _corner(route: Route, on: OnRoute, leg: _Leg) -> _Corner:
     """Return how the end of a leg is flown past."""
     if leg.end.stop or on.leg + 1 >= len(route):
         return _Corner(0.0, 0.0)
@@ -189,9 +198,7 @@ def _corner(route: Sequence[RoutePoint], on: OnRoute, leg: _Leg) -> _Corner:
     return _Corner(speed, min(room, speed * speed * bend / ACROSS + LAG * speed))
 
 
-def _passed(
-    route: Sequence[RoutePoint], on: OnRoute, leg: _Leg, here: Triple, seen: Estimate
-) -> bool:
+def _passed(route: Route, on: OnRoute, leg: _Leg, here: Triple, seen: Estimate) -> bool:
     """Say whether the end of a leg has been got to."""
     if leg.end.stop or on.leg + 1 >= len(route):
         speed = math.hypot(*seen.velocity.tolist())
@@ -199,7 +206,7 @@ def _passed(
     return on.along >= leg.length - _corner(route, on, leg).lead - 1e-6
 
 
-def _towards(route: Sequence[RoutePoint], on: OnRoute) -> Followed:
+def _towards(route: Route, on: OnRoute) -> Followed:
     leg = _leg(route, on)
     left = leg.length - on.along
     speed = _allowed(route, on, leg)
@@ -212,7 +219,7 @@ def _towards(route: Sequence[RoutePoint], on: OnRoute) -> Followed:
     return Followed(vec(*leg.at(on.along)), velocity, leg.speed, _course(leg), on)
 
 
-def _allowed(route: Sequence[RoutePoint], on: OnRoute, leg: _Leg) -> float:
+def _allowed(route: Route, on: OnRoute, leg: _Leg) -> float:
     """Return the speed (m/s) from which every corner ahead is met slowly enough."""
     top = leg.speed
     speed, at, ahead = top, on, leg.length - on.along - LAG * top

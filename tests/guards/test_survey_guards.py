@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from samples import calm
 
 from missionkit.geometry import from_euler
-from missionkit.guards import Covered, HeightAboveGround, Visited, WindAbove
+from missionkit.guards import Count, Covered, HeightAboveGround, Visited, WindAbove
 from missionkit.messages import Look
 from missionkit.messages.observation import Range
 from missionkit.perception.camera_section import Camera, Mount
@@ -92,13 +92,26 @@ def test_the_height_above_ground_is_the_range_finders_upright():
 def test_visits_are_counted_by_their_entries():
     guard = Visited(state="look", at_least=2)
     memory = guard.begin()
-    story = [("go", 0.0), ("look", 5.0), ("look", 5.0), ("look", 9.0), ("go", 12.0)]
+    story = [("go", 0.0, 4.0), ("look", 5.0, 5.05), ("look", 5.0, 6.0)]
+    story += [("look", 6.0, 7.0), ("look", 7.0, 8.0)]  # paused: its clock stands still
+    story += [("look", 9.0, 9.05), ("go", 12.0, 13.0)]
     holds = []
-    for state, entered in story:
-        memory = guard.advance(memory, calm(state=state, entered_at=entered))
+    for state, entered, now in story:
+        memory = guard.advance(memory, calm(state=state, entered_at=entered, now=now))
         holds.append(guard.check(memory, calm(), Inputs({}, {}, ())).holds)
-    assert holds == [False, False, False, True, True]
+    assert holds == [False] * 5 + [True, True]
     assert guard.named_inputs()[0].what == "state"
+
+
+def test_an_event_is_counted_each_time_it_is_heard():
+    guard = Count(event="photo", at_least=3)
+    memory, holds = guard.begin(), []
+    for events in [(), ("photo",), ("go", "photo.taken"), ("photograph",), ("photo",)]:
+        memory = guard.advance(memory, calm(events=events))
+        holds.append(guard.check(memory, calm()).holds)
+    assert holds == [False, False, False, False, True]
+    with pytest.raises(ValidationError, match="expected the name of an event"):
+        Count(event="two words")
 
 
 def blown(guard, wind, ground, seconds=20.0):
