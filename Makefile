@@ -7,13 +7,13 @@ SEED ?= 0
 # processes for the tests: flights over the wire mostly wait
 WORKERS ?= 3
 
-.PHONY: run test lint types layers kernels kernels-quadrotor kernels-free-flyer unit bench studies schema reference docs picture clean
+.PHONY: run test lint types layers kernels kernels-quadrotor kernels-free-flyer collected unit bench studies schema reference docs picture clean
 
 run: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed $(SEED)
 
 test: .venv/ready
-	$(MAKE) --no-print-directory --jobs 2 --output-sync kernels lint types layers
+	$(MAKE) --no-print-directory --jobs 2 --output-sync kernels lint types layers collected
 	$(MAKE) --no-print-directory unit
 
 lint: .venv/ready
@@ -33,6 +33,10 @@ kernels-quadrotor: .venv/ready
 
 kernels-free-flyer: .venv/ready
 	PYTHONPATH=tests $(BIN)/python -m compile_kernels docking
+
+# bytecode of all that the tests import: once, instead of in every worker
+collected: .venv/ready kernels-quadrotor
+	$(BIN)/pytest --collect-only > /dev/null
 
 unit: .venv/ready
 	$(BIN)/pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder

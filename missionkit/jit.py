@@ -70,7 +70,8 @@ def _made(function: Callable[..., Any]) -> Any:
         from numba.core import config  # noqa: PLC0415
     except ImportError:
         return function
-    kernel, settings = njit(function), cast(Any, config)  # numba makes its settings as it loads
+    kernel = cast(Any, njit)(no_cfunc_wrapper=True)(function)  # nothing calls kernels from C
+    settings = cast(Any, config)  # numba makes its settings as it loads
     folder = None if settings.DISABLE_JIT else _folder(function.__module__)
     if folder is not None:
         _cache_in(folder, kernel, settings)

@@ -13,7 +13,7 @@ import pytest
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import Catalogue
-from missionkit.errors import Problem
+from missionkit.errors import Level, Problem
 
 ENDURANCE = 450.0  # s, that of the simulated vehicle
 SIGHT = 12.0  # m, that of the simulated scanner
@@ -31,6 +31,7 @@ def test_findings(name: str, catalogue: Catalogue, monkeypatch: pytest.MonkeyPat
     monkeypatch.chdir(FOLDER)
     mission = load(Path(name), catalogue)
     found = findings(mission, catalogue, endurance=ENDURANCE, sight=SIGHT)
+    assert all(it.place.line > 1 and it.code and it.remedy and it.level in Level for it in found)
     report = "".join(map(line_of, found))
     if update_refs:
         Path(name).with_suffix(".txt").write_text(report)

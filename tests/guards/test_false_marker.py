@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import cv2
 import numpy as np
 from photographs import DICTIONARY, IDS, LENS, SMALL, drawn
@@ -23,6 +25,7 @@ BODY = Transform(from_euler(0, 0, 0), np.zeros(3))  # at the origin, looking nor
 PERIOD = 0.05
 
 
+@cache
 def video(frames: int) -> list[np.ndarray]:
     """Hold the photograph in a hand: it moves, and the sensor adds noise."""
     photo, rng = drawn(), np.random.default_rng(3)

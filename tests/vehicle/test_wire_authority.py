@@ -12,7 +12,7 @@ from missionkit.vehicle.preflight.inspection import inspect
 HIGH = Command(action=Action.TAKE_OFF, height=8.0)
 BACK = Command(action=Action.RETURN)
 HOLD = "pilot_mode=LOITER"
-LEFT_ALONE = 3.0  # s
+LEFT_ALONE = 1.5  # s
 
 
 async def left_to_the_pilot(flight, autopilot, wish):
@@ -79,36 +79,38 @@ ODD = [
 ]
 
 
-@pytest.mark.parametrize("odd", ODD)
-def test_one_odd_heartbeat_is_not_a_takeover_and_is_reported(odd, tmp_path):
+def test_one_odd_heartbeat_is_not_a_takeover_and_is_reported(tmp_path):
     async def fly(flight, autopilot):
         link = MessageFilter(autopilot)
         await flight.cruise(autopilot)
         await flight.until(lambda: "HEARTBEAT" in link.passed, NORTH)
-        since = autopilot.now
-        link.inject(spoofed(link.passed["HEARTBEAT"], odd))
-        await flight.run(3.0, NORTH)
-        assert flight.vehicle.in_control
-        assert autopilot.notes("mode", since) == []
-        assert autopilot.truth["velocity"][0] > 1.5
-        assert any("ignored" in it for it in flight.vehicle.take_remarks())
-        assert all(seen.status is None or seen.status.in_air for seen in flight.seen[-50:])
+        for odd in ODD:
+            flight.vehicle.take_remarks()
+            since = autopilot.now
+            link.inject(spoofed(link.passed["HEARTBEAT"], odd))
+            await flight.run(2.5, NORTH)
+            assert flight.vehicle.in_control, odd
+            assert autopilot.notes("mode", since) == []
+            assert autopilot.truth["velocity"][0] > 1.5
+            assert any("ignored" in it for it in flight.vehicle.take_remarks()), odd
+            assert all(seen.status is None or seen.status.in_air for seen in flight.seen[-50:])
 
     over_the_wire(tmp_path, fly)
 
 
-@pytest.mark.parametrize("ahead", [3.6e6, -20000])
-def test_a_stamp_from_the_future_or_the_past_ends_nothing(ahead, tmp_path):
+def test_a_stamp_from_the_future_or_the_past_ends_nothing(tmp_path):
     async def fly(flight, autopilot):
         link = MessageFilter(autopilot)
         await flight.cruise(autopilot)
-        now = link.passed["LOCAL_POSITION_NED"]
-        link.inject(spoofed(now, {"time_boot_ms": max(1, int(now.time_boot_ms + ahead))}))
-        await flight.run(3.0, NORTH)
-        assert flight.vehicle.in_control
-        assert "autopilot_rebooted" not in flight.events
-        assert len([s for seen in flight.seen[-40:] for s in seen.imu]) > 100
-        assert any("stamp" in it for it in flight.vehicle.take_remarks())
+        for ahead in (3.6e6, -20000):
+            flight.vehicle.take_remarks()
+            now = link.passed["LOCAL_POSITION_NED"]
+            link.inject(spoofed(now, {"time_boot_ms": max(1, int(now.time_boot_ms + ahead))}))
+            await flight.run(3.0, NORTH)
+            assert flight.vehicle.in_control, ahead
+            assert "autopilot_rebooted" not in flight.events
+            assert len([s for seen in flight.seen[-40:] for s in seen.imu]) > 100
+            assert any("stamp" in it for it in flight.vehicle.take_remarks()), ahead
 
     over_the_wire(tmp_path, fly)
 

@@ -1,7 +1,6 @@
 """The precision landing over the wire: its camera, flow and range; judged by the truth."""
 
 import numpy as np
-import pytest
 from rehearsed import MISSIONS
 from vehicle.flying import sitl
 
@@ -16,8 +15,7 @@ SPEED = 3.0
 LIMIT = 120.0  # s, however it goes wrong
 
 
-@pytest.mark.parametrize("dialect", ["px4", "ardupilot"])
-def test_it_lands_on_the_pad_over_the_wire(dialect, monkeypatch, tmp_path):
+def test_it_lands_on_the_pad_over_the_wire(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     mission = load(MISSIONS / "precision_landing.yaml", builtin())
     world = world_of(mission, MISSIONS)
@@ -27,7 +25,7 @@ def test_it_lands_on_the_pad_over_the_wire(dialect, monkeypatch, tmp_path):
         states.append(record.state)
         fixes.add(record.estimate.health.gnss_at)
 
-    with sitl(dialect, SPEED, world=world) as autopilot:
+    with sitl("px4", SPEED, world=world) as autopilot:
         vehicle = vehicle_of(autopilot.url, mission, world, speed=autopilot.speed)
         plan = prepare(mission, builtin())
         flown = fly_vehicle(plan, vehicle, (watch,), speed=autopilot.speed, time_limit=LIMIT)

@@ -21,7 +21,7 @@ states:
     transitions: [{to: up, when: done}]
   up:
     kind: custom
-    transitions: [{to: land, after: 20}]
+    transitions: [{to: land, after: 8}]
   land:
     kind: land
 """

@@ -84,7 +84,6 @@ def test_a_loop_that_hangs_brakes_at_half_a_second_and_nothing_is_resumed(tmp_pa
 HOW = [
     (signal.SIGKILL, "px4"),
     (signal.SIGKILL, "ardupilot"),
-    (signal.SIGTERM, "px4"),
     (signal.SIGSTOP, "px4"),
     (signal.SIGSTOP, "ardupilot"),
     (signal.SIGUSR1, "ardupilot"),

@@ -150,9 +150,13 @@ def fuse_pattern(x: Vec3, P: Mat, first: int, r: Mat, y: Mat, kept: Vec3, settin
             continue
         if k > 0.0:
             H, scale = np.zeros((3, n)), 1.0 / math.sqrt(k * (k + 1.0))
-            H[:, first : first + 3] = skewed((sum_y - k * y[f]) * scale)
+            arm = (sum_y - k * y[f]) * scale
+            K = skewed(arm)
+            for i in range(3):
+                for c in range(3):
+                    H[i, first + c] = K[i, c]
             residual = (sum_r - k * r[f]) * scale
-            residual -= cross((sum_y - k * y[f]) * scale, total[first : first + 3])
+            residual -= cross(arm, total[first : first + 3])
             d, _, _ = update(P, H, residual, R, math.inf, settings)
             total += d
         sum_r += r[f]

@@ -141,7 +141,10 @@ def mean_jacobian(n: int, y: Vec3, lag: float) -> Mat:
     for i in range(3):
         H[i, i], H[i, D_VELOCITY + i] = -1.0, lag
     if n > D_ANGLE:
-        H[:, D_ANGLE:] = skewed(y)
+        K = skewed(y)
+        for i in range(3):
+            for k in range(3):
+                H[i, D_ANGLE + k] = K[i, k]
     return H
 
 

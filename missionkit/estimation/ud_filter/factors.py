@@ -119,14 +119,19 @@ def predict_first(U: Mat, D: Vec3, F: Mat, G: Mat, q: Vec3) -> None:
     m, n = len(F), len(D)
     first, weights = U[:m, :m].copy(), D[:m].copy()
     predict(first, weights, F, G, q)
-    moved = U[:m, m:] - U[:m, m:]
+    column = D[:m].copy()
+    for j in range(m, n):
+        for i in range(m):
+            column[i] = U[i, j]
+            U[i, j] -= column[i]  # 0 of the same precision
+        for i in range(m):
+            for k in range(m):
+                if F[i, k] != 0:
+                    U[i, j] += F[i, k] * column[k]
     for i in range(m):
-        for k in range(m):
-            factor = F[i, k]
-            if factor != 0:
-                for j in range(n - m):
-                    moved[i, j] += factor * U[k, m + j]
-    U[:m, :m], U[:m, m:], D[:m] = first, moved, weights
+        D[i] = weights[i]
+        for j in range(m):
+            U[i, j] = first[i, j]
 
 
 @compiled

@@ -201,21 +201,20 @@ def advance(
         noise: (6,) of `propagate`.
         gates: (4,) of `take`.
     """
-    t, e = since, 0
-    while e < len(rows) and rows[e, AT] <= t:
-        take(x, U, D, rows[e], gates)
-        e += 1
-    for i in range(len(imu)):
-        while t < imu[i, END] and t < until:
-            stop = min(imu[i, END], until)
-            if e < len(rows):
-                stop = min(stop, rows[e, AT])
-            propagate(x, U, D, imu[i], stop - t, noise)
-            t = stop
-            while e < len(rows) and rows[e, AT] <= t:
-                take(x, U, D, rows[e], gates)
-                e += 1
-    return t
+    t, e, i = since, 0, 0
+    while True:  # one call of each step: the compiler copies them into here
+        while e < len(rows) and rows[e, AT] <= t:
+            take(x, U, D, rows[e], gates)
+            e += 1
+        while i < len(imu) and imu[i, END] <= t:
+            i += 1
+        if i == len(imu) or t >= until:
+            return t
+        stop = min(imu[i, END], until)
+        if e < len(rows):
+            stop = min(stop, rows[e, AT])
+        propagate(x, U, D, imu[i], stop - t, noise)
+        t = stop
 
 
 @compiled
