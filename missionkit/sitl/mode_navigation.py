@@ -65,13 +65,23 @@ def _round(state: SitlState, orbit: Orbit) -> SetpointTarget:
 def _commanded(state: SitlState, dt: float) -> Command | None:
     if state.phase in {"take_off", "climb"}:
         return _take_off(state, land_in=None)
-    grounded = state.dialect.name == "ardupilot" and not state.in_air  # it must take off first
-    if state.target is None or grounded:
+    if state.target is None or _stays_down(state, state.target):
         return act(state, Action.HOLD, "hold")
     state.target = turned(state.target, dt)
     if state.target.leans:
         state.body.unwind()
     return to(state, state.target)
+
+
+def _stays_down(state: SitlState, target: SetpointTarget) -> bool:
+    """Say whether a target is not flown from the ground.
+
+    ArduPilot takes off by command, or by an attitude with the thrust to climb
+    (`ArduCopter/mode_guided.cpp`, angle_control_run).
+    """
+    climb = target.velocity[2]  # of the thrust, see `setpoint_messages`
+    lifts = target.attitude is not None and climb is not None and climb < 0.0
+    return state.dialect.name == "ardupilot" and not state.in_air and not lifts
 
 
 def _take_off(state: SitlState, land_in: FlightTask | None) -> Command | None:

@@ -102,6 +102,22 @@ def test_thrust_is_a_climb_rate_for_ardupilot(station: Make) -> None:
     assert -copter.truth.velocity[2] == pytest.approx(1.0, abs=0.2)
 
 
+def test_ardupilot_takes_off_by_an_attitude_with_the_thrust_to_climb(station: Make) -> None:
+    def thrust(share: float) -> Any:
+        return lambda: mavlink.MAVLink_set_attitude_target_message(
+            0, 1, 1, 7, (1, 0, 0, 0), 0, 0, 0, share
+        )
+
+    copter = station("ardupilot")
+    copter.run(1.6)
+    assert copter.mode("GUIDED") == DONE
+    assert copter.command(400, 1) == DONE
+    copter.run(1.0, thrust(0.5))
+    assert copter.truth.on_ground
+    copter.run(3.0, thrust(0.7))
+    assert copter.truth.position[2] < -1.0
+
+
 def test_offboard_needs_setpoints_first(station: Make) -> None:
     px4 = station("px4")
     px4.run(1.6)
