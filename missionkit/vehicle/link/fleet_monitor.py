@@ -13,7 +13,7 @@ from typing import NamedTuple
 from missionkit.geodesy import Origin
 from missionkit.geometry import norm
 from missionkit.vehicle.link.clocks import wall
-from missionkit.vehicle.link.traffic_link import GO, LARGEST, LOOPBACK, GeodeticReport
+from missionkit.vehicle.link.traffic_link import GO, LOOPBACK, GeodeticReport, waiting
 
 COMPARABLE = 0.5  # s between two reports that are compared
 
@@ -71,13 +71,7 @@ class FleetMonitor:
 
     def listen(self) -> None:
         """Take in what has arrived."""
-        while True:
-            try:
-                data = self.socket.recv(LARGEST)
-            except BlockingIOError:
-                return
-            except OSError:  # an answer to what was sent to a process that has gone
-                continue
+        for data in waiting(self.socket):
             with suppress(ValueError, KeyError, TypeError, AttributeError):  # of a stranger
                 self._take(data)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 import socket
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -96,6 +96,17 @@ class GeodeticReport(NamedTuple):
         """
         position = origin.local(self.latitude, self.longitude, self.altitude)
         return TrafficReport(at, position, np.array(self.velocity), self.in_air)
+
+
+def waiting(inbox: socket.socket) -> Iterator[bytes]:
+    """Yield the datagrams that have arrived on a socket that does not block."""
+    while True:
+        try:
+            yield inbox.recv(LARGEST)
+        except BlockingIOError:
+            return
+        except OSError:  # an answer to what was sent to a process that has gone
+            continue
 
 
 class TrafficLink:
@@ -184,13 +195,7 @@ class TrafficLink:
                 self._socket.sendto(data, (LOOPBACK, port))
 
     def _listen(self) -> None:
-        while True:
-            try:
-                data = self._socket.recv(LARGEST)
-            except BlockingIOError:
-                return
-            except OSError:  # an answer to what was sent to a process that has gone
-                continue
+        for data in waiting(self._socket):
             if data == GO:
                 self.started = True
                 continue
