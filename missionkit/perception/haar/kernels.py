@@ -14,6 +14,7 @@ from missionkit.jit import compiled
 
 Ints = npt.NDArray[np.int32]
 Floats = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.uint64]
 
 
 @compiled
@@ -65,24 +66,50 @@ def scale_of(sums: Floats, squares: Floats, left: int, top: int, side: int) -> f
 
 
 @compiled
+def corners_of(rectangles: Ints, columns: int) -> Indices:
+    """Return where the corners of rectangles are in a flat integral image, (n, 3, 4).
+
+    In the order in which `feature` adds them up. Unsigned: numba then need not ask for negative
+    indices, half of the time of a search.
+
+    Args:
+        rectangles: (n, 3, 4), px, left, top, width, height in a window.
+        columns: of the integral image.
+    """
+    corners = np.empty(rectangles.shape, np.uint64)
+    for k in range(len(rectangles)):
+        for r in range(rectangles.shape[1]):
+            left, top, width, height = rectangles[k, r]
+            above, below = top * columns + left, (top + height) * columns + left
+            corners[k, r, 0], corners[k, r, 1] = below + width, above + width
+            corners[k, r, 2], corners[k, r, 3] = below, above
+    return corners
+
+
+@compiled
 def feature(
-    sums: Floats, rectangles: Ints, weights: Floats, left: int, top: int, scale: float
+    flat: Floats, corners: Indices, weights: Floats, which: int, at: np.uint64, scale: float
 ) -> float:
     """Return the value of one feature in one window.
 
     Args:
-        sums: integral of the image.
-        rectangles: (3, 4), px.
-        weights: (3,).
-        left: px, of the window.
-        top: px.
+        flat: integral of the image, row after row.
+        corners: (n, 3, 4), of the rectangles of all features, see `corners_of`.
+        weights: (n, 3).
+        which: of the features.
+        at: index of the window's left top corner.
         scale: n σ of the window.
     """
     total = 0.0
-    for r in range(rectangles.shape[0]):
-        if weights[r] != 0.0:
-            x, y = left + rectangles[r, 0], top + rectangles[r, 1]
-            total += weights[r] * inside(sums, x, y, rectangles[r, 2], rectangles[r, 3])
+    for r in range(corners.shape[1]):
+        weight = weights[which, r]
+        if weight != 0.0:
+            total += weight * (
+                flat[at + corners[which, r, 0]]
+                - flat[at + corners[which, r, 1]]
+                - flat[at + corners[which, r, 2]]
+                + flat[at + corners[which, r, 3]]
+            )
     return total / scale
 
 
@@ -100,11 +127,12 @@ def values(
     """
     side = patches.shape[1]
     out = np.empty((len(rectangles), len(patches)), np.float32)
+    corners, start = corners_of(rectangles, side + 1), np.uint64(0)
     for i in range(len(patches)):
         sums, squares = integrated(patches[i])
         scale = max(scale_of(sums, squares, 0, 0, side), least * side * side)
         for j in range(len(rectangles)):
-            out[j, i] = feature(sums, rectangles[j], weights[j], 0, 0, scale)
+            out[j, i] = feature(sums.ravel(), corners, weights, j, start, scale)
     return out
 
 
@@ -147,34 +175,32 @@ def best_stump(
 
 @compiled
 def passed_by(
-    sums: Floats,
-    rectangles: Ints,
+    flat: Floats,
+    corners: Indices,
     weights: Floats,
     stumps: Floats,
     ends: Ints,
     limits: Floats,
-    left: int,
-    top: int,
+    at: np.uint64,
     scale: float,
 ) -> float:
     """Return by how much a window's sums exceed all limits together; -1: a stage refuses it.
 
     Args:
-        sums: integral of the image.
-        rectangles: (n, 3, 4), px, of the stumps' features.
+        flat: integral of the image, row after row.
+        corners: (n, 3, 4), of the stumps' features, see `corners_of`.
         weights: (n, 3).
         stumps: (n, 3), threshold, low, high.
         ends: of the stages, behind each one's last stump.
         limits: of the stages' sums.
-        left: px, of the window.
-        top: px.
+        at: index of the window's left top corner.
         scale: n σ of the window.
     """
     over, first = 0.0, 0
     for stage in range(len(ends)):
         answer = 0.0
         for k in range(first, ends[stage]):
-            value = feature(sums, rectangles[k], weights[k], left, top, scale)
+            value = feature(flat, corners, weights, k, at, scale)
             answer += stumps[k, 1] if value < stumps[k, 0] else stumps[k, 2]
         first = ends[stage]
         if answer < limits[stage]:
@@ -225,6 +251,7 @@ def search(
         How many passed, at most m.
     """
     count, middle = 0, 0.5 * side
+    flat, corners = sums.ravel(), corners_of(rectangles, sums.shape[1])
     for top in range(0, sums.shape[0] - side, stride):
         for left in range(0, sums.shape[1] - side, stride):
             u = (left - pad + middle) / place[3] - 0.5
@@ -234,7 +261,8 @@ def search(
             scale = scale_of(sums, squares, left, top, side)
             if scale < least * side * side:
                 continue
-            over = passed_by(sums, rectangles, weights, stumps, ends, limits, left, top, scale)
+            at = np.uint64(top * sums.shape[1] + left)
+            over = passed_by(flat, corners, weights, stumps, ends, limits, at, scale)
             if over >= 0.0 and count < len(found):
                 found[count, 0], found[count, 1], found[count, 2] = u, v, over
                 count += 1
