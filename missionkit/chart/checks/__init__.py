@@ -31,6 +31,7 @@ from missionkit.chart.checks import (
     stopping_distance,
     success_conditions,
     take_off_failsafes,
+    unused_parameters,
 )
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.search import explore
@@ -59,6 +60,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     markers_in_view.problems_of,
     control_gains.problems_of,
     success_conditions.problems_of,
+    unused_parameters.problems_of,
 )
 NEVER_FIRES = frozenset(("never-true", "shadowed-transition", "contradictory-timers"))
 
