@@ -18,9 +18,10 @@ ROOT = Path(__file__).parent
 PAGE = ROOT / "reference" / "python-api.md"
 SECTIONS = ("Args", "Attributes", "Returns", "Raises", "Example")
 PARTS = {
-    "Functions": ("load", "validate", "rehearse", "fly", "replay", "campaign"),
+    "Functions": ("load", "validate", "rehearse", "fly", "replay", "what_if", "campaign"),
     "What they take and return": (
         *("LoadedMission", "Operator", "Summary", "Analysis", "Replay", "ReplayDifference"),
+        "WhatIf",
         "Problem",
     ),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),
@@ -190,6 +191,10 @@ EXAMPLES = {
     "ReplayDifference": """
         >>> missionkit.ReplayDifference(35.3, 705, "state: gps flown, visual replayed").tick
         705
+    """,
+    "WhatIf": """
+        >>> [row.change.value for row in found.table.rows]
+        ['same', 'same', 'same']
     """,
     "Problem": """
         >>> [str(problem) for problem in missionkit.validate("mission.yaml")]

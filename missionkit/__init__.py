@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from missionkit.api.replay import replay as replay
     from missionkit.api.simulation import rehearse as rehearse
     from missionkit.api.validation import validate as validate
+    from missionkit.api.what_if import WhatIf as WhatIf
+    from missionkit.api.what_if import what_if as what_if
     from missionkit.campaigns.analysis import Analysis as Analysis
     from missionkit.engine.flight_loop import Operator as Operator
     from missionkit.errors import FileError as FileError
@@ -77,6 +79,7 @@ _HOMES = {  # module -> what it gives
     "api.replay": ("Replay", "ReplayDifference", "replay"),
     "api.simulation": ("rehearse",),
     "api.validation": ("validate",),
+    "api.what_if": ("WhatIf", "what_if"),
     "campaigns.analysis": ("Analysis",),
     "engine.flight_loop": ("Operator",),
     "errors": (

@@ -7,11 +7,12 @@ import re
 import shlex
 import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from missionkit.api.missions import LoadedMission, load
 from missionkit.api.run_origin import Origin, changes, text_of
-from missionkit.errors import UsageError
+from missionkit.errors import FileError, Problem, UsageError
 from missionkit.recorder.journal_reader import Journal
 
 BINARY = re.compile(r"\d+ bytes, SHA-256 [0-9a-f]{64}")  # stands for a file that is no text
@@ -40,7 +41,16 @@ def mission_flown(
     check_plugins(journal.path, origin, plugins)
     path = restored(journal.path, origin, folder)
     flown = dict(text.split("=", 1) for text in origin.settings)
-    return load(path, settings={**flown, **(settings or {})}, plugins=plugins)
+    try:
+        return load(path, settings={**flown, **(settings or {})}, plugins=plugins)
+    except FileError as error:
+        raise FileError(_in_journal(it, path, journal.path) for it in error.problems) from error
+
+
+def _in_journal(problem: Problem, mission: Path, journal: Path) -> Problem:
+    """Return a problem whose place names the journal instead of the file it was written to."""
+    name = os.path.relpath(problem.place.file, mission.parent)
+    return replace(problem, place=replace(problem.place, file=f"{journal}: {name}"))
 
 
 def origin_of(journal: Journal) -> Origin:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import Json, Plugins
+from missionkit.cli.command_options import Json, Plugins, Settings
 
 RunFolder = Annotated[Path, typer.Argument(help="folder of a run, or a journal", metavar="RUN")]
 
@@ -26,3 +26,24 @@ def replay(
     from missionkit.cli import replay_command as command  # noqa: PLC0415
 
     raise typer.Exit(command.replay(run, since, tuple(plugin or ()), as_json=as_json))
+
+
+def what_if(
+    runs: Annotated[
+        list[Path], typer.Argument(help="folders of runs, or a folder that holds several")
+    ],
+    mission: Annotated[
+        Path | None,
+        typer.Option(metavar="MISSION.yaml", help="the other mission; the one flown if absent"),
+    ] = None,
+    settings: Settings = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """Say what another mission, or other parameters, would have decided in recorded flights."""
+    from missionkit.cli import what_if_command as command  # noqa: PLC0415
+
+    changed = tuple(settings or ())
+    files = tuple(plugin or ())
+    raise typer.Exit(command.what_if(runs, mission, changed, files, as_json=as_json))

@@ -1,7 +1,6 @@
 """A flight that is ticked again decides the same to the last bit; a journal says when it cannot."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
@@ -11,67 +10,12 @@ import missionkit
 from missionkit.api.recorded_mission import mission_flown, restored
 from missionkit.api.run_origin import Origin
 from missionkit.cli.app import app
-from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import UsageError
 from missionkit.recorder import value_codec
 from missionkit.recorder.flight_journal import TICK
 from missionkit.recorder.journal_reader import memory_of, read_journal, tick_of
 from missionkit.replays.decision_difference import first_difference, same
 from missionkit.replays.replayed_flight import replayed, start_at
-
-LOOK = """
-missionkit: 1
-mission: look
-params: {height: 2.0}
-world: worlds/here.yaml
-camera: {use: rendered, width: 160, height: 120, focal: 120, rate: 10}
-targets: {pad: {position: [3.0, 0.0, -2.0], position_sd: 0.5, facing_deg: 180}}
-perception: [{use: aruco, target: pad, dictionary: DICT_4X4_50, id: 3, size: 0.6}]
-initial: idle
-states:
-  idle:
-    kind: idle
-    behavior: {use: take_off, height: $height}
-    transitions: [{to: wait, when: done}]
-  wait:
-    kind: gps
-    behavior: {use: hold}
-    transitions:
-      - {to: land, when: {use: aruco_confidence, target: pad, window: 10, enter: 0.7, exit: 0.5}}
-      - {to: land, after: 20}
-  land: {kind: land}
-"""
-WORLD = """
-world: here
-markers:
-  - {dictionary: DICT_4X4_50, id: 3, size: 0.6, position: [3.0, 0.0, -2.0], facing_deg: 180}
-"""
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    """The folder of a flight that lands because it saw a marker in drawn images."""
-    root = tmp_path_factory.mktemp("flown")
-    (root / "worlds").mkdir()
-    (root / "worlds" / "here.yaml").write_text(WORLD)
-    (root / "look.yaml").write_text(LOOK)
-    mission = missionkit.load(root / "look.yaml", settings={"height": 2.2})
-    summary = missionkit.rehearse(mission, seed=5, folder=root / "run")
-    assert summary.transitions[-1].reason.startswith("when aruco confidence")
-    shutil.rmtree(root / "worlds")  # a replay needs the journal alone
-    (root / "look.yaml").write_text("another mission")
-    return root / "run"
-
-
-@pytest.fixture(scope="module")
-def journal(run):
-    return read_journal(run / "journal.mcap")
-
-
-@pytest.fixture(scope="module")
-def plan(journal, tmp_path_factory):
-    mission = mission_flown(journal, tmp_path_factory.mktemp("files"))
-    return prepare(mission.model, mission.catalogue)
 
 
 def with_tick(journal, number, **changes):

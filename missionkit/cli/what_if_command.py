@@ -1,0 +1,105 @@
+"""`missionkit what-if`: the decisions of recorded flights, by another mission."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from missionkit.api.what_if import WhatIf, runs_in
+from missionkit.api.what_if import what_if as asked
+from missionkit.cli.overrides import overrides
+from missionkit.errors import ExitCode, UsageError, printable
+from missionkit.replays.decision_table import ComparedTransition, Taken
+
+
+def what_if(
+    folders: Sequence[Path],
+    mission: Path | None,
+    settings: Sequence[str],
+    plugins: Sequence[Path],
+    *,
+    as_json: bool,
+) -> ExitCode:
+    """Compare the decisions of flights with those of another mission, and print the tables.
+
+    Args:
+        folders: runs, or folders of runs.
+        mission: file of the other mission; None: the one that was flown.
+        settings: NAME=VALUE.
+        plugins: files that the mission uses.
+        as_json: print the tables as JSON.
+
+    Raises:
+        FileError: the mission has errors.
+        UsageError: nothing was changed, or there is no journal.
+    """
+    if mission is None and not settings:
+        raise UsageError("say what is to be different: --mission FILE or --set NAME=VALUE")
+    values = overrides(settings)
+    found = [asked(run, mission, settings=values, plugins=plugins) for run in runs_in(folders)]
+    if as_json:
+        print(json.dumps([_plain(it) for it in found], indent=2))  # noqa: T201
+    else:
+        for it in found:
+            for line in _lines(it):
+                _say(line)
+        _say(_count(found))
+    differs = any(it.table.first is not None for it in found)
+    return ExitCode.ENDED_SAFELY if differs else ExitCode.SUCCESS
+
+
+def _count(found: Sequence[WhatIf]) -> str:
+    other = [it for it in found if it.table.first is not None]
+    flights = f"{len(found)} flight" + ("s" if len(found) != 1 else "")
+    if not other:
+        return f"{flights} would have decided the same"
+    first = other[0].table.first
+    at = "" if first is None else f", first in {other[0].journal.parent} at {first.at:.2f} s"
+    return f"{len(other)} of {flights} would have decided differently{at}"
+
+
+def _lines(it: WhatIf) -> Iterator[str]:
+    yield f"{it.journal.parent}:"
+    marked = False
+    for row in it.table.rows:
+        if not row.evidence and not marked:
+            marked = True
+            yield f"  from {it.table.parted:.2f} s the vehicle would have flown differently:"
+        yield f"  {_row(row)}" if row.evidence else f"  ? {_row(row)}"
+    if it.table.parted is not None and not marked:
+        yield f"  from {it.table.parted:.2f} s the vehicle would have flown differently"
+    yield from (f"  {note}" for note in it.notes)
+
+
+def _row(row: ComparedTransition) -> str:
+    taken = row.now or row.flown
+    assert taken is not None  # noqa: S101 - a row has one of them
+    times = f"{_at(row.flown)} flown, {_at(row.now)} now"
+    return f"{row.change:<8} {taken.source} -> {taken.to}: {times} ({taken.reason})"
+
+
+def _at(taken: Taken | None) -> str:
+    return "not" if taken is None else f"{taken.at:.2f} s"
+
+
+def _plain(it: WhatIf) -> dict[str, object]:
+    return {
+        "journal": str(it.journal),
+        "parted": it.table.parted,
+        "until": it.table.until,
+        "transitions": [
+            {
+                "change": row.change,
+                "evidence": row.evidence,
+                "flown": None if row.flown is None else row.flown._asdict(),
+                "now": None if row.now is None else row.now._asdict(),
+            }
+            for row in it.table.rows
+        ],
+        "notes": list(it.notes),
+    }
+
+
+def _say(text: str) -> None:
+    print(printable(text))  # noqa: T201

@@ -1,0 +1,133 @@
+"""Another chart in a flight that was flown: the first decision that differs is the right one."""
+
+import json
+
+import pytest
+from replays.conftest import LOOK, WORLD
+
+import missionkit
+from missionkit.cli.app import app
+from missionkit.errors import UsageError
+from missionkit.recorder.journal_reader import tick_of
+from missionkit.replays.decision_table import Change
+
+SEEN = "{use: aruco_confidence, target: pad, window: 10, enter: 0.7, exit: 0.5}"
+
+
+@pytest.fixture
+def edited(tmp_path):
+    """Write the mission with edits, and return its path."""
+
+    def write(*edits):
+        text = LOOK
+        for old, new in edits:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "worlds").mkdir()
+        (tmp_path / "worlds" / "here.yaml").write_text(WORLD)
+        (tmp_path / "edited.yaml").write_text(text)
+        return tmp_path / "edited.yaml"
+
+    return write
+
+
+def waiting(journal):
+    """Return the time and the confidence of each tick in which the guard was evaluated."""
+    ticks = (tick_of(journal.path, text) for _, text in journal.ticks)
+    return [
+        (tick.observation.now, verdict.value)
+        for tick in ticks
+        for name, verdict in tick.decision.verdicts
+        if name.startswith("aruco")
+    ]
+
+
+def test_the_mission_that_was_flown_decides_the_same(run, edited):
+    found = missionkit.what_if(run, edited())
+    assert found.notes == ()
+    assert (found.table.first, found.table.parted) == (None, None)
+    assert [row.change for row in found.table.rows] == [Change.SAME] * 2
+
+
+@pytest.mark.parametrize("enter", [0.35, 0.45, 0.55])
+def test_a_lower_threshold_is_crossed_where_the_record_says(run, journal, edited, enter):
+    values = waiting(journal)
+    crossed = next(at for at, value in values if value is not None and value >= enter)
+    lower = SEEN.replace("0.7, exit: 0.5", f"{enter}, exit: 0.2")
+    found = missionkit.what_if(run, edited((SEEN, lower)))
+    first = found.table.first
+    assert first is not None
+    assert (first.change, first.now.at) == (Change.EARLIER, crossed)
+    assert first.evidence
+    assert found.table.parted == crossed
+
+
+def test_how_long_it_must_hold_counts_from_when_it_held(run, edited):
+    found = missionkit.what_if(run, edited((SEEN + "}", SEEN + ", for: 0.4}")))
+    first = found.table.first
+    assert first.change is Change.LATER
+    assert first.now.at - first.flown.at == pytest.approx(0.4, abs=0.051)
+
+
+def test_a_timer_that_is_shorter_acts_first(run, journal, edited):
+    begun = waiting(journal)[0][0]
+    found = missionkit.what_if(run, edited(("after: 20", "after: 0.2")))
+    first = found.table.first
+    assert first.change is Change.EARLIER
+    assert first.now.reason == "after 0.2 s"
+    assert first.now.at == pytest.approx(begun + 0.2, abs=0.06)
+
+
+def test_a_transition_that_is_gone_is_missing(run, edited):
+    found = missionkit.what_if(run, edited(("      - {to: land, when: " + SEEN + "}\n", "")))
+    first = found.table.first
+    assert (first.change, first.now) == (Change.MISSING, None)
+    assert first.evidence
+
+
+def test_what_follows_another_command_is_marked(run, journal):
+    found = missionkit.what_if(run, settings={"height": 2.3})
+    assert found.table.parted is not None
+    assert found.table.parted < 3.0
+    assert [row.evidence for row in found.table.rows] == [False, False]
+
+
+def test_another_camera_does_not_see_with_its_own_eyes(run, edited):
+    found = missionkit.what_if(run, edited(("size: 0.6}", "size: 0.5}")))
+    (note,) = found.notes
+    assert "perception differs from what flew" in note
+
+
+def test_a_folder_of_flights_is_a_regression_test(run, edited, capsys):
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run.parent), "--mission", str(edited())])
+    assert ended.value.code == 0
+    assert "1 flight would have decided the same" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run.parent), "--set", "height=2.3", "--json"])
+    (told,) = json.loads(capsys.readouterr().out)
+    changes = {row["change"] for row in told["transitions"]}
+    assert ended.value.code == (0 if changes == {"same"} else 1)
+    assert not any(row["evidence"] for row in told["transitions"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ([], "say what is to be different: --mission FILE or --set NAME=VALUE"),
+        (
+            ["--set", "hight=3"],
+            "run/journal.mcap: look.yaml:4:1: --set hight: no such parameter; did you mean",
+        ),
+    ],
+)
+def test_mistakes_are_a_sentence(run, arguments, why, capsys):
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run), *arguments])
+    assert ended.value.code == 2
+    assert why in capsys.readouterr().err
+
+
+def test_a_folder_without_flights_is_refused(tmp_path):
+    with pytest.raises(UsageError, match=r"it holds no journal\.mcap"):
+        missionkit.what_if(tmp_path, settings={"height": 3.0})
