@@ -22,6 +22,7 @@ MOST_BYTES = 32 * 1024 * 1024
 MOST_MEMBERS = 1_000  # files in an archive
 MOST_DEPTH = 100  # of JSON and XML
 MOST_VALUES = 2_000_000
+LARGEST = 1e9  # of a number in a plan: no degrees, metres or seconds are more
 T = TypeVar("T")
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 
@@ -178,7 +179,7 @@ def padded(values: Iterable[T], count: int) -> list[T | None]:
 
 
 def number(value: object) -> float | None:
-    """Return a finite number, None for anything else; text is read as a number.
+    """Return a number that something can measure, None for anything else; text is read as one.
 
     >>> number("12.5"), number(None), number("nan"), number(True)
     (12.5, None, None, None)
@@ -189,7 +190,7 @@ def number(value: object) -> float | None:
         found = float(value)
     except (ValueError, OverflowError):
         return None
-    return found if math.isfinite(found) else None
+    return found if math.isfinite(found) and abs(found) <= LARGEST else None
 
 
 def _finite(text: str) -> float | None:

@@ -54,7 +54,7 @@ def plan_of(features: Iterable[Feature], areas: Areas, ledger: Ledger) -> Plan:
     home: Home | None = None
     shapes, rally, actions, ceiling = FenceShapes(), [], list[Action](), None
     for it in rows:
-        role = it.mark.get("role", "")
+        role = str(it.mark.get("role", ""))[:40]
         if role == "home":
             altitude = number(it.mark.get("altitude"))
             high = it.places[0].height if altitude is None else metres(altitude)
@@ -89,15 +89,15 @@ def _fence(it: Feature, shapes: FenceShapes, ledger: Ledger) -> None:
         shapes.polygon(tuple(each.spot for each in hole), it.item, ledger, inward=False)
 
 
-def _actions(it: Feature, role: object, ledger: Ledger) -> list[Action]:
-    reader = _MARKED.get(str(role))
+def _actions(it: Feature, role: str, ledger: Ledger) -> list[Action]:
+    reader = _MARKED.get(role)
     if role and reader is None:
-        ledger.refuse(it.item, f"its mark says a {str(role)[:40]!r}, which is not known")
+        ledger.refuse(it.item, f"its mark says a {role!r}, which is not known")
         return []
     try:
         return [reader(it)] if reader is not None else _plain(it, ledger)
     except (TypeError, ValueError):
-        ledger.refuse(it.item, NOT_OURS.format(str(role)[:40]))
+        ledger.refuse(it.item, NOT_OURS.format(role))
         return []
 
 

@@ -9,6 +9,7 @@ from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.lines import earth, local
 from missionkit.interchange.plan import Action, Fence, Land, Spot, Turns, Waypoint, metres
 from missionkit.polygons import Corner, inside_of, margin, unfit
+from missionkit.positions import FARTHEST
 
 HEADROOM = 20.0  # m, from the highest place to the ceiling
 LOWEST_CEILING = 30.0  # m
@@ -30,9 +31,9 @@ def fitted_fence(
     if fence is None:
         return None, actions
     outline = local(fence.outline, origin)
-    if outline and (wrong := unfit(outline) or _far_from_home(outline)):
+    if outline and (wrong := _misplaced(fence.outline, outline, origin)):
         ledger.refuse(fence.item, wrong)
-        outline = ()
+        fence, outline = fence._replace(outline=(), item=-1), ()
     holes = list(_fitting_holes(fence, outline, origin, ledger))
     if not outline and not holes:
         return None, actions
@@ -46,13 +47,20 @@ def fitted_fence(
         ledger.added.append(f"a ceiling of the fence, {height:g} m: the file has none")
     rings = [hole for hole, _ in holes]
     kept = [it for it in actions if _stays(it, outline, rings, origin, ledger)]
-    corners_of = fence.outline if fence.outline and outline else earth(outline, origin)
+    corners_of = fence.outline or earth(outline, origin)
     spots = tuple((fence.holes[at][0], fence.holes[at][1]) for _, at in holes)
     return Fence(corners_of, spots, height, fence.item), kept
 
 
-def _far_from_home(outline: Sequence[Corner]) -> str:
+def _misplaced(spots: Sequence[Spot], outline: Sequence[Corner], origin: Origin) -> str:
+    if wrong := _too_far(spots, origin) or unfit(outline):
+        return wrong
     return "" if margin(outline, (0.0, 0.0)) >= 0.0 else "home lies outside of it"
+
+
+def _too_far(spots: Sequence[Spot], origin: Origin) -> str:
+    far = max(origin.distance(*it) for it in spots) > FARTHEST
+    return "it reaches farther than 100 km from home" if far else ""
 
 
 def _fitting_holes(
@@ -60,7 +68,7 @@ def _fitting_holes(
 ) -> Iterable[tuple[tuple[Corner, ...], int]]:
     for at, (spots, item) in enumerate(fence.holes):
         corners = local(spots, origin)
-        wrong = unfit(corners)
+        wrong = _too_far(spots, origin) or unfit(corners)
         if not wrong and margin(corners, (0.0, 0.0)) > 0.0:
             wrong = "home lies inside of it"
         if not wrong and outline and not inside_of(corners, outline):

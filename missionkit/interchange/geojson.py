@@ -49,6 +49,7 @@ def _row(row: Any, count: int, ledger: Ledger) -> list[Feature]:
     properties = properties if isinstance(properties, dict) else {}
     name = str(properties.get("name", ""))[:60]
     kind = geometry.get("type") if isinstance(geometry, dict) else None
+    kind = kind if isinstance(kind, str) else None
     what = f"{str(kind)[:40]} {name!r}" if name else str(kind)[:40]
     entry = ledger.open(f"feature {count}", what)
     mark = properties.get(MARK)
@@ -68,13 +69,13 @@ def _parts(
         for each in geometry["geometries"]:
             yield from _parts(each, entry, mark, name)
         return
-    if kind not in DEPTH:
+    if not isinstance(kind, str) or kind not in DEPTH:
         yield None
         return
     coordinates = geometry.get("coordinates")
-    parts = coordinates if str(kind).startswith("Multi") else [coordinates]
+    parts = coordinates if kind.startswith("Multi") else [coordinates]
     for part in parts if isinstance(parts, list) else [None]:
-        yield _part(part, str(kind), entry, mark, name)
+        yield _part(part, kind, entry, mark, name)
 
 
 def _part(part: Any, kind: str, entry: int, mark: Mapping[str, Any], name: str) -> Feature | None:

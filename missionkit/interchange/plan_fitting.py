@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple, TypeVar
 
+from missionkit.behaviors.orbit import MOST_TURNS
 from missionkit.geodesy import Origin
 from missionkit.interchange.bounded_input import ForeignFileError
 from missionkit.interchange.fence_fitting import fitted_fence
@@ -215,7 +216,25 @@ def _whole_item(action: Action, ledger: Ledger) -> bool:
     return action.item < 0 or ledger.entries[action.item].outcome is not Outcome.REFUSED
 
 
+def _require_positive(action: Action) -> None:
+    """Refuse numbers that no behaviour takes, as a file edited by hand may have.
+
+    Raises:
+        _MisfitError: one is not more than 0, or too large.
+    """
+    for name in ("speed", "radius", "turns", "spacing", "breadth"):
+        value = getattr(action, name, None)
+        if value is not None and value <= 0.0:
+            raise _MisfitError(f"its {name} is {value:g}: expected more than 0")
+    for name in ("wait", "turn_around"):
+        if getattr(action, name, 0.0) < 0.0:
+            raise _MisfitError(f"its {name.replace('_', '-')} is below 0")
+    if isinstance(action, Turns) and action.turns > MOST_TURNS:
+        raise _MisfitError(f"{action.turns:g} turns: at most {MOST_TURNS}")
+
+
 def _one(action: Action, fitting: _Fit) -> Action:
+    _require_positive(action)
     match action:
         case TakeOff():
             return _take_off(action, fitting)

@@ -44,7 +44,7 @@ def read_complex(item: Mapping[str, Any], entry: int, reader: ItemReader) -> lis
         entry: of the ledger.
         reader: of the mission, for the ledger and the speed.
     """
-    kind = item.get("complexItemType")
+    kind = str(item.get("complexItemType"))[:40]
     if kind == "StructureScan":
         found: list[Action] | str = _structure(item, entry, reader)
     elif kind in {"survey", "CorridorScan"}:

@@ -7,7 +7,7 @@ import json
 import zipfile
 
 import pytest
-from plans import qgc, way
+from plans import FLAT, imported, mission_of, qgc, way
 from typer.testing import CliRunner
 
 from missionkit.cli.app import app
@@ -65,6 +65,40 @@ def test_one_sentence(tmp_path, data, says):
         assert says in result.output.splitlines()[-1]
     else:
         assert result.exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {
+            "fileType": "Plan",
+            "mission": {"items": [{"type": "ComplexItem", "complexItemType": []}]},
+        },
+        {"type": "Feature", "geometry": {"type": ["Point"], "coordinates": [8, 47, 3]}},
+        {"type": "Point", "coordinates": [8.5, 47.4], "bbox": {}},
+        {"states": {"a": {"type": ["final"], "history": {}, "on": [], "entry": [{"type": {}}]}}},
+        {"fileType": "Plan", "mission": {"items": [], "plannedHomePosition": [47.4, 8.5, 1e308]}},
+    ],
+)
+def test_values_of_the_wrong_type(tmp_path, data):
+    result = run(tmp_path, json.dumps(data).encode())
+    assert result.exit_code in {0, 2}
+    assert "Traceback" not in result.output
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+
+
+@pytest.mark.parametrize("key", ["speed", "radius", "turns", "clockwise", "role", "reference"])
+@pytest.mark.parametrize("value", [-1, 1e9, [], None])
+def test_marks_that_were_edited_by_hand(tmp_path, key, value):
+    mark = {
+        **{"role": "circle", "height": 20, "reference": "above_home", "speed": 3},
+        **{"radius": 9, "turns": 2, key: value},
+    }
+    point = {"type": "Point", "coordinates": [8.5457, 47.398]}
+    rows = [{"type": "Feature", "properties": {"missionkit": mark}, "geometry": point}]
+    rows.append({"type": "Feature", "properties": {}, "geometry": point})
+    raw = json.dumps({"type": "FeatureCollection", "features": rows}).encode()
+    mission_of(imported(raw, FLAT._replace(height=20.0))[0])
 
 
 def test_an_archive_that_unpacks_to_too_much(tmp_path, monkeypatch):

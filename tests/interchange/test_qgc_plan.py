@@ -174,7 +174,7 @@ def test_circles_of_the_fence_stay_on_the_safe_side():
 
 def test_fences_that_a_mission_cannot_keep_are_refused():
     square = [[47.39, 8.53], [47.41, 8.53], [47.41, 8.56], [47.39, 8.56]]
-    far = [[47.5, 8.53], [47.51, 8.53], [47.51, 8.56]]
+    far = [[-47.5, 8.53], [-47.51, 8.53], [-47.51, 8.56]]
     polygons = [{"inclusion": True, "polygon": square}, {"inclusion": False, "polygon": far}]
     _, ledger = imported(qgc([UP, way(47.398, 8.5458, 25)], {"polygons": polygons}))
     assert [it.outcome for it in ledger.entries[2:]] == [Outcome.KEPT, Outcome.REFUSED]
@@ -182,6 +182,17 @@ def test_fences_that_a_mission_cannot_keep_are_refused():
     text, ledger = imported(qgc([UP, way(47.398, 8.5458, 25)], {"polygons": twice}))
     assert mission_of(text).fence is None
     assert "several" in ledger.entries[-1].note
+
+
+def test_a_fence_that_is_refused_leaves_its_holes():
+    far = [[48.3, 8.53], [48.31, 8.53], [48.31, 8.56]]
+    hole = [[47.3985, 8.545], [47.3986, 8.545], [47.3986, 8.5452]]
+    polygons = [{"inclusion": True, "polygon": far}, {"inclusion": False, "polygon": hole}]
+    text, ledger = imported(qgc([UP, way(47.398, 8.5458, 25)], {"polygons": polygons}))
+    fence = mission_of(text).fence
+    assert max(math.hypot(*corner) for corner in fence.outline()) < 2_000.0
+    assert len(fence.holes) == 1
+    assert [it.outcome for it in ledger.entries[2:]] == [Outcome.REFUSED, Outcome.KEPT]
 
 
 def test_an_item_outside_the_fence_of_its_own_plan_is_refused():

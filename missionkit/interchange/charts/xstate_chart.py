@@ -45,7 +45,9 @@ def scxml_of(data: Any, ledger: Ledger) -> Element:
     context = data.get("context", {})
     for name, value in context.items() if isinstance(context, dict) else ():
         entry = ledger.open("context", str(name)[:60])
-        if isinstance(value, bool | int | float) and re.match(NAME_PATTERN, str(name)):
+        if (isinstance(value, bool) or number(value) == value) and re.match(
+            NAME_PATTERN, str(name)
+        ):
             text = str(value).lower() if isinstance(value, bool) else repr(value)
             SubElement(model, f"{SCXML}data", {"id": str(name), "expr": text})
         else:
@@ -64,7 +66,7 @@ class _Machine:
     def state(self, data: Mapping[str, Any], path: tuple[str, ...], parent: Element) -> None:
         """Add a state and what is inside it."""
         entry = self.ledger.open("state", ".".join(path) or ROOT)
-        kind, inside = data.get("type"), data.get("states", {})
+        kind, inside = str(data.get("type")), data.get("states", {})
         inside = inside if isinstance(inside, dict) else {}
         if kind == "history" or data.get("history"):
             self._history(data, path, parent, entry)
@@ -156,7 +158,7 @@ class _Machine:
     def _actions(self, given: Any, parent: Element) -> None:
         for each in _several(given):
             entry = self.ledger.open("action", _said(each))
-            kind = each.get("type") if isinstance(each, dict) else None
+            kind = str(each.get("type")) if isinstance(each, dict) else ""
             raised = each.get("event", (each.get("params") or {})) if kind in RAISES else None
             event = raised.get("type") if isinstance(raised, dict) else raised
             if isinstance(event, str) and re.match(EVENT_PATTERN, event):
