@@ -487,7 +487,7 @@ def test_a_running_flight_cannot_be_resumed_by_another_process(call, stay, monke
     assert "another missionkit is flying this run" in inner[0].stderr
 
 
-def test_a_killed_process_leaves_a_resumable_run(stay, tmp_path):
+def test_a_killed_process_leaves_a_resumable_run(call, stay, tmp_path):
     line = [sys.executable, "-m", "missionkit", "run"]
     with subprocess.Popen([*line, "stay.yaml", "--speed", "5"], stdout=-1, text=True) as process:
         while "idle -> up" not in process.stdout.readline():
@@ -496,7 +496,6 @@ def test_a_killed_process_leaves_a_resumable_run(stay, tmp_path):
     assert process.returncode == -signal.SIGKILL
     folder = tmp_path / "runs/stay-seed0"
     assert not (folder / "summary.json").exists()
-    line += ["--resume", str(folder)]
-    done = subprocess.run(line, check=False, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = call("run", "--resume", str(folder))
+    assert (done.exit_code, done.stderr) == (0, "")
     assert summary(folder)["outcome"] == "success"

@@ -78,7 +78,7 @@ def test_fixes_that_wander_off_do_not_take_it_along_faster_than_they_do(tmp_path
 )
 def test_a_sensor_that_fails_is_flown_without(fault, most, tmp_path):
     with sitl(speed=BRISK) as autopilot:
-        text = stay(after=6, failsafe="estimate_bad")
+        text = stay(after=6, more="{to: land, when: estimate_bad}, ")
         mission = fly_mission(autopilot, text, tmp_path, {"up": strike(fault)})
         assert "up" in mission.began, (mission.reasons, mission.problems)
         since = mission.began["up"][1]
