@@ -14,12 +14,13 @@ from documents import DOCS, ROOT, as_mission, blocks, defaults, document, plugin
 from typer.testing import CliRunner
 
 from missionkit.chart.checks import findings
-from missionkit.chart.load import load_model, parse
+from missionkit.chart.load import parse
 from missionkit.chart.model import mission as model
 from missionkit.chart.model import state_definitions
 from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.state_contracts import unmet
 from missionkit.chart.model.state_definitions import GROUP_KIND
+from missionkit.chart.model_file import load_model
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.cli.app import app

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import astuple, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from missionkit.chart import map_loading
 from missionkit.chart.model import named_guards, structure_rules, tracked_targets, variable_uses
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.model_base import Scope
-from missionkit.chart.model.validation_problems import plain, problems_in
+from missionkit.chart.model.validation_problems import problems_in
+from missionkit.chart.model_file import refusal, require_mapping
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.document_kind import document_kind
 from missionkit.chart.text.file_references import NO_SUCH_FILE, unfit
 from missionkit.chart.text.includes import inlined
-from missionkit.chart.text.located_data import shown
 from missionkit.chart.text.parameter_expansion import Expanded, expand
 from missionkit.chart.text.yaml_reader import Document, read, read_file
 from missionkit.errors import FileError, Problem, nearest
 
-M = TypeVar("M", bound=BaseModel)
-MAX_PROBLEMS = 50
 NO_OVERRIDES: Mapping[str, str] = MappingProxyType({})
 
 
@@ -94,21 +91,21 @@ def checked(document: Document, catalogue: Catalogue, overrides: Mapping[str, st
     Raises:
         FileError: everything that is wrong with it.
     """
-    _require_mapping(document, "mission")
+    require_mapping(document, "mission")
     expanded = inlined(expand(document, overrides), document.file)
     try:
         scope = Scope.of(expanded.data, catalogue, Path(document.file).parent)
         mission = Mission.model_validate(expanded.data, context=scope)
     except ValidationError as error:
         found = problems_in(error, Mission, expanded.data, document.start, expanded.origins)
-        raise _refusal(found, expanded) from error
+        raise refusal(found, expanded) from error
     wrong = (
         *(*expanded.problems, *named_guards.problems_of(mission.guards)),
         *(*structure_rules.problems_of(mission), *variable_uses.problems_of(mission)),
         *tracked_targets.problems_of(mission),
     )
     if wrong:
-        raise _refusal(wrong, expanded)
+        raise refusal(wrong, expanded)
     complete = replace(expanded, files=(*expanded.files, *scope.files))
     return elaborate(mission, complete, Path(document.file).parent)
 
@@ -127,56 +124,8 @@ def elaborate(mission: Mission, expanded: Expanded, folder: Path) -> Mission:
     known, files = map_loading.read(mission, folder)
     complete = mission.with_files((*expanded.files, *files), known)
     if unfit := list(map_loading.problems_of(complete)):
-        raise _refusal(unfit, expanded)
+        raise refusal(unfit, expanded)
     return complete
-
-
-def load_model(path: Path, model: type[M]) -> M:
-    """Read a file of plain values, such as a world.
-
-    Raises:
-        FileError: everything that is wrong with the file.
-    """
-    document = read_file(path)
-    _require_mapping(document, "world" if "world" in model.model_fields else "")
-    expanded = Expanded(document.data, {}, document.problems)
-    try:
-        found = plain(model, document.data)
-    except ValidationError as error:
-        problems = problems_in(error, model, document.data, document.start, {})
-        raise _refusal(problems, expanded) from error
-    if document.problems:
-        raise _refusal(document.problems, expanded)
-    return found
-
-
-def _require_mapping(document: Document, wanted: str) -> None:
-    """Refuse a document that is no mapping, or of another kind than the one that is `wanted`."""
-    if not isinstance(document.data, dict):
-        message = f"expected a mapping (key: value), got {shown(document.data)}"
-        raise FileError([*document.problems, Problem(document.start, message)])
-    kind = document_kind(document.data)
-    if wanted and kind not in {wanted, ""}:
-        hint = "; give the mission that names it" if wanted == "mission" else ""
-        raise FileError([Problem(document.start, _not_a(wanted, kind) + hint)])
-
-
-def _not_a(wanted: str, kind: str) -> str:
-    return f"this file is {f'a {kind}, ' if kind else ''}not a {wanted}"
-
-
-def _refusal(problems: Sequence[Problem], expanded: Expanded) -> FileError:
-    """Join the problems in the order of the file; one place is not reported twice."""
-    places = {problem.place for problem in expanded.problems}
-    fresh = [problem for problem in problems if problem.place not in places]
-    found = sorted(
-        {*expanded.problems, *fresh},
-        key=lambda problem: (*astuple(problem.place), problem.message),
-    )
-    if len(found) > MAX_PROBLEMS:
-        rest = f"and {len(found) - MAX_PROBLEMS} more problems from here on"
-        found = [*found[:MAX_PROBLEMS], Problem(found[MAX_PROBLEMS].place, rest)]
-    return FileError(found)
 
 
 def _files_near(root: Path, world: str) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from missionkit.chart.load import load_model
+from missionkit.chart.model_file import load_model
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
 from missionkit.sim.free_flyer.world import FreeFlyerWorld

@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 from missionkit.campaigns.chain_file import chain_text
 from missionkit.campaigns.markov_chain import absorbed, estimate
-from missionkit.chart.load import load, load_model
+from missionkit.chart.load import load
+from missionkit.chart.model_file import load_model
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 from missionkit.errors import FileError, UsageError

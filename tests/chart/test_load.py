@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from missionkit.chart.load import MAX_PROBLEMS, load, load_model, parse
+from missionkit.chart.load import load, parse
+from missionkit.chart.model_file import MAX_PROBLEMS, load_model
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import FileError
 from missionkit.units import Metres, Point

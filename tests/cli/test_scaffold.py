@@ -10,7 +10,8 @@ import tomllib
 
 import pytest
 
-from missionkit.chart.load import load, load_model
+from missionkit.chart.load import load
+from missionkit.chart.model_file import load_model
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.scaffold import SCAFFOLDS, behavior_files, guard_files, mission_files, new
 from missionkit.errors import UsageError

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from missionkit.chart.load import load_model
+from missionkit.chart.model_file import load_model
 from missionkit.geometry import conjugate, log, multiply, rotate
 from missionkit.messages import Action, Command, Observation, Wrench
 from missionkit.sim.fault_injection import parse_fault
