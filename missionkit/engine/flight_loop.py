@@ -18,7 +18,7 @@ from missionkit.engine.run_lifecycle import Lifecycle
 from missionkit.engine.tick import Ticked, tick
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
-from missionkit.messages import Cycle, Observation, Record, is_event
+from missionkit.messages import Action, Cycle, Observation, Record, is_event
 from missionkit.plugin_containment import Interrupted, described, marking_interrupts
 from missionkit.ports import Vehicle
 
@@ -122,6 +122,7 @@ class _FlightWatch:
         self.grounded_since = since.grounded_since
         self.time_limit = time_limit
         self.refused_since: float | None = None
+        self.returning = False  # the chart has told the autopilot to fly home and land
         self.why = ""
 
     def over(self, plan: PreparedMission, done: Ticked) -> FlightEnd | None:
@@ -142,10 +143,14 @@ class _FlightWatch:
             return FlightEnd.NEVER_LEFT
         if self._refused(done):
             return FlightEnd.NOT_ARMED
+        command = done.record.command
+        self.returning = command.setpoint is None and (
+            self.returning or command.action is Action.RETURN
+        )
         down = self.flown and status is not None and not status.armed and not status.in_air
         self.grounded_since = (self.grounded_since or now) if down else None
         if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:
-            return FlightEnd.GROUNDED
+            return FlightEnd.LANDED if self.returning else FlightEnd.GROUNDED
         return FlightEnd.OUT_OF_TIME if now >= self.time_limit + LONGEST_ABORT else None
 
     def _refused(self, done: Ticked) -> bool:

@@ -41,6 +41,15 @@ LISTENING = STAY.replace("after: 999}", "after: 999}, {to: land, event: enough}"
 ENDING = STAY.replace("{to: land, after: 999}", "{to: over, after: 1}") + "  over: {final: true}\n"
 
 
+RETURNING = """\
+initial: up
+states:
+  up: {kind: idle, behavior: {use: take_off, height: 3}, transitions: [{to: back, when: done}]}
+  back: {kind: land, behavior: hold, entry: [{vehicle: return}]}
+  never: {kind: custom, behavior: hold, transitions: [{to: back, after: 5}]}
+"""
+
+
 class Around:
     """A vehicle around the simulated one; what it changes is up to its heirs."""
 
@@ -187,6 +196,14 @@ def test_a_vehicle_that_disarms_in_flight_ends_it_after_three_seconds():
     done, _ = flight_of(ready, Disarming(ready.vehicle))
     assert done.end is FlightEnd.GROUNDED
     assert done.duration == pytest.approx(11.0, abs=0.3)  # heartbeats come at 5 Hz
+
+
+def test_a_return_that_the_chart_has_ordered_ends_like_a_landing():
+    ready = short_stage(RETURNING)
+    flight = flown(ready)
+    assert flight.result.flown.end is FlightEnd.LANDED
+    assert flight.result.succeeded
+    assert not flown(short_stage(RETURNING + "success: {visit: never}\n")).result.succeeded
 
 
 def test_an_abort_has_its_limit(monkeypatch):
