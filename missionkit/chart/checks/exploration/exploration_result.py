@@ -81,3 +81,43 @@ class Exploration(NamedTuple):
     edges: Edges  # only of a chart with requirements
     complete: bool  # nothing else can happen
     ticks: int  # tried, those of large charts count more
+
+
+def joined(parts: Sequence[Exploration]) -> Exploration:
+    """Return several explorations of parts of a chart as one; their first nodes are one node."""
+    first, *others = parts
+    for part in others:
+        first = _with(first, part)
+    return first
+
+
+def _with(one: Exploration, other: Exploration) -> Exploration:
+    shift = len(one.nodes) - 1
+
+    def at(number: int) -> int:
+        return number + shift if number else 0
+
+    def moved(node: Node) -> Node:
+        return node._replace(number=at(node.number))
+
+    left = {name: dict(ends) for name, ends in one.left.items()}
+    for name, ends in other.left.items():
+        known = left.setdefault(name, {})
+        for number, age in ends.items():
+            known[number] = max(age, known.get(number, age))
+    links = {number: list(each) for number, each in one.links.items()}
+    for number, each in other.links.items():
+        links.setdefault(at(number), []).extend(it._replace(to=at(it.to)) for it in each)
+    return Exploration(
+        nodes=(*one.nodes, *map(moved, other.nodes[1:])),
+        taken={**other.taken, **one.taken},
+        reached={**other.reached, **one.reached},
+        left=left,
+        circles=(*one.circles, *(it._replace(node=moved(it.node)) for it in other.circles)),
+        disarming=(*one.disarming, *other.disarming),
+        rests={**{at(n): boxes for n, boxes in other.rests.items()}, **one.rests},
+        links=links,
+        edges=one.edges,  # of a chart with requirements, which is explored as a whole
+        complete=one.complete and other.complete,
+        ticks=one.ticks + other.ticks,
+    )

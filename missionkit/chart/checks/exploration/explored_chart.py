@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -153,6 +154,15 @@ class ExploredChart:
                 if isinstance(part, ex.Use) and isinstance(part.plugin, Elapsed):
                     found.setdefault(name, set()).add(part.plugin.longer_than)
         return found
+
+    def with_one(self, parallel: str, region: str) -> ExploredChart:
+        """Return the chart with one of the regions of a parallel state alone."""
+        other = copy(self)
+        other.moves = NotedMoves()
+        alone = replace(self.chart.states[parallel], children=(region,))
+        states = {**self.chart.states, parallel: alone}
+        other.chart = replace(self.chart, states=states, moves=other.moves, configurations={})
+        return other
 
     def may_be_done(self, state: str) -> bool:
         """Say whether a state has a behaviour that finishes."""

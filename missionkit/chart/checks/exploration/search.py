@@ -17,9 +17,11 @@ from missionkit.chart.checks.exploration.exploration_result import (
     Link,
     Node,
     Tick,
+    joined,
 )
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
 from missionkit.chart.checks.exploration.held_guards import LongAgo
+from missionkit.chart.checks.exploration.independent_regions import independent
 from missionkit.chart.checks.exploration.observations import Edge, Observed, Step
 from missionkit.chart.checks.exploration.oracle import LONG_AGO, Choice, Situation
 from missionkit.chart.checks.interval_boxes import EVERYWHERE, kept_at_entry
@@ -313,10 +315,14 @@ def _period(steps: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
 
 
 def explore(chart: ExploredChart, most: int = MOST_TICKS) -> Exploration:
-    """Return everything that a chart can do.
+    """Return everything that a chart can do; independent regions are explored apart.
 
     Args:
         chart: to explore.
         most: ticks to try.
     """
-    return Search(chart, most).run()
+    apart = independent(chart)
+    if apart is None:
+        return Search(chart, most).run()
+    parallel, regions = apart
+    return joined([Search(chart.with_one(parallel, it), most).run() for it in regions])
