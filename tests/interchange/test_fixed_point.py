@@ -13,7 +13,7 @@ WHOLE = (".plan", ".kml", ".kmz", ".geojson")  # formats that say everything but
 
 
 @pytest.mark.parametrize("suffix", sorted(WRITERS))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(plan=plans())
 def test_import_export_import_is_a_fixed_point(suffix, plan):
     _, writer = WRITERS[suffix]
@@ -27,7 +27,7 @@ def test_import_export_import_is_a_fixed_point(suffix, plan):
 
 
 @pytest.mark.parametrize("suffix", WHOLE)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(plan=plans())
 def test_what_a_format_can_say_comes_back_as_it_was(suffix, plan):
     if suffix == ".plan" and plan.fence is not None:
