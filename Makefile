@@ -54,6 +54,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.hover
 	$(BIN)/python -m studies.known_map
 	$(BIN)/python -m studies.precision_landing
+	$(BIN)/python -m studies.pad_landing
 	$(BIN)/python -m studies.docking
 	$(BIN)/python -m studies.placement
 	$(BIN)/python -m studies.tracking

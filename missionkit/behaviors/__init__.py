@@ -4,6 +4,7 @@ from missionkit.behaviors.area_search import ExpandingSquare, Sector
 from missionkit.behaviors.climb import Climb
 from missionkit.behaviors.climb_clear import ClimbClear
 from missionkit.behaviors.ddp_go_to import DdpGoTo
+from missionkit.behaviors.devices import Gripper, Photo, SetRelay, SetServo
 from missionkit.behaviors.docking import DOCKING
 from missionkit.behaviors.follow import Follow
 from missionkit.behaviors.follow_path import FollowPath
@@ -34,6 +35,7 @@ BEHAVIORS = (
     Follow,
     FollowPath,
     GoTo,
+    Gripper,
     Herd,
     Hold,
     Inject,
@@ -41,10 +43,13 @@ BEHAVIORS = (
     LandInFront,
     Loiter,
     Orbit,
+    Photo,
     PointAt,
     LandOn,
     Sector,
     Servo,
+    SetRelay,
+    SetServo,
     Shadow,
     Spiral,
     Survey,

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from typing_extensions import override
 
 from missionkit.behaviors.route_flight import Heading, begun, guided
-from missionkit.messages import CameraModel, Estimate, Step
+from missionkit.messages import CameraModel, Device, DeviceOrder, Estimate, Step
 from missionkit.planning.camera_footprint import footprint
 from missionkit.planning.route_following import OnRoute, RoutePoint, Triple, time_of
 from missionkit.planning.survey_pattern import (
@@ -29,6 +29,7 @@ from missionkit.positions import GroundPosition
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Spot
 
 NO_SPACING = "'spacing' is not given, and the camera does not look down at the ground"
+TICK = 0.05  # s: a photo is taken at the tick that is nearest to its place
 BEND = 1.0  # m, before a bend of a line, where it begins to turn
 Line = tuple[Spot, ...]
 _lines_over = lru_cache(maxsize=16)(survey_lines)  # asked at every tick
@@ -42,6 +43,8 @@ class OnSurvey(NamedTuple):
     entry: Spot  # m, where the vehicle was when it began
     yaw: float  # rad, when it began
     route: OnRoute
+    photos: int = 0  # taken
+    photo_at: Triple | None = None  # m, NED, where the last one was taken on this line
 
 
 class ParallelLines(Behavior):
@@ -60,11 +63,19 @@ class ParallelLines(Behavior):
     from_line: int = Field(default=1, ge=1, description="the first line to fly")
     heading: Heading = Field(default="course", description="where the nose points")
     payload: str | None = Field(default=None, description="actuator that is on along the lines")
+    photo_every: Metres | None = Field(
+        default=None, gt=0, description="along the lines, from one photo to the next"
+    )
+    front_overlap: Fraction | None = Field(
+        default=None, lt=1, description="of photos along a line, instead of `photo_every`"
+    )
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         if self.height <= self.ground:
             raise ValueError(f"height {self.height:g} m is not above ground {self.ground:g} m")
+        if self.photo_every is not None and self.front_overlap is not None:
+            raise ValueError("give 'photo_every' or 'front_overlap', not both")
         return self
 
     @abc.abstractmethod
@@ -92,11 +103,30 @@ class ParallelLines(Behavior):
         step, it = guided(route, on.route, seen, on.yaw if self.heading == "free" else None)
         at = next(count for count, end in enumerate(ends) if it.on.leg <= end)
         back = ", returning to where it was interrupted" if it.on.returning else ""
+        over = self._on_line(route, ends, at, it.on)
+        on, orders = self._photo(on._replace(route=it.on), seen, over=over)
+        taken = f", {on.photos} photos" if self.photo_every is not None else ""
         return step._replace(
-            note=f"line {first + at + 1} of {len(lines)}{back}",
-            payload=self.payload if self._on_line(route, ends, at, it.on) else None,
-            memory=on._replace(route=it.on),
+            note=f"line {first + at + 1} of {len(lines)}{back}{taken}",
+            payload=self.payload if over else None,
+            orders=orders,
+            memory=on,
         )
+
+    def _photo(
+        self, on: OnSurvey, seen: Estimate, *, over: bool
+    ) -> tuple[OnSurvey, tuple[DeviceOrder, ...]]:
+        """Take a photo if the last one on this line is far enough back."""
+        if self.photo_every is None or not over:
+            return on._replace(photo_at=None), ()
+        north, east, down = seen.position.tolist()
+        near = on.photo_at is not None and math.dist(on.photo_at, (north, east, down)) < (
+            self.photo_every - 0.5 * TICK * self.speed
+        )
+        if near:
+            return on, ()
+        on = on._replace(photos=on.photos + 1, photo_at=(north, east, down))
+        return on, (DeviceOrder(Device.CAMERA, 1, float(on.photos)),)
 
     def _on_line(
         self, route: tuple[RoutePoint, ...], ends: list[int], at: int, on: OnRoute
@@ -120,6 +150,9 @@ class ParallelLines(Behavior):
         seen = footprint(camera, self.height - self.ground)
         if self.spacing is None and seen is not None:
             ready = self.model_copy(update={"spacing": seen.across * (1.0 - self.side_overlap)})
+        if self.front_overlap is not None and self.photo_every is None and seen is not None:
+            every = seen.along * (1.0 - self.front_overlap)
+            ready = ready.model_copy(update={"photo_every": every})
         count = len(ready.lines((0.0, 0.0)))
         if 0 < count < self.from_line:
             raise ValueError(f"'from_line' is {self.from_line}, of {count} lines")

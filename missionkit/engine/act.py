@@ -117,7 +117,9 @@ def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Comm
     """Put the chart's own request into the command; nothing disarms in the air."""
     in_air = seen.status is None or seen.status.in_air
     sane = [order for order in orders if not (order is Action.DISARM and in_air)]
-    return Command(action=sane[-1], payload=command.payload) if sane else command
+    if not sane:
+        return command
+    return Command(action=sane[-1], payload=command.payload, orders=command.orders)
 
 
 def _begun(
@@ -155,6 +157,6 @@ def _commanded(
     contain: Containment,
 ) -> Controlled:
     if mode is Mode.NONE:
-        command = Command(None, step.action, step.height, step.payload)
+        command = Command(None, step.action, step.height, step.payload, orders=step.orders)
         return Controlled(command, law.begin(), acting.avoidance)
     return law.command(acting, mode, step, seen, contain)

@@ -8,7 +8,16 @@ from numbers import Real
 import numpy as np
 
 from missionkit.geometry import norm
-from missionkit.messages import Action, Goal, Guidance, HalfSpace, Step, is_event
+from missionkit.messages import (
+    Action,
+    Device,
+    DeviceOrder,
+    Goal,
+    Guidance,
+    HalfSpace,
+    Step,
+    is_event,
+)
 
 
 def fault_of(answer: object) -> str:
@@ -29,6 +38,7 @@ def fault_of(answer: object) -> str:
         "bound": _bounds(answer.bound),
         "takes_over": isinstance(answer.takes_over, bool),
         "lands": isinstance(answer.lands, bool),
+        "orders": _orders(answer.orders),
         "chosen": _text_or_none(answer.chosen),
     }
     wrong = [name for name, sound in parts.items() if not sound]
@@ -68,6 +78,17 @@ def _bounds(bound: object) -> bool:
     if not isinstance(bound, HalfSpace):
         return bound is None
     return _vector(bound.point) and _vector(bound.normal) and abs(norm(bound.normal) - 1.0) < 1e-6
+
+
+def _orders(orders: object) -> bool:
+    return isinstance(orders, tuple) and all(
+        isinstance(it, DeviceOrder)
+        and isinstance(it.device, Device)
+        and type(it.number) is int
+        and it.value is not None
+        and _number(it.value)
+        for it in orders
+    )
 
 
 def _events(events: object) -> bool:

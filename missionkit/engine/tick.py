@@ -84,7 +84,10 @@ def tick(
     grounded = ""
     if command.action in TAKE_OFF_ACTIONS and _on_ground(seen):
         if paused:
-            command, step = Command(payload=command.payload), step._replace(note=pause.BY_OPERATOR)
+            command, step = (
+                Command(payload=command.payload, orders=command.orders),
+                step._replace(note=pause.BY_OPERATOR),
+            )
         elif not plan.arm_anyway:
             grounded = against_arming(plan.chart, chart, seen, contain)
     if grounded:

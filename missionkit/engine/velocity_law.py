@@ -109,7 +109,9 @@ class VelocityLaw(NamedTuple):
         floor = math.inf if step.lands else self.floor
         setpoint = above_floor(setpoint, seen, floor, self.control.limits)
         control = control.having_sent(setpoint)
-        command = Command(setpoint, payload=step.payload, own_velocity=_vouched(seen))
+        command = Command(
+            setpoint, payload=step.payload, own_velocity=_vouched(seen), orders=step.orders
+        )
         return Controlled(command, control, avoidance)
 
     def _push(

@@ -51,6 +51,23 @@ class Wrench(NamedTuple):
     torque: Vec3  # (3,), N·m, body
 
 
+class Device(StrEnum):
+    """What a device order is for."""
+
+    CAMERA = "camera"  # take a photo; value: its number in the flight
+    SERVO = "servo"  # value: µs
+    RELAY = "relay"  # value: 1 on, 0 off
+    GRIPPER = "gripper"  # value: 1 grab, 0 release
+
+
+class DeviceOrder(NamedTuple):
+    """Something that a payload is to do once."""
+
+    device: Device
+    number: int  # which of its kind, from 1
+    value: float
+
+
 AutopilotSetpoint = Setpoint | PositionSetpoint | AttitudeSetpoint
 AnySetpoint = AutopilotSetpoint | Wrench
 
@@ -63,6 +80,7 @@ class Command(NamedTuple):
     height: float | None = None  # m, with TAKE_OFF
     payload: str | None = None  # name of the actuator to be on during this tick
     own_velocity: Vec3 | None = None  # (3,), m/s, NED, estimated while a target is seen
+    orders: tuple[DeviceOrder, ...] = ()  # each carried out once
 
 
 class Mode(StrEnum):
@@ -111,4 +129,5 @@ class Step(NamedTuple):
     bound: HalfSpace | None = None  # never to be left, even while it holds still
     takes_over: bool = False  # fly the guidance although the state leaves flying to the autopilot
     lands: bool = False  # leads to the ground on purpose: no height is kept above it
+    orders: tuple[DeviceOrder, ...] = ()  # for devices of the payload, each once
     chosen: str | None = None  # the tracked target that `tracked` stands for from now on

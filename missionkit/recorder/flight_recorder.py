@@ -19,6 +19,7 @@ from missionkit.recorder import (
     geographic_messages,
     json_fragments,
     message_encoding,
+    photo_log,
 )
 from missionkit.recorder.flight_track import FlightTrack, Truth
 from missionkit.recorder.geographic_messages import Georeference
@@ -103,6 +104,8 @@ class FlightRecorder:
         self._seen = Seen()
         self._hash = ""
         self._closed = False
+        self._photos = folder / "photos.csv"
+        self._taken = 0
 
     def __enter__(self) -> Self:
         return self
@@ -130,6 +133,18 @@ class FlightRecorder:
         self._put(lambda: self._tick(record, shown, truth))
         if self._reference is not None:
             self._locate(record, self._reference)
+        if record.command.orders:
+            self._log_photos(record)
+
+    def _log_photos(self, record: Record) -> None:
+        """Write where photos were taken from."""
+        reference = self._reference
+        origin = None if reference is None else reference.origin()
+        began = None if reference is None else reference.date() - record.now
+        text = photo_log.rows(record, origin, began, self._taken)
+        self._taken += len(text)
+        if text:
+            self._put(lambda: photo_log.append(self._photos, text))
 
     def _locate(self, record: Record, reference: Georeference) -> None:
         """Write where on the earth the vehicle is, once it is known where the origin is."""

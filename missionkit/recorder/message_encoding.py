@@ -86,6 +86,9 @@ def command(at: str, sent: Command) -> str:
         parts.append(f'"height":{float(sent.height)}')
     if sent.payload is not None:
         parts.append(f'"payload":{json_fragments.text(sent.payload)}')
+    if sent.orders:
+        said = ", ".join(f"{it.device} {it.number}: {it.value:g}" for it in sent.orders)
+        parts.append(f'"orders":{json_fragments.text(said)}')
     return ",".join(parts) + "}"
 
 

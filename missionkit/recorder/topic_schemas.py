@@ -178,10 +178,11 @@ COMMAND = _record(
         "action": TEXT_SCHEMA,
         "height": NUMBER_SCHEMA,
         "payload": TEXT_SCHEMA,
+        "orders": TEXT_SCHEMA,
     },
     optional=(
         *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust", "force", "torque"),
-        *("action", "height", "payload"),
+        *("action", "height", "payload", "orders"),
     ),
 )
 VERDICT = _record(

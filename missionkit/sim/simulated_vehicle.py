@@ -16,6 +16,7 @@ from missionkit.messages import (
     NO_CYCLE,
     Action,
     Command,
+    Device,
     Gnss,
     Imu,
     Observation,
@@ -76,6 +77,8 @@ class SimulatedVehicle(SimulatedPort):
         self.track = TrueTrack()
         self.herd = HerdTrack()
         self.payload: str | None = None  # actuator that is on
+        self.devices: dict[str, float] = {}  # as ordered last: "servo 1" in µs, "relay 1", …
+        self.photos: tuple[float, ...] = ()  # s, when each was taken
         self._injected = InjectedFaults(tuple(faults), {})
         self._plant = Plant(world, rngs)
         self._feed = Feed(camera, world, self._plant.things, rngs["camera"], rngs["boxes"])
@@ -148,6 +151,12 @@ class SimulatedVehicle(SimulatedPort):
         low, high = self.world.autopilot.latency
         due = self.now + low + (high - low) * self._link.random()
         self.payload = command.payload
+        for order in command.orders:
+            if order.device is Device.CAMERA:
+                self.photos = (*self.photos, self.now)
+            else:
+                named = {f"{order.device} {order.number}": order.value}
+                self.devices = {**self.devices, **named}
         action = command.action
         steered = self._plant.mode == kernel_layout.OFFBOARD and self._return is None
         if action is None and command.setpoint is None and steered:

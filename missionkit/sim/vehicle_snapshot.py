@@ -41,7 +41,7 @@ Snapshot = Mapping[str, Any]
 PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
-        *("_flow", "_range", "_outside"),
+        *("_flow", "_range", "_outside", "devices", "photos"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_home", "_return"),
     ),
     FreeFlyer: (

@@ -253,6 +253,29 @@ def _actuate(state: SitlState, order: CommandFields) -> int:
     name = f"servo{round(order.number(1))}" if servo else "actuator"
     state.payload = name if value > 0.0 else None
     state.body.payload = state.payload
+    if servo:
+        state.devices[f"servo {round(order.number(1))}"] = order.number(2)
+    return int(RESULT_ACCEPTED)
+
+
+def _photo(state: SitlState, order: CommandFields) -> int:
+    """Take a photo; PX4 leaves the camera protocol to a camera, ArduPilot speaks it."""
+    protocol = order.command == mavlink.MAV_CMD_IMAGE_START_CAPTURE
+    if protocol and state.dialect.name == "px4":
+        return int(UNSUPPORTED)
+    if not protocol and order.number(5) != 1.0:
+        return int(DENIED)
+    state.photos += 1
+    return int(RESULT_ACCEPTED)
+
+
+def _switch(state: SitlState, order: CommandFields) -> int:
+    """Switch a relay, which is counted from 0, or move a gripper, counted from 1."""
+    relay = order.command == mavlink.MAV_CMD_DO_SET_RELAY
+    number = round(order.number(1)) + (1 if relay else 0)
+    if number < 1 or order.number(2) not in {0.0, 1.0}:
+        return int(DENIED)
+    state.devices[f"{'relay' if relay else 'gripper'} {number}"] = order.number(2)
     return int(RESULT_ACCEPTED)
 
 
@@ -291,5 +314,9 @@ HANDLERS: Mapping[int, Handler] = {
     mavlink.MAV_CMD_INJECT_FAILURE: _fail,
     mavlink.MAV_CMD_DO_SET_ACTUATOR: _actuate,
     mavlink.MAV_CMD_DO_SET_SERVO: _actuate,
+    mavlink.MAV_CMD_IMAGE_START_CAPTURE: _photo,
+    mavlink.MAV_CMD_DO_DIGICAM_CONTROL: _photo,
+    mavlink.MAV_CMD_DO_SET_RELAY: _switch,
+    mavlink.MAV_CMD_DO_GRIPPER: _switch,
     mavlink.MAV_CMD_DO_FLIGHTTERMINATION: _terminate,
 }

@@ -54,6 +54,8 @@ def truth(state: SitlState, _: Any, __: Answer) -> Answer:
         "inner": now.mode,
         "failsafe": state.failsafe,
         "payload": state.payload,
+        "photos": state.photos,
+        "devices": dict(state.devices),
     }
 
 

@@ -122,6 +122,8 @@ class SitlState:
     failsafe: str = ""  # the one that took over, until the mode is changed or it disarms
     pending: tuple[float, FlightTask] | None = None  # what a failsafe does, and when
     payload: str | None = None  # actuator that is on
+    photos: int = 0  # taken
+    devices: dict[str, float] = field(default_factory=dict)  # as ordered last
     height: float = 2.5  # m above home, of the next take-off
     grounded_at: float = 0.0
     warned: set[str] = field(default_factory=set)

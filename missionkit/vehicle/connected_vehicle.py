@@ -11,6 +11,7 @@ from missionkit.messages import Action, AutopilotSetpoint, Command, PositionSetp
 from missionkit.vehicle.autopilot_dialect import OPTIONAL, Dialect
 from missionkit.vehicle.command.autopilot_commands import OFFBOARD_MODE, Commander
 from missionkit.vehicle.command.control_authority import ControlAuthority
+from missionkit.vehicle.command.device_orders import DeviceQueue
 from missionkit.vehicle.command.payload import Payload
 from missionkit.vehicle.command.setpoint_encoding import leashed, message
 from missionkit.vehicle.command.setpoint_stream import STALE, ZERO_VELOCITY, Streamer
@@ -78,6 +79,7 @@ class ConnectedVehicle:
         self.commander = Commander(link, cache, dialect, self.state, self.authority.order, pace)
         self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, pace)
         self.payload = Payload(link, cache, pace)
+        self.devices = DeviceQueue(link, cache, tell, note, pace)
         self._lifecycle = lifecycle
         self._check = check
         self._cache = cache
@@ -116,7 +118,9 @@ class ConnectedVehicle:
         """Carry out what the tick due at wall time `at` (s) wants, if it is ours to command."""
         self.payload.want(command.payload if self.authority.ours else None)
         if not self.authority.ours:
+            self.devices.drop()
             return
+        self.devices.want(command.orders)
         if command.action is not None:
             self._act(command.action, command.height, at)
         elif isinstance(command.setpoint, Wrench):
