@@ -129,11 +129,9 @@ def _expanded(style: Mapping[str, Any]) -> tuple[Spot, ...]:
     """Return the places of the lines that the file holds, if it does."""
     items = style.get("Items")
     rows = items if isinstance(items, list) else []
-    places = [
-        it["params"][4:6]
-        for it in rows
-        if isinstance(it, dict) and it.get("command") == WAYPOINT and isinstance(it["params"], list)
-    ]
+    flown = [it for it in rows if isinstance(it, dict) and it.get("command") == WAYPOINT]
+    params = [it.get("params") for it in flown]
+    places = [row[4:6] for row in params if isinstance(row, list)]
     found = tuple(it for it in map(spot, places) if it is not None)
     return found or spots(style.get("VisualTransectPoints")) or ()
 

@@ -111,6 +111,8 @@ def test_a_survey_is_compared_with_the_lines_that_the_plan_holds():
     beside = [[47.3975, 8.544], [47.3975, 8.5451]]
     _, expanded = imported(qgc([UP, survey_item(VisualTransectPoints=beside), RTL]))
     assert entry(expanded, 2).figure == pytest.approx(12.3, abs=0.1)  # of its place at a corner
+    broken = survey_item(Items=[{"command": 16}, {"command": 16, "params": 3}, None])
+    assert imported(qgc([UP, broken, RTL]))[1].counts()["approximated"] == 1
     _, crossed = imported(qgc([UP, survey_item(Refly90Degrees=True), RTL]))
     assert crossed.counts()["refused"] == 0
 
