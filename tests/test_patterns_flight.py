@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from rehearsed import MISSIONS, Flight, flown
 
-from missionkit.chart.checks import findings
 from missionkit.chart.load import load, parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine.flight_loop import Operator
@@ -43,11 +42,8 @@ def fly(name: str, operator: Operator | None = None, **parameters: str) -> Fligh
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_each_is_a_page_and_has_no_findings(name):
-    catalogue = builtin()
-    path = MISSIONS / f"{name}.yaml"
-    assert findings(load(path, catalogue), catalogue) == []
-    assert len(path.read_text().splitlines()) <= 60
+def test_each_is_a_page(name):
+    assert len((MISSIONS / f"{name}.yaml").read_text().splitlines()) <= 60
 
 
 def test_one_state_serves_each_pole():
