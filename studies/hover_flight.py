@@ -19,6 +19,7 @@ from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.geometry import IDENTITY, Mat, Transform, Vec3, vec
 from missionkit.messages import Action, Command, Observation
 from missionkit.perception.camera_section import Camera, Mount
+from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import Ground, World
 from studies.parallel import in_parallel
@@ -102,11 +103,11 @@ def hover_by_sight(order: tuple[int, float]) -> Hover:
         SimulatedVehicle(World(world="hall", ground=FLOOR), CAMERA, seed),
         CAMERA.model(),
     )
-    navigator = build(SEEING, {}, lens.mount, lens)
+    navigator, eye = build(SEEING, {}, lens.mount, lens), VisionPipeline(lens, ())
     known, places, speeds = navigator.begin(), [], []
     for tick in range(1, round((SETTLED + length) / PERIOD) + 1):
         seen = _observed(vehicle, tick)
-        known = with_features(navigator, navigator.propagate(known, seen), seen.frame, lens)
+        known = with_features(navigator, navigator.propagate(known, seen), seen.frame, eye, lens)
         if seen.now > SETTLED - 0.5 * PERIOD:
             state, truth = navigator.read(known), vehicle.truth
             places.append([state.position[:2], truth.position[:2]])

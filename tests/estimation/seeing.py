@@ -14,6 +14,7 @@ from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.geometry import vec
 from missionkit.messages import Action, Command, Observation, Setpoint
 from missionkit.perception.camera_section import Camera, Mount
+from missionkit.perception.vision_pipeline import VisionPipeline
 from missionkit.sim.ground_truth import TrueState
 from missionkit.sim.simulated_vehicle import SimulatedVehicle
 from missionkit.sim.world import Ground, World
@@ -22,6 +23,7 @@ CAMERA = Camera(
     use="rendered", width=320, height=240, focal=200, mount=Mount(position=(0, 0, 0), tilt_deg=90)
 )
 LENS = CAMERA.model()
+EYE = VisionPipeline(LENS, ())
 LEGS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, 0.0, -0.1))
 
 
@@ -47,7 +49,7 @@ def observed(seconds: float, seed: int = 1) -> Iterator[tuple[Observation, TrueS
 
 def step(navigator: Any, known: Any, seen: Observation) -> Any:
     """Return the memory after one observation and what its frame shows."""
-    return with_features(navigator, navigator.propagate(known, seen), seen.frame, LENS)
+    return with_features(navigator, navigator.propagate(known, seen), seen.frame, EYE, LENS)
 
 
 def through(

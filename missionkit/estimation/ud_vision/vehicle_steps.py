@@ -206,9 +206,9 @@ def advance(
         while e < len(rows) and rows[e, AT] <= t:
             take(x, U, D, rows[e], gates)
             e += 1
-        while i < len(imu) and imu[i, END] <= t:
+        while i < len(imu) and not t < imu[i, END]:  # nor is one that ends at no number
             i += 1
-        if i == len(imu) or t >= until:
+        if i == len(imu) or not t < until:
             return t
         stop = min(imu[i, END], until)
         if e < len(rows):
