@@ -8,6 +8,7 @@ import numpy as np
 
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import FileError, Problem, UsageError
+from missionkit.geometry import IDENTITY, Transform
 from missionkit.messages import Frame
 from missionkit.perception.camera_section import Camera as Section
 from missionkit.perception.camera_section import numbered
@@ -22,6 +23,7 @@ from missionkit.vehicle.camera.frame_source import (
 from missionkit.vehicle.camera.image_source import found, is_film
 from missionkit.vehicle.telemetry.reported_pose import Pose
 
+AT_START = Pose(0.0, Transform(IDENTITY, np.zeros(3)), np.zeros(3), np.zeros(3))
 RENDERED = "rendered"  # as the option: no device is opened, whatever the mission says
 
 
@@ -61,7 +63,9 @@ def camera_of(
         raise UsageError(
             "a rendered camera needs a world: name one in the mission, or give a camera source"
         )
-    return Rendered(painter_of(section, world, seed), section.rate, speed)
+    painter = painter_of(section, world, seed)
+    painter(AT_START, AT_START.at)  # loads compiled code: the first frame must not be seconds late
+    return Rendered(painter, section.rate, speed)
 
 
 def source_of(mission: Mission, folder: Path) -> int | str:

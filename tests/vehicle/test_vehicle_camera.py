@@ -1,12 +1,16 @@
 import socket
 import threading
 from contextlib import contextmanager
+from pathlib import Path
 
 import cv2
 import numpy as np
+from rehearsed import short
 
+from missionkit.api import vehicle_camera
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.messages import Frame
+from missionkit.sim.world import World
 from missionkit.vehicle.camera import camera_device
 from missionkit.vehicle.camera.camera_device import CaptureSettings, Device
 from missionkit.vehicle.camera.frame_source import Rendered
@@ -195,3 +199,13 @@ def test_a_stream_that_never_answers_does_not_keep_the_camera_for_long(monkeypat
         before = camera_device.wall()
         assert not camera_device.opened(address).isOpened()
         assert camera_device.wall() - before < 10.0  # without a limit it is 30
+
+
+def test_a_drawn_camera_has_drawn_once_before_the_flight(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(vehicle_camera, "painter_of", lambda *_: lambda _, at: drawn.append(at))
+    mission = short("initial: a\nstates: {a: {kind: land}}\n")
+    eye = mission.camera.model_copy(update={"use": "corners"})
+    mission = mission.model_copy(update={"camera": eye})
+    vehicle_camera.camera_of(mission, Path(), World(world="empty"))
+    assert drawn == [0.0]
