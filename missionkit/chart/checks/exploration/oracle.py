@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from typing_extensions import override
 
+from missionkit.chart.checks.exploration.leaf_compiler import LeafCompiler
 from missionkit.chart.checks.guard_regions import GuardRegion, RegionReader
 from missionkit.chart.checks.interval_boxes import (
     EVERYWHERE,
@@ -22,18 +23,14 @@ from missionkit.chart.checks.interval_boxes import (
 )
 from missionkit.chart.checks.possible_places import Places
 from missionkit.chart.model import guard_expressions as ex
-from missionkit.chart.semantics.compiled_chart import AskedGuard, GuardContext, GuardFunction
+from missionkit.chart.semantics.compiled_chart import GuardContext, GuardFunction
 from missionkit.chart.semantics.guard_compiler import (
     FALSE_VERDICT,
     TRUE_VERDICT,
-    GuardCompiler,
     answered,
 )
-from missionkit.errors import NO_PLACE
-from missionkit.guards.state_progress import Done, Elapsed
 from missionkit.messages import Verdict
 from missionkit.messages.region import Box, Boxes, Interval, Quantity
-from missionkit.plugin import Plugin
 
 UNKNOWN_VERDICT = Verdict.unknown("not known")
 LONG_AGO = -1e9  # s
@@ -233,7 +230,7 @@ class Oracle:
         return situation.take(leaf)
 
 
-class OracleCompiler(GuardCompiler):
+class OracleCompiler(LeafCompiler):
     """Compiles guards as the engine does, but for leaves, which an oracle answers.
 
     Strings that nothing assigns are leaves too: they stand for a choice before the flight.
@@ -253,10 +250,6 @@ class OracleCompiler(GuardCompiler):
         self._oracle = oracle
 
     @override
-    def asked(self, expression: ex.Expression, *, unknown_takes: bool = False) -> AskedGuard:
-        return AskedGuard(self.ask(expression), unknown_takes)
-
-    @override
     def ask(self, expression: ex.Expression) -> GuardFunction:
         match expression:
             case ex.All(parts=parts):
@@ -270,20 +263,10 @@ class OracleCompiler(GuardCompiler):
                 return super().ask(expression)
 
     @override
-    def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
-        if isinstance(plugin, Elapsed):
-            return super()._plugin(name, plugin)
-        asked = self._leaf(name, ex.Use(str(plugin.kind), plugin, NO_PLACE))
-        if not isinstance(plugin, Done):
-            return asked
-        return answered(
-            name, lambda question: asked(question) if question.seen.done else FALSE_VERDICT
-        )
-
-    @override
     def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
         return self._leaf(name, latch)
 
+    @override
     def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
         truth = self._reader.truth(guard)
         at_entry = GuardRegion(*map(_possible_at_entry, truth))

@@ -12,22 +12,19 @@ from typing import Any
 from typing_extensions import override
 
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart, NotedMoves
+from missionkit.chart.checks.exploration.leaf_compiler import LeafCompiler
 from missionkit.chart.checks.guard_regions import RegionReader
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.semantics.chart_compiler import compile_with
 from missionkit.chart.semantics.compiled_chart import (
-    AskedGuard,
     Chart,
     CompiledState,
     GuardContext,
     GuardFunction,
 )
-from missionkit.chart.semantics.guard_compiler import FALSE_VERDICT, GuardCompiler, answered
-from missionkit.errors import NO_PLACE
-from missionkit.guards.state_progress import Done, Elapsed
+from missionkit.chart.semantics.guard_compiler import answered
 from missionkit.messages import Estimate, Verdict
 from missionkit.messages.region import Boxes, Interval, Quantity
-from missionkit.plugin import Plugin
 
 Point = Mapping[Quantity, float | None]  # None: the quantity is not known
 
@@ -66,25 +63,10 @@ def _state(state: CompiledState, world: World) -> CompiledState:
     return replace(state, kind=replace(state.kind, invariant=kept))
 
 
-class _PointCompiler(GuardCompiler):
+class _PointCompiler(LeafCompiler):
     def __init__(self, named: dict[str, ex.Expression], reader: RegionReader, world: World) -> None:
         super().__init__(named)
         self._reader, self._world = reader, world
-
-    @override
-    def asked(self, expression: ex.Expression, *, unknown_takes: bool = False) -> AskedGuard:
-        return AskedGuard(self.ask(expression), unknown_takes)
-
-    @override
-    def _plugin(self, name: str, plugin: Plugin) -> GuardFunction:
-        if isinstance(plugin, Elapsed):
-            return super()._plugin(name, plugin)
-        asked = self._leaf(name, ex.Use(str(plugin.kind), plugin, NO_PLACE))
-        if not isinstance(plugin, Done):
-            return asked
-        return answered(
-            name, lambda question: asked(question) if question.seen.done else FALSE_VERDICT
-        )
 
     @override
     def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
@@ -92,6 +74,7 @@ class _PointCompiler(GuardCompiler):
             return self._leaf(name, latch)
         return super()._latch(name, latch)
 
+    @override
     def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
         truth, world = self._reader.truth(guard), self._world
         measured = self._reader.measured(guard)
