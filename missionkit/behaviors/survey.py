@@ -107,7 +107,7 @@ class ParallelLines(Behavior):
         on, orders = self._photo(on._replace(route=it.on), seen, over=over)
         taken = f", {on.photos} photos" if self.photo_every is not None else ""
         return step._replace(
-            note=f"line {first + at + 1} of {len(lines)}{back}{taken}",
+            note=f"line {first + at + 1} of {len(lines)}{taken}{back}",
             payload=self.payload if over else None,
             orders=orders,
             memory=on,
