@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from missionkit.ground_robot import GroundRobot
+from missionkit.messages import Target
 from missionkit.messages.herd import Arena
+from missionkit.planning.herding import robot_forecast as fc
 from missionkit.planning.herding.herd_memory import Seen, at_start
+from missionkit.planning.herding.remembered_herd import Sight, beginning, looked
 from missionkit.sim import ground_robots as gr
 
 ROBOT = GroundRobot()
@@ -93,3 +96,48 @@ def test_a_bump_leaves_the_clock_alone():
     memory.look([Seen("track 0", state, 0.5, ROBOT.spin_time)], FAR, 0.1)
     assert memory.clock(0) == before
     assert memory.particles[0, :, 3] == pytest.approx(ROBOT.spin_time - 0.5)
+
+
+def test_a_spin_whose_begin_was_not_seen_leaves_the_clock_alone():
+    truth, memory = herd([7.0, 7.0])
+    passed(truth, memory, 12.0, watched=[0])
+    known = memory.clock(0)
+    memory.look([Seen("track 0", tuple(truth[0, :3]), math.nan)], FAR, 0.1)
+    assert memory.clock(0) is None or memory.clock(0) != pytest.approx(20.0, abs=1.0)
+    truth, memory = herd([7.0, 7.0])
+    passed(truth, memory, 12.0, watched=[0])
+    passed(truth, memory, known + 0.2)
+    memory.look([Seen("track 0", tuple(truth[0, :3]), math.nan)], FAR, 0.1)
+    gap = memory.clock(0) - truth[0, gr.REVERSAL_IN]
+    assert math.remainder(gap, 20.0) == pytest.approx(0.0, abs=1.0)
+
+
+def sighted(name, *, spin_left=None):
+    place = np.array([3.0, 2.0, 0.0])
+    found = Target(name, place, 0.02, None, None, 0.0, heading=0.3, heading_sd=0.05)
+    return found._replace(modes={"spin": 0.9}, spin_left=spin_left)
+
+
+def sight(now, robot, met_at):
+    return Sight(now, (robot,), (3.0, 2.0), 0.0, "robot_1", met_at)
+
+
+@pytest.mark.parametrize(
+    ("met_at", "own"),
+    [
+        (6.0, False),  # 3.5 s after the meeting began: the bump
+        (9.0, True),  # 0.5 s after it: no vehicle is down so soon
+        (0.0, True),  # 9.5 s after it: long left
+    ],
+)
+def test_a_spin_is_a_bump_only_when_the_vehicle_may_have_been_down(met_at, own):
+    at = 10.0  # it has spun for 0.5 s
+    seen = sight(at, sighted("robot_1", spin_left=ROBOT.spin_time - 0.5), met_at)
+    known = looked(beginning(1, ARENA), seen, ARENA)
+    clocks = known.particles[0, :, fc.REVERSAL_IN]
+    assert bool(np.allclose(clocks, 20.0 - 0.5)) is own
+
+
+def test_a_spin_that_is_first_seen_after_a_meeting_began_with_the_bump():
+    known = looked(beginning(1, ARENA), sight(11.0, sighted("robot_1"), 6.0), ARENA)
+    assert np.allclose(known.particles[0, :, fc.SPIN_LEFT], ROBOT.spin_time - 1.6)
