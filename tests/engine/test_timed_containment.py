@@ -31,7 +31,7 @@ def test_a_sleeper_is_woken_soon_after_the_limit():
     started = stopwatch()
     with contain.interrupting():
         assert contain.call("sleepy", nap) is None
-    assert stopwatch() - started < 1.0
+    assert stopwatch() - started < 5.0
     assert contain.take() == ("sleepy raised TooSlowError: did not return within 0.25 s",)
 
 
@@ -58,11 +58,14 @@ def test_its_own_processor_time_counts():
 
 
 def test_one_that_waits_is_woken_after_some_patience_and_the_next_time_soon():
-    contain = TimedContainment(processor_time, limit=0.01, patience=0.1)
+    contain = TimedContainment(processor_time, limit=0.01, patience=0.5)
     with contain.interrupting():
+        started = stopwatch()
         assert contain.call("sleepy", nap) is None
+        first, started = stopwatch() - started, stopwatch()
+        assert contain.call("sleepy", nap) is None
+        assert stopwatch() - started < first
         assert contain.call("starved", pause) == (None,)
-        assert contain.call("sleepy", pause) is None
     assert contain.take() == 2 * (f"sleepy raised TooSlowError: {WAITING}",)
 
 
