@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal
 
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.flight_history import FlightHistory
-from missionkit.engine.flight_loop import FlightEnd
 from missionkit.engine.mission_success import Condition
 from missionkit.rehearsal.grading import Rehearsal
 from missionkit.sim.flight_grading import Grade

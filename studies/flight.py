@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 from missionkit.chart.load import load
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.rehearsal.rehearse import rehearse
 from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault

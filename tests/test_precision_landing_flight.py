@@ -10,7 +10,7 @@ from rehearsed import MISSIONS, flown, timeless
 
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.planning.rotor_power import RotorPower
 from missionkit.rehearsal.rehearse import Again, rehearse

@@ -10,7 +10,7 @@ from rehearsed import MISSIONS, flown, precise, precise_stage, short, short_stag
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.scaffold import new
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.errors import UsageError
 from missionkit.geometry import norm
 from missionkit.messages import Record

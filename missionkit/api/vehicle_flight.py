@@ -9,14 +9,8 @@ from pathlib import Path
 from missionkit.api.vehicle_camera import camera_of
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import RealTime
-from missionkit.engine.flight_loop import (
-    FlownFlight,
-    Keeper,
-    Observer,
-    Operator,
-    fly,
-    keep_nothing,
-)
+from missionkit.engine.flight_end import FlownFlight
+from missionkit.engine.flight_loop import Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.resume.resumption import Resumption
 from missionkit.errors import UsageError, nearest

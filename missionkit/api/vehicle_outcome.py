@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.semantics.compiled_chart import Chart
+from missionkit.engine.flight_end import FlightEnd, FlownFlight
 from missionkit.engine.flight_history import FlightHistory, after, passed
-from missionkit.engine.flight_loop import FlightEnd, FlownFlight, Observer
+from missionkit.engine.flight_loop import Observer
 from missionkit.engine.mission_success import conditions, flaws
 from missionkit.messages import Observation, Record
 from missionkit.outcome import aborted, missing, succeeded

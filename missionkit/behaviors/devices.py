@@ -23,8 +23,8 @@ class AtWork(NamedTuple):
 
     place: Vec3  # (3,), m, NED, to stay at
     since: float  # s
-    told: int = 0  # orders so far
-    told_at: float = -math.inf  # s
+    ordered: int = 0  # orders given so far
+    ordered_at: float = -math.inf  # s
 
 
 class Staying(Behavior):
@@ -69,15 +69,15 @@ class Photo(Staying):
 
     @override
     def work(self, seen: Estimate, on: AtWork) -> Step:
-        if on.told >= self.count:
-            return Step(done=True, note=f"{on.told} photos", memory=on)
-        due = seen.now - on.told_at >= self.every
-        waited = seen.now - max(on.since, on.told_at + self.every)
+        if on.ordered >= self.count:
+            return Step(done=True, note=f"{on.ordered} photos", memory=on)
+        due = seen.now - on.ordered_at >= self.every
+        waited = seen.now - max(on.since, on.ordered_at + self.every)
         if not due or (norm(seen.velocity) > self.still and waited < self.patience):
-            return Step(note=f"{on.told} of {self.count} photos", memory=on)
-        on = on._replace(told=on.told + 1, told_at=seen.now)
-        order = DeviceOrder(Device.CAMERA, 1, float(on.told))
-        return Step(note=f"photo {on.told} of {self.count}", memory=on, orders=(order,))
+            return Step(note=f"{on.ordered} of {self.count} photos", memory=on)
+        on = on._replace(ordered=on.ordered + 1, ordered_at=seen.now)
+        order = DeviceOrder(Device.CAMERA, 1, float(on.ordered))
+        return Step(note=f"photo {on.ordered} of {self.count}", memory=on, orders=(order,))
 
 
 class _Once(Staying):
@@ -91,9 +91,9 @@ class _Once(Staying):
 
     @override
     def work(self, seen: Estimate, on: AtWork) -> Step:
-        if on.told:
-            return Step(done=seen.now - on.told_at >= self.wait, memory=on)
-        return Step(memory=on._replace(told=1, told_at=seen.now), orders=(self.order(),))
+        if on.ordered:
+            return Step(done=seen.now - on.ordered_at >= self.wait, memory=on)
+        return Step(memory=on._replace(ordered=1, ordered_at=seen.now), orders=(self.order(),))
 
 
 class SetServo(_Once):

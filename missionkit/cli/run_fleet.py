@@ -30,7 +30,7 @@ def fleet(wanted: FleetOptions) -> ExitCode:
         return fly_many(wanted, members)
     stages = staged(members, wanted.seed, anyway=wanted.anyway)
     folder = run_folder(wanted.out, "fleet", f"seed{wanted.seed}")
-    return told(wanted, fly_in_simulator(wanted, members, stages, folder), folder)
+    return reported(wanted, fly_in_simulator(wanted, members, stages, folder), folder)
 
 
 def _over_mavlink(wanted: FleetOptions, members: Sequence[Member]) -> ExitCode:
@@ -40,10 +40,10 @@ def _over_mavlink(wanted: FleetOptions, members: Sequence[Member]) -> ExitCode:
 
     check(wanted, members)
     folder = run_folder(wanted.out, "fleet", wanted.sitl or "vehicles")
-    return told(wanted, fly_over_mavlink(wanted, members, folder), folder)
+    return reported(wanted, fly_over_mavlink(wanted, members, folder), folder)
 
 
-def told(wanted: FleetOptions, summary: FleetSummary, folder: Path) -> ExitCode:
+def reported(wanted: FleetOptions, summary: FleetSummary, folder: Path) -> ExitCode:
     """Write and print the summary; return what the command says to the shell.
 
     Args:

@@ -25,7 +25,8 @@ from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
 from missionkit.engine.clock import date
-from missionkit.engine.flight_loop import AT_REST, Operator, each_of
+from missionkit.engine.flight_end import AT_REST
+from missionkit.engine.flight_loop import Operator, each_of
 from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then

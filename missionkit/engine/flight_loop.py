@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, nullcontext
 from dataclasses import replace
-from enum import StrEnum
-from typing import NamedTuple
 
 from missionkit.chart.semantics.step import ABORT
 from missionkit.engine.clock import Pace, Unhurried, processor_time, stopwatch
-from missionkit.engine.flight_state import FlightMemory, FlightState
+from missionkit.engine.flight_end import FlightEnd, FlightWatch, FlownFlight
+from missionkit.engine.flight_state import FlightState
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.resume.reconciliation import ResumedFlight
 from missionkit.engine.resume.resumption import Resumption, resume_flight
@@ -18,15 +17,9 @@ from missionkit.engine.run_lifecycle import Lifecycle
 from missionkit.engine.tick import Ticked, tick
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
-from missionkit.messages import Action, Cycle, Observation, Record, is_event
+from missionkit.messages import Cycle, Observation, Record, is_event
 from missionkit.plugin_containment import Interrupted, described, marking_interrupts
 from missionkit.ports import Vehicle
-
-GROUNDED = 3.0  # s disarmed in a flying state: the flight is over, whatever the chart says
-ARMING_TIMEOUT = 30.0  # s without any observation that allows arming
-LONGEST_ABORT = 300.0  # s an abort may take, or the wait for arming
-LONGEST_SILENCE_LANDING = 120.0
-"""s without a heartbeat while landing: nothing more can be learnt or done."""
 
 Observer = Callable[[Record, Observation], None]
 Keeper = Callable[[FlightState, Record], None]
@@ -49,40 +42,6 @@ def each_of(*keepers: Keeper) -> Keeper:
             keeper(course, record)
 
     return keep
-
-
-class FlightEnd(StrEnum):
-    """How a flight ended."""
-
-    LANDED = "landed"
-    GROUNDED = "on the ground although the chart was still flying"
-    NEVER_LEFT = "the vehicle never took off"
-    NOT_ARMED = "the vehicle was not armed"
-    OUT_OF_TIME = "still in the air when time ran out"
-    SILENT = "ordered to land, but the vehicle no longer responds"
-
-
-AT_REST = frozenset(
-    (FlightEnd.LANDED, FlightEnd.GROUNDED, FlightEnd.NEVER_LEFT, FlightEnd.NOT_ARMED)
-)
-"""Ends at which the vehicle stands on the ground."""
-
-
-class FlownFlight(NamedTuple):
-    """Result of the flight loop."""
-
-    end: FlightEnd
-    aborted: bool
-    duration: float  # s, mission time
-    ticks: int
-    memory: FlightMemory
-    why: str = ""  # it stayed on the ground
-
-    @property
-    def says(self) -> str:
-        """How it ended, in words."""
-        more = "; --anyway overrides this" if self.end is FlightEnd.NOT_ARMED else ""
-        return f"{self.end}: {self.why}{more}" if self.why else str(self.end)
 
 
 class Operator:
@@ -112,58 +71,6 @@ class Operator:
         sent = tuple(self._events)
         self._events.clear()
         return sent
-
-
-class _FlightWatch:
-    """Notices when the flight is over."""
-
-    def __init__(self, time_limit: float, since: FlightState) -> None:
-        self.flown = since.flown
-        self.grounded_since = since.grounded_since
-        self.time_limit = time_limit
-        self.refused_since: float | None = None
-        self.returning = False  # the chart has told the autopilot to fly home and land
-        self.why = ""
-
-    def over(self, plan: PreparedMission, done: Ticked) -> FlightEnd | None:
-        now, status = done.memory.now, done.record.estimate.status
-        state = plan.chart.states[done.record.state]
-        ended = done.memory.chart.ended and status is not None and not status.in_air
-        if ended or (state.kind.name == "land" and done.memory.acting.done):
-            return FlightEnd.LANDED if self.flown else FlightEnd.NEVER_LEFT
-        if (
-            state.kind.name == "land"
-            and now - (0.0 if status is None else status.at) > LONGEST_SILENCE_LANDING
-        ):
-            return FlightEnd.SILENT
-        if status is not None:
-            self.flown = self.flown or status.in_air
-        self.why = done.grounded or done.record.step_note
-        if not self.flown and now >= LONGEST_ABORT and (status is None or not status.armed):
-            return FlightEnd.NEVER_LEFT
-        if self._refused(done):
-            return FlightEnd.NOT_ARMED
-        command = done.record.command
-        self.returning = command.setpoint is None and (
-            self.returning or command.action is Action.RETURN
-        )
-        down = self.flown and status is not None and not status.armed and not status.in_air
-        self.grounded_since = (self.grounded_since or now) if down else None
-        if self.grounded_since is not None and now - self.grounded_since >= GROUNDED:
-            return FlightEnd.LANDED if self.returning else FlightEnd.GROUNDED
-        return FlightEnd.OUT_OF_TIME if now >= self.time_limit + LONGEST_ABORT else None
-
-    def _refused(self, done: Ticked) -> bool:
-        """Say whether arming has been refused for too long; one tick without refusal resets it."""
-        if not done.grounded or self.flown:
-            self.refused_since = None
-            return False
-        now = done.memory.now
-        self.refused_since = now if self.refused_since is None else self.refused_since
-        return now - self.refused_since >= ARMING_TIMEOUT
-
-    def course(self, memory: FlightMemory, life: Lifecycle) -> FlightState:
-        return FlightState(memory, self.flown, self.grounded_since, life.state == "aborting")
 
 
 class _ContainedCalls:
@@ -245,7 +152,7 @@ async def fly(
         stack.enter_context(nullcontext() if shared else marking_interrupts())
         (course, events, notes) = await _opening(plan, vehicle, pace, resume)
         stack.enter_context(nullcontext() if shared else contain.interrupting())
-        life, watch, beside = _started(course), _FlightWatch(time_limit, course), _ContainedCalls()
+        life, watch, beside = _started(course), FlightWatch(time_limit, course), _ContainedCalls()
         memory, cycle, count = course.memory, Cycle(), round(course.memory.now / plan.period)
         while end is None:
             count += 1

@@ -15,7 +15,7 @@ ROBOT = GroundRobot()
 
 
 def stands_for(target: Target) -> float:
-    """Return how long (s) a target stands yet: while it spins; inf: until nobody knows when."""
+    """Return how long (s) a target stands yet: while it spins; inf: it is not known until when."""
     if not spins(target):
         return 0.0
     return math.inf if target.spin_left is None else target.spin_left

@@ -65,7 +65,7 @@ class FleetSummary(_Part):
         return sum(it.conflicts for it in self.encounters)
 
     def lines(self) -> Iterator[str]:
-        """Yield what a person is told."""
+        """Yield the lines that are printed."""
         for it in self.vehicles:
             yield f"{it.vehicle}: {outcome_text(it.outcome)}: {it.reason}"
         for encounter in self.encounters:

@@ -10,14 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from missionkit.engine.clock import Pace, processor_time
-from missionkit.engine.flight_loop import (
-    AT_REST,
-    Keeper,
-    Observer,
-    Operator,
-    fly,
-    keep_nothing,
-)
+from missionkit.engine.flight_end import AT_REST
+from missionkit.engine.flight_loop import Keeper, Observer, Operator, fly, keep_nothing
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record

@@ -8,11 +8,8 @@ from typing import NamedTuple
 from missionkit.chart.checks.geofence_violations import outside
 from missionkit.chart.model.mission_sections import Success
 from missionkit.chart.semantics.requirement_watch import RequirementResult, results
+from missionkit.engine.flight_end import FlightEnd, FlownFlight
 from missionkit.engine.flight_history import FlightHistory, passed
-from missionkit.engine.flight_loop import (
-    FlightEnd,
-    FlownFlight,
-)
 from missionkit.engine.mission_success import (
     Condition,
     TruthSummary,

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from missionkit.engine.clock import Pace
+from missionkit.engine.flight_end import FlownFlight
 from missionkit.engine.flight_history import FlightHistory
 from missionkit.engine.flight_loop import (
-    FlownFlight,
     Keeper,
     Observer,
     Operator,

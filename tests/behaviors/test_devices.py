@@ -1,4 +1,4 @@
-"""Devices of the payload: what they are told, how often, and where photos are taken."""
+"""Devices of the payload: what they are ordered, how often, and where photos are taken."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.compiled_chart import CompiledTransition
 from missionkit.cli.app import app
-from missionkit.engine.flight_loop import ARMING_TIMEOUT, FlightEnd
+from missionkit.engine.flight_end import ARMING_TIMEOUT, FlightEnd
 from missionkit.engine.prepared_mission import begin, prepare
 from missionkit.messages import Verdict
 from missionkit.plugin_containment import Containment

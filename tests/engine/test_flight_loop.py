@@ -13,14 +13,9 @@ from rehearsed import flown, short_stage
 from typing_extensions import override
 
 from missionkit.api import interrupts
-from missionkit.engine import flight_loop
-from missionkit.engine.flight_loop import (
-    FlightEnd,
-    FlownFlight,
-    Observer,
-    Operator,
-    fly,
-)
+from missionkit.engine import flight_end, flight_loop
+from missionkit.engine.flight_end import FlightEnd, FlownFlight
+from missionkit.engine.flight_loop import Observer, Operator, fly
 from missionkit.errors import UsageError, VehicleError
 from missionkit.messages import Action, Command, Observation, Record
 from missionkit.plugin_containment import Interrupted
@@ -207,7 +202,7 @@ def test_a_return_that_the_chart_has_ordered_ends_like_a_landing():
 
 
 def test_an_abort_has_its_limit(monkeypatch):
-    monkeypatch.setattr(flight_loop, "LONGEST_ABORT", 4.0)
+    monkeypatch.setattr(flight_end, "LONGEST_ABORT", 4.0)
     ready = short_stage(STAY)
     done, _ = flight_of(ready, Stubborn(ready.vehicle), time_limit=8.0)
     assert (done.end, done.duration) == (FlightEnd.OUT_OF_TIME, 12.0)

@@ -10,12 +10,8 @@ import pytest
 from rehearsed import precise_stage, short_stage
 from typing_extensions import override
 
-from missionkit.engine.flight_loop import (
-    FlightEnd,
-    FlownFlight,
-    Operator,
-    fly,
-)
+from missionkit.engine.flight_end import FlightEnd, FlownFlight
+from missionkit.engine.flight_loop import Operator, fly
 from missionkit.engine.flight_state import FlightState
 from missionkit.engine.resume.resumption import (
     HEARTBEAT_WAIT,

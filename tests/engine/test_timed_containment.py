@@ -14,7 +14,7 @@ from rehearsed import flown, short_stage
 
 from missionkit.engine import flight_loop
 from missionkit.engine.clock import processor_time, stopwatch
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.timed_containment import WAITING, TimedContainment
 
 nap = partial(time.sleep, 10.0)  # noqa: TID251 - it is what is to be interrupted

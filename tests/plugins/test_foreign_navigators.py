@@ -11,7 +11,7 @@ from rehearsed import flown, short_stage
 
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.engine import flight_loop
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
 from missionkit.estimation.builder import build

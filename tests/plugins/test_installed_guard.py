@@ -14,7 +14,7 @@ from rehearsed import Flight, flown, short_stage
 from missionkit.api.missions import assemble
 from missionkit.chart.plugin_catalogue import Catalogue, builtin, source
 from missionkit.cli.scaffold import new
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.errors import FileError, UsageError
 from missionkit.geometry import norm
 

@@ -11,7 +11,7 @@ from rehearsed import Flight, flown, short_stage
 
 from missionkit.api.missions import assemble
 from missionkit.engine import flight_loop
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.timed_containment import WAITING, TimedContainment
 
 PLUGINS = '''\

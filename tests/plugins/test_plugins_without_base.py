@@ -11,7 +11,7 @@ from rehearsed import flown, short_stage
 
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.errors import FileError, UsageError
 from missionkit.plugin import Plugin
 

@@ -9,7 +9,7 @@ from vehicle.flying import UNHURRIED
 from missionkit.api.vehicle_flight import fly_vehicle
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlownFlight
+from missionkit.engine.flight_end import FlownFlight
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.link.link_address import parse as address_of

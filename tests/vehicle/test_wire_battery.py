@@ -4,7 +4,7 @@ import pytest
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 
 LOW = {"ardupilot": {"BATT_LOW_MAH": 300.0, "BATT_FS_LOW_ACT": 1}, "px4": {}}
 

@@ -4,7 +4,7 @@ import numpy as np
 from vehicle.flying import sitl
 from vehicle.on_a_mission import fly_mission
 
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.perception.opencv_helpers import marker_bitmap
 from missionkit.vehicle.camera import camera_device
 from missionkit.vehicle.camera.camera_device import CaptureSettings, Device

@@ -11,7 +11,7 @@ from vehicle.message_filter import MessageFilter
 from vehicle.on_a_mission import fly_mission, stay
 from vehicle.ticked_flight import NORTH
 
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.geometry import from_euler, to_matrix
 from missionkit.sim.world import Box, World
 from missionkit.sitl.pymavlink_dialect import mavlink

@@ -12,7 +12,7 @@ from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 from missionkit.cli.preflight_command import PreflightOptions, preflight
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import ExitCode, UsageError
 from missionkit.geodesy import Origin

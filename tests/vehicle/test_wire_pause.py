@@ -6,7 +6,7 @@ from vehicle.flying import UNHURRIED, sitl
 from missionkit.api.vehicle_flight import fly_vehicle
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.pause import BY_PILOT
 from missionkit.engine.prepared_mission import prepare
 from missionkit.vehicle.adapter import MavsdkVehicle

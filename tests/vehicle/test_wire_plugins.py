@@ -11,7 +11,7 @@ from vehicle.flying import sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.messages import Estimate, Guidance, Step
 from missionkit.plugin import Behavior
 

@@ -7,7 +7,7 @@ from vehicle.flying import sitl
 from missionkit.api.vehicle_flight import fly_vehicle, vehicle_of
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 from missionkit.engine.prepared_mission import prepare
 from missionkit.rehearsal.stage import world_of
 

@@ -5,7 +5,7 @@ import pytest
 from vehicle.flying import BRISK, sitl
 from vehicle.on_a_mission import fly_mission, stay, strike
 
-from missionkit.engine.flight_loop import FlightEnd
+from missionkit.engine.flight_end import FlightEnd
 
 LOST = "{use: gnss_lost, longer_than: 2}"
 

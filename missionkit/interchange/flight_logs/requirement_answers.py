@@ -1,6 +1,6 @@
 """The requirements of a mission on a flight that missionkit did not fly.
 
-Guards are asked of each estimate of the log. Which state a chart was in nobody knows there: what a
+Guards are asked of each estimate of the log. A log does not say which state a chart was in: what a
 requirement says of states stays open.
 """
 
