@@ -21,6 +21,7 @@ from mcap.writer import CompressionType, Writer
 from missionkit.messages import Command, Fired, Imu, Observation, Record, Verdict
 from missionkit.recorder import value_codec
 from missionkit.recorder.json_fragments import nanoseconds
+from missionkit.recorder.mcap_channels import check_there
 from missionkit.recorder.record_sinks import Job, Sink
 
 JOURNAL_FILE = "journal.mcap"
@@ -138,7 +139,15 @@ class FlightJournal:
         self._sink.close()
 
     def _put(self, job: Job) -> None:
-        self._sink.put(job)
+        def write() -> None:
+            try:
+                job()
+            except BaseException:
+                with suppress(OSError):
+                    self._stream.close()  # what was written can still be read
+                raise
+
+        self._sink.put(write)
 
     def _tick(self, number: int, record: Record, observation: Observation, image: Any) -> None:
         tick = JournalTick(
@@ -147,6 +156,7 @@ class FlightJournal:
         self._write(TICK, record.now, tick)
         if number % FLUSH_TICKS == 0:
             self._writer.flush()  # type: ignore[no-untyped-call]
+            check_there(self._stream)
 
     def _memory(self, following: JournalMemory) -> None:
         with suppress(value_codec.NotPlainError):  # of a plug-in: a replay starts elsewhere

@@ -7,6 +7,7 @@ import json
 import os
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from mcap.writer import CompressionType, Writer
 
@@ -16,11 +17,20 @@ from missionkit.recorder.topic_schemas import TOPICS
 FLUSH_BYTES = 64 * 1024  # bytes that may wait for `flush`
 
 
+def check_there(stream: BinaryIO) -> None:
+    """Notice that the file of a stream has been removed.
+
+    Raises:
+        FileNotFoundError: it was.
+    """
+    if not os.fstat(stream.fileno()).st_nlink:
+        raise FileNotFoundError(errno.ENOENT, "it was removed while being written", stream.name)
+
+
 class Channels:
     """An open flight record."""
 
     def __init__(self, path: Path) -> None:
-        self._name = str(path)
         self._stream = path.open("xb")
         self._writer = Writer(
             self._stream, chunk_size=FLUSH_BYTES, compression=CompressionType.ZSTD
@@ -59,8 +69,7 @@ class Channels:
             OSError: it cannot be written, or the file was removed.
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
-        if not os.fstat(self._stream.fileno()).st_nlink:
-            raise FileNotFoundError(errno.ENOENT, "it was removed while being written", self._name)
+        check_there(self._stream)
 
     def abandon(self) -> None:
         """Close the file as it is, after an error: what was handed over can still be read."""

@@ -16,7 +16,7 @@ from missionkit.cli import run_in_simulator as command
 from missionkit.errors import VehicleError
 from missionkit.recorder.record_reader import read
 
-FILES = {"flight.mcap", "mission.yaml", "summary.json", "track.png"}
+FILES = {"flight.mcap", "journal.mcap", "mission.yaml", "summary.json", "track.png"}
 
 
 def summary(folder):

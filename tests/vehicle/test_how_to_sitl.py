@@ -18,6 +18,7 @@ PAGES = ("docs/how-to/fly-on-px4-sitl.md", "docs/how-to/fly-on-ardupilot-sitl.md
 LIFE = 500  # s; then the autopilot ends, even if its parent has died
 MERCY = 5  # s between asking a process to end and killing it
 PORTS = ("14540", "5760")
+PATIENT = {PAGES[0]: ("--parameter", "COM_OF_LOSS_T=5"), PAGES[1]: ()}  # as `vehicle.flying`
 
 
 def fenced(text, language):
@@ -48,7 +49,13 @@ def test_every_command_of_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     (start, *others) = commands(document(page))
     assert start[:2] == ["missionkit", "sitl"]
     speed = f"{affordable(SPEED):.2f}"
-    more = ["--speed", speed, "--json", *(word for link in links for word in ("--link", link))]
+    more = [
+        "--speed",
+        speed,
+        "--json",
+        *PATIENT[page],
+        *(word for link in links for word in ("--link", link)),
+    ]
     python = [sys.executable, "-m", "missionkit", *arguments(start, ports, *more)]
     mortal = ["timeout", f"--kill-after={MERCY}", str(LIFE), *python]
     around = os.environ | {"PYTHONPATH": str(ROOT)}

@@ -52,9 +52,8 @@ def test_one_that_raises_leaves_the_vehicle_hovering(tmp_path):
     with sitl() as autopilot:
         mission, times, speeds = tripped(autopilot, tmp_path, "raises", after=7)
     assert max(speeds[times < 0.0]) > 1.5
-    stopped = times[(times > 0.0) & (speeds < 0.5)][0]  # a busy machine hears of it later
-    assert stopped < 5.0
-    assert max(speeds[(times > stopped) & (times < stopped + 2.0)]) < 0.5
+    after = times[(times > 0.0) & (times < 5.0)]  # a busy machine hears of it later
+    assert any(max(speeds[(times >= at) & (times < at + 2.0)]) < 0.5 for at in after)
     assert "tripping raised RuntimeError: lost the thread" in mission.problems
     assert mission.flown.end is FlightEnd.LANDED
 
