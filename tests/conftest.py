@@ -19,18 +19,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put first what takes longest; flights over the wire and other tests by turns, file by file.
+    """Put first what takes longest: flights over the wire, which mostly wait, then other flights.
 
-    Distributed by files, the last ones are then short, so that no worker is left alone at the end;
-    and while one worker waits for a flight over the wire, another has something to compute.
+    Distributed by files, the last ones are then short, and no worker is left alone at the end.
     """
     here = Path(__file__).parent
-    files = {item.path: item.path.name for item in items}
-    order = sorted(files, key=lambda it: (files[it] not in LONGEST, it.parent != here, it))
-    wire = [path for path in order if files[path].startswith("test_wire_")]
-    rest = [path for path in order if path not in wire]
-    turns = {path: turn for group in (wire, rest) for turn, path in enumerate(group)}
-    items.sort(key=lambda item: turns[item.path])
+
+    def turn(item: pytest.Item) -> tuple[bool, bool, bool]:
+        over_the_wire = item.path.parent == here / "vehicle"
+        return (item.path.name not in LONGEST, not over_the_wire, item.path.parent != here)
+
+    items.sort(key=turn)
 
 
 @pytest.fixture
