@@ -44,11 +44,14 @@ def mission_flown(
     try:
         return load(path, settings={**flown, **(settings or {})}, plugins=plugins)
     except FileError as error:
-        raise FileError(_in_journal(it, path, journal.path) for it in error.problems) from error
+        problems = (_in_journal(it, path, folder, journal.path) for it in error.problems)
+        raise FileError(problems) from error
 
 
-def _in_journal(problem: Problem, mission: Path, journal: Path) -> Problem:
+def _in_journal(problem: Problem, mission: Path, folder: Path, journal: Path) -> Problem:
     """Return a problem whose place names the journal instead of the file it was written to."""
+    if not Path(problem.place.file).is_relative_to(folder):  # a plug-in's
+        return problem
     name = os.path.relpath(problem.place.file, mission.parent)
     return replace(problem, place=replace(problem.place, file=f"{journal}: {name}"))
 

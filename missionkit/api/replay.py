@@ -54,7 +54,7 @@ def replay(
     compared; the observations are those of the flight, detections instead of images.
 
     Args:
-        run: folder of a run, or a journal.
+        run: folder of a run or of several, such as a fleet's, or a journal.
         since: mission time (s) from which to replay; earlier by up to 5 s, where the journal holds
             a memory to start from.
         plugins: plug-in files that the flight used.
@@ -71,10 +71,28 @@ def replay(
         >>> [part.difference for part in missionkit.replay("runs/kept")]
         [None]
     """
-    return tuple(
-        _replayed(read_journal(path), since, [Path(it) for it in plugins])
-        for path in journals(Path(run))
-    )
+    files = [Path(it) for it in plugins]
+    paths = [path for it in runs_in([Path(run)]) for path in journals(it)]
+    return tuple(_replayed(read_journal(path), since, files) for path in paths)
+
+
+def runs_in(folders: Sequence[Path]) -> list[Path]:
+    """Return the runs in folders: each is one, or holds several.
+
+    Raises:
+        UsageError: there is none in one of them.
+    """
+    found: list[Path] = []
+    for folder in folders:
+        if folder.is_file() or (folder / JOURNAL_FILE).is_file():
+            found.append(folder)
+            continue
+        inside = sorted(it.parent for it in folder.glob(f"*/{JOURNAL_FILE}"))
+        if not inside:
+            lacks = "neither it nor a folder in it holds a " + JOURNAL_FILE
+            raise UsageError(f"{folder}: {lacks if folder.is_dir() else 'no such folder'}")
+        found += inside
+    return found
 
 
 def journals(run: Path) -> list[Path]:
@@ -89,7 +107,7 @@ def journals(run: Path) -> list[Path]:
     parts = sorted(run.glob(f"{stem}-*{ending}"), key=lambda it: (len(it.name), it.name))
     found = [it for it in (run / JOURNAL_FILE, *parts) if it.is_file()]
     if not found:
-        raise UsageError(f"{run}: nothing to replay: it holds no {JOURNAL_FILE}")
+        raise UsageError(f"{run}: it holds no {JOURNAL_FILE}")
     return found
 
 
@@ -97,6 +115,11 @@ def _replayed(journal: Journal, since: float, plugins: Sequence[Path]) -> Replay
     with tempfile.TemporaryDirectory() as folder:
         mission = mission_flown(journal, Path(folder), plugins)
         plan = prepare(mission.model, mission.catalogue)
+    if journal.ticks and since > journal.ticks[-1][0]:
+        last = journal.ticks[-1][0]
+        raise UsageError(
+            f"{journal.path}: there is nothing after {since:g} s: it ends at {last:.2f} s"
+        )
     start = start_at(plan, journal, since)
     begun, until, count = start.memory.now, start.memory.now, 0
     difference: ReplayDifference | None = None

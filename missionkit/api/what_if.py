@@ -14,7 +14,6 @@ from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import UsageError
-from missionkit.recorder.flight_journal import JOURNAL_FILE
 from missionkit.recorder.journal_reader import Journal, read_journal
 from missionkit.replays.decision_table import DecisionTable, compared
 from missionkit.replays.replayed_flight import replayed
@@ -75,24 +74,6 @@ def what_if(
         notes = () if mission is None else tuple(_notes(journal, Path(folder), other, files))
     table = compared(replayed(plan, journal))
     return WhatIf(journal.path, table, (*([journal.ends] if journal.ends else []), *notes))
-
-
-def runs_in(folders: Sequence[Path]) -> list[Path]:
-    """Return the runs in folders: each is one, or holds several.
-
-    Raises:
-        UsageError: there is none in one of them.
-    """
-    found: list[Path] = []
-    for folder in folders:
-        if folder.is_file() or (folder / JOURNAL_FILE).is_file():
-            found.append(folder)
-            continue
-        inside = sorted(it.parent for it in folder.glob(f"*/{JOURNAL_FILE}"))
-        if not inside:
-            raise UsageError(f"{folder}: neither it nor a folder in it holds a {JOURNAL_FILE}")
-        found += inside
-    return found
 
 
 def _other(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from missionkit.api.what_if import WhatIf, runs_in
+from missionkit.api.replay import runs_in
+from missionkit.api.what_if import WhatIf
 from missionkit.api.what_if import what_if as asked
 from missionkit.cli.overrides import overrides
 from missionkit.errors import ExitCode, UsageError, printable
@@ -37,7 +39,25 @@ def what_if(
     if mission is None and not settings:
         raise UsageError("say what is to be different: --mission FILE or --set NAME=VALUE")
     values = overrides(settings)
-    found = [asked(run, mission, settings=values, plugins=plugins) for run in runs_in(folders)]
+    found: list[WhatIf] = []
+    wrong: list[str] = []
+    runs = runs_in(folders)
+    for run in runs:
+        try:
+            found.append(asked(run, mission, settings=values, plugins=plugins))
+        except UsageError as error:  # of one flight; the others are compared
+            wrong.append(str(error))
+    if wrong and len(runs) == 1:
+        raise UsageError(wrong[0])
+    _show(found, as_json=as_json)
+    for sentence in wrong:
+        print(printable(sentence), file=sys.stderr)  # noqa: T201
+    differs = any(it.table.differs_at is not None for it in found)
+    ended = ExitCode.ENDED_SAFELY if differs else ExitCode.SUCCESS
+    return ExitCode.BAD_FILE if wrong else ended
+
+
+def _show(found: Sequence[WhatIf], *, as_json: bool) -> None:
     if as_json:
         print(json.dumps([_plain(it) for it in found], indent=2))  # noqa: T201
     else:
@@ -45,18 +65,16 @@ def what_if(
             for line in _lines(it):
                 _say(line)
         _say(_count(found))
-    differs = any(it.table.first is not None for it in found)
-    return ExitCode.ENDED_SAFELY if differs else ExitCode.SUCCESS
 
 
 def _count(found: Sequence[WhatIf]) -> str:
-    other = [it for it in found if it.table.first is not None]
+    other = [(it, at) for it in found if (at := it.table.differs_at) is not None]
     flights = f"{len(found)} flight" + ("s" if len(found) != 1 else "")
     if not other:
-        return f"{flights} would have decided the same"
-    first = other[0].table.first
-    at = "" if first is None else f", first in {other[0].journal.parent} at {first.at:.2f} s"
-    return f"{len(other)} of {flights} would have decided differently{at}"
+        return f"{flights} would have gone the same way"
+    first, at = other[0]
+    place = f"first in {first.journal.parent} at {at:.2f} s"
+    return f"{len(other)} of {flights} would have gone another way, {place}"
 
 
 def _lines(it: WhatIf) -> Iterator[str]:

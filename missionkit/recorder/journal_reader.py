@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from mcap.records import Channel, Footer, Message
+
 from missionkit.errors import UsageError
 from missionkit.recorder import value_codec
 from missionkit.recorder.flight_journal import (
@@ -18,7 +20,7 @@ from missionkit.recorder.flight_journal import (
     JournalMemory,
     JournalTick,
 )
-from missionkit.recorder.record_reader import MAGIC, raw_messages
+from missionkit.recorder.record_reader import MAGIC, whole_records
 from missionkit.recorder.value_codec import NotReadableError
 
 
@@ -41,24 +43,33 @@ def read_journal(path: Path) -> Journal:
     ticks: list[tuple[float, bytes]] = []
     memories: list[tuple[float, bytes]] = []
     head: JournalHead | None = None
-    for topic, at, data in raw_messages(path):
+    topics: dict[int, str] = {}
+    ended = False
+    for record in whole_records(path):
+        ended = isinstance(record, Footer)
+        if isinstance(record, Channel):
+            topics[record.id] = record.topic
+        if not isinstance(record, Message):
+            continue
+        topic, at, data = topics[record.channel_id], record.log_time * 1e-9, record.data
         if topic == ORIGIN and head is None:
             head = _head(path, data)
         elif topic == TICK:
-            ticks.append((at * 1e-9, data))
+            ticks.append((at, data))
         elif topic == MEMORY:
-            memories.append((at * 1e-9, data))
+            memories.append((at, data))
     if head is None:
         raise UsageError(f"{path}: this is not the journal of a flight: it names no mission")
-    return Journal(path, head, tuple(ticks), tuple(memories), _ends(path, ticks))
+    ends = "" if ended else _ends(path, ticks)
+    return Journal(path, head, tuple(ticks), tuple(memories), ends)
 
 
 def _ends(path: Path, ticks: Sequence[tuple[float, bytes]]) -> str:
+    until = f"at {ticks[-1][0]:.2f} s" if ticks else "before its first tick"
     with path.open("rb") as stream:
         stream.seek(-len(MAGIC), os.SEEK_END)
         if stream.read() == MAGIC:
-            return ""
-    until = f"at {ticks[-1][0]:.2f} s" if ticks else "before its first tick"
+            return f"{path}: it can be read up to {until.removeprefix('at ')}: the rest is damaged"
     return f"{path}: it ends {until}: the flight was killed, or the file was cut short"
 
 

@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 
 from mcap.exceptions import McapError
 from mcap.records import Channel, McapRecord, Message
-from mcap.stream_reader import StreamReader
+from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
 from missionkit.errors import UsageError
 
 MAGIC = b"\x89MCAP0\r\n"
 
-# What the reader raises inside a record whose end is missing.
-TRUNCATED = (McapError, ZstdError, struct.error, UnicodeDecodeError)
+# What the reader raises inside a record whose end is missing, or that was changed.
+TRUNCATED = (McapError, CRCValidationError, ZstdError, struct.error, UnicodeDecodeError)
 
 
 class RecordEntry(NamedTuple):
@@ -51,15 +51,21 @@ def raw_messages(path: Path) -> Iterator[tuple[str, int, bytes]]:
         UsageError: `path` is not a flight record.
     """
     names: dict[int, str] = {}
-    for record in _whole_records(path):
+    for record in whole_records(path):
         if isinstance(record, Channel):
             names[record.id] = record.topic
         elif isinstance(record, Message):
             yield names[record.channel_id], record.log_time, record.data
 
 
-def _whole_records(path: Path) -> Iterator[McapRecord]:
-    """Yield the records up to the first that was cut short."""
+def whole_records(path: Path) -> Iterator[McapRecord]:
+    """Yield the records up to the first that was cut short or changed.
+
+    The last one is a `Footer` if and only if all of them are there.
+
+    Raises:
+        UsageError: `path` is not a flight record.
+    """
     try:
         stream = path.open("rb")
     except OSError as error:
@@ -67,7 +73,7 @@ def _whole_records(path: Path) -> Iterator[McapRecord]:
     with stream:
         if stream.read(len(MAGIC)) != MAGIC:
             raise UsageError(f"{path}: this is not a flight record (MCAP)")
-        records = iter(StreamReader(stream, skip_magic=True).records)
+        records = iter(StreamReader(stream, skip_magic=True, validate_crcs=True).records)
         while True:
             try:
                 record = next(records)

@@ -54,8 +54,15 @@ class DecisionTable(NamedTuple):
 
     @property
     def first(self) -> ComparedTransition | None:
-        """The first transition that is not the same."""
-        return next((row for row in self.rows if row.change is not Change.SAME), None)
+        """The first transition that is not the same, as far as the record is evidence."""
+        other = (row for row in self.rows if row.change is not Change.SAME and row.evidence)
+        return next(other, None)
+
+    @property
+    def differs_at(self) -> float | None:
+        """First time (s) at which it decides or flies differently; None: it never does."""
+        times = [] if self.first is None else [self.first.at]
+        return min([*times, *([] if self.parted is None else [self.parted])], default=None)
 
 
 def compared(ticks: Iterable[ReplayedTick]) -> DecisionTable:

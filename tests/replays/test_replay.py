@@ -1,6 +1,7 @@
 """A flight that is ticked again decides the same to the last bit; a journal says when it cannot."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -101,6 +102,33 @@ def test_a_journal_that_was_cut_short_is_replayed_as_far_as_it_goes(run, tmp_pat
         )
 
 
+def test_a_journal_that_was_changed_in_the_middle_says_how_far_it_can_be_read(run, tmp_path):
+    data = bytearray((run / "journal.mcap").read_bytes())
+    middle = len(data) // 2
+    for at in range(middle, middle + 40):
+        data[at] ^= 0x55
+    (tmp_path / "journal.mcap").write_bytes(data)
+    (part,) = missionkit.replay(tmp_path)
+    assert part.difference is None
+    assert 0 < part.ticks < len(read_journal(run / "journal.mcap").ticks)
+    (note,) = part.notes
+    assert note.endswith(f"it can be read up to {part.until:.2f} s: the rest is damaged")
+    assert missionkit.what_if(tmp_path, settings={"height": 2.2}).notes == (note,)
+
+
+def test_a_start_after_the_end_of_the_flight_is_refused(run):
+    with pytest.raises(UsageError, match=r"there is nothing after 1e\+06 s: it ends at"):
+        missionkit.replay(run, since=1e6)
+
+
+def test_a_folder_of_several_runs_is_replayed(run, tmp_path):
+    for name in ("north", "south"):
+        shutil.copytree(run, tmp_path / name)
+    assert [it.journal.parent.name for it in missionkit.replay(tmp_path)] == ["north", "south"]
+    with pytest.raises(UsageError, match="nowhere: no such folder"):
+        missionkit.replay(tmp_path / "nowhere")
+
+
 def test_after_a_missing_tick_nothing_is_compared(plan, journal):
     gap = journal._replace(ticks=(*journal.ticks[:50], *journal.ticks[51:]))
     assert [it.number for it in replayed(plan, gap)] == list(range(50))
@@ -109,7 +137,7 @@ def test_after_a_missing_tick_nothing_is_compared(plan, journal):
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (None, "nothing to replay: it holds no journal.mcap"),
+        (None, "neither it nor a folder in it holds a journal.mcap"),
         (b"", "this is not a flight record (MCAP)"),
         (b"\x89MCAP0\r\n" + bytes(40), "this is not the journal of a flight: it names no mission"),
     ],
@@ -117,7 +145,7 @@ def test_after_a_missing_tick_nothing_is_compared(plan, journal):
 def test_what_is_no_journal_is_refused_in_a_sentence(content, why, tmp_path):
     if content is not None:
         (tmp_path / "journal.mcap").write_bytes(content)
-    with pytest.raises(UsageError, match=r"nothing to replay|this is not") as refused:
+    with pytest.raises(UsageError, match=r"neither it|this is not") as refused:
         missionkit.replay(tmp_path)
     assert why in str(refused.value)
 
