@@ -21,8 +21,8 @@ from missionkit.vehicle.guardian.policy import Patience
 from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.link.link_lock import LinkLock
 
-SPEED = 6.0  # at most, see `affordable`
-BRISK = 8.0  # where nothing depends on how soon something is done
+SPEED = 4.0  # at most, see `affordable`
+BRISK = 5.0  # where nothing depends on how soon something is done
 UNHURRIED = Patience(brake=4.0, hold=20.0)  # a busy machine does not count as silence
 CORNERS = ((-20.0, -40.0), (120.0, -40.0), (120.0, 60.0), (-20.0, 60.0))  # of a fence, m
 PROBE = 0.01  # s of processor time

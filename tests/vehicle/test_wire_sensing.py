@@ -38,7 +38,7 @@ def test_the_autopilot_lands_without_satellites_and_is_not_taken_for_a_pilot(
         mission = fly_mission(autopilot, stay(), tmp_path, {"up": lost})
         since = mission.began["up"][1]
         (mode,) = autopilot.notes("mode", since + 1.0)
-        late = autopilot.notes("setpoint", mode["at"] + 2.0)
+        late = autopilot.notes("setpoint", mode["at"] + 3.0)
         truth = autopilot.truth
     assert mode["which"] == "LAND"
     assert mode["at"] - since == pytest.approx(after, abs=0.5)
