@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -40,10 +40,17 @@ def landing_on_interrupt(operator: Operator) -> Iterator[None]:
             operator.wants_out = True
             raise Interrupted
 
+    with on_stopping_signals(stop):
+        yield
+
+
+@contextmanager
+def on_stopping_signals(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Handle the signals that end a program while this is open; one that is ignored stays so."""
     heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
-    before = [(it, signal.signal(it, stop)) for it in heeded]
+    before = [(it, signal.signal(it, handler)) for it in heeded]
     try:
         yield
     finally:
-        for number, handler in before:
-            signal.signal(number, handler)
+        for number, previous in before:
+            signal.signal(number, previous)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from missionkit.api.missions import LoadedMission, load
-from missionkit.api.run_origin import Origin, changes, text_of
+from missionkit.api.run_origin import Origin, plugin_changes, plugins_named, text_of
 from missionkit.errors import FileError, Problem, UsageError
 from missionkit.recorder.journal_reader import Journal
 
@@ -80,16 +79,11 @@ def check_plugins(path: Path, origin: Origin, plugins: Sequence[Path]) -> None:
         UsageError: one is missing, or differs.
     """
     if origin.plugins and not plugins:
-        named = " ".join(f"--plugin {shlex.quote(it)}" for it in origin.plugins)
         raise UsageError(
             f"{path}: this flight used plug-in files, which are not run by themselves; "
-            f"review them and name them: {named}"
+            f"review them and name them: {plugins_named(origin)}"
         )
-    root = Path(origin.mission).parent
-    names = [os.path.relpath(it.resolve(), root) for it in plugins]
-    texts = {name: text_of(it) for name, it in zip(names, plugins, strict=True)}
-    flown = {name: text for name, text in origin.texts.items() if name in texts}
-    if lines := list(changes(flown, {name: texts[name] for name in flown})):
+    if lines := plugin_changes(origin, plugins):
         raise UsageError("\n".join([f"{path}: a plug-in differs from the one flown", *lines]))
 
 

@@ -6,6 +6,7 @@ import difflib
 import hashlib
 import json
 import os
+import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -176,6 +177,25 @@ def changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
         old, new = before.get(name, "").splitlines(), now.get(name, "").splitlines()
         titles = (f"{name} (as flown)", f"{name} (now)")
         yield from difflib.unified_diff(old, new, *titles, n=0, lineterm="")
+
+
+def plugins_named(origin: Origin) -> str:
+    """Return the options that name the plug-in files of a run."""
+    return " ".join(f"--plugin {shlex.quote(path)}" for path in origin.plugins)
+
+
+def plugin_changes(origin: Origin, plugins: Iterable[Path]) -> list[str]:
+    """Return lines that say in what plug-in files differ from those of a run.
+
+    Args:
+        origin: of the run.
+        plugins: as named now; what is no file is left out.
+    """
+    root = Path(origin.mission).parent
+    names = [os.path.relpath(path.resolve(), root) for path in plugins if path.is_file()]
+    texts = {name: text_of(root / name) for name in names}
+    flown = {name: text for name, text in origin.texts.items() if name in texts}
+    return list(changes(flown, texts))
 
 
 def text_of(path: Path) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
 
-from missionkit.api.interrupts import STOPPING
+from missionkit.api.interrupts import on_stopping_signals
 from missionkit.cli.fleet_members import FleetOptions, Member
 from missionkit.cli.simulated_autopilot import DIALECTS
 from missionkit.engine.clock import stopwatch
@@ -168,13 +168,8 @@ def _passing_on(crew: Sequence[FleetProcess]) -> Iterator[None]:
                 with suppress(ProcessLookupError):
                     it.process.send_signal(signal.SIGINT)
 
-    heeded = [it for it in STOPPING if signal.getsignal(it) is not signal.SIG_IGN]
-    before = [(it, signal.signal(it, tell)) for it in heeded]
-    try:
+    with on_stopping_signals(tell):
         yield
-    finally:
-        for number, handler in before:
-            signal.signal(number, handler)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

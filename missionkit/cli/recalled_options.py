@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import shlex
 from pathlib import Path
 
-from missionkit.api.run_origin import Origin, changes, text_of
+from missionkit.api.run_origin import Origin, plugin_changes, plugins_named
 from missionkit.cli.run_options import RunOptions
 from missionkit.errors import UsageError
 
@@ -37,16 +35,11 @@ def check_plugins(order: RunOptions, before: Origin) -> None:
         UsageError: one is missing on the command line, or is not the one that was flown.
     """
     if before.plugins and not order.plugins:
-        named = " ".join(f"--plugin {shlex.quote(path)}" for path in before.plugins)
         raise UsageError(
             f"{order.resume}: this run used plug-in files, which --resume does not run by itself; "
-            f"review them and name them yourself: {named}"
+            f"review them and name them yourself: {plugins_named(before)}"
         )
-    root = Path(before.mission).parent
-    names = [os.path.relpath(path.resolve(), root) for path in order.plugins if path.is_file()]
-    texts = {name: text_of(root / name) for name in names}
-    flown = {name: text for name, text in before.texts.items() if name in texts}
-    lines = list(changes(flown, texts))
+    lines = plugin_changes(before, order.plugins)
     if lines and not order.force:
         raise UsageError(
             "\n".join([f"{order.resume}: a plug-in differs from the one flown", *lines])

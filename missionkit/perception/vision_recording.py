@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+from typing_extensions import override
+
 from missionkit.messages import (
     CameraModel,
     FeatureMatches,
@@ -61,26 +63,22 @@ class ImageResult(NamedTuple):
     matches: FeatureMatches | None = None  # features of the navigator
 
 
-class RecordedVision:
-    """Looks with another, and keeps what came of each image until it is taken.
-
-    Args:
-        inner: looks.
-    """
+class _OverVision(Vision):
+    """Passes everything on to another."""
 
     def __init__(self, inner: Vision) -> None:
         self._inner = inner
-        self._last = ImageResult()
 
     @property
+    @override
     def finds_boxes(self) -> bool:
-        """Some detector looks for objects on the ground."""
         return self._inner.finds_boxes
 
+    @override
     def begin(self) -> VisionMemory:
-        """Return the memory at the start of the mission."""
         return self._inner.begin()
 
+    @override
     def look(
         self,
         memory: VisionMemory,
@@ -88,30 +86,44 @@ class RecordedVision:
         priors: Priors,
         contain: Containment | None = None,
     ) -> Seen:
-        """Look, and keep what an image showed.
+        return self._inner.look(memory, observation, priors, contain)
 
-        Args:
-            memory: as the last tick left it.
-            observation: with the frame that arrived, if one did.
-            priors: prior beliefs about the targets.
-            contain: keeps what went wrong in a detector.
-        """
-        seen = self._inner.look(memory, observation, priors, contain)
+    @override
+    def match(
+        self, frame: Frame, camera: CameraModel, search: FeatureSearch
+    ) -> FeatureMatches | None:
+        return self._inner.match(frame, camera, search)
+
+
+class RecordedVision(_OverVision):
+    """Looks with another, and keeps what came of each image until it is taken.
+
+    Args:
+        inner: looks.
+    """
+
+    def __init__(self, inner: Vision) -> None:
+        super().__init__(inner)
+        self._last = ImageResult()
+
+    @override
+    def look(
+        self,
+        memory: VisionMemory,
+        observation: Observation,
+        priors: Priors,
+        contain: Containment | None = None,
+    ) -> Seen:
+        seen = super().look(memory, observation, priors, contain)
         if observation.frame is not None and observation.frame.image is not None:
             self._last = self._last._replace(seen=seen)
         return seen
 
+    @override
     def match(
         self, frame: Frame, camera: CameraModel, search: FeatureSearch
     ) -> FeatureMatches | None:
-        """Match features, and keep them.
-
-        Args:
-            frame: that arrived.
-            camera: lens and mount.
-            search: where the navigator expects its features.
-        """
-        matches = self._inner.match(frame, camera, search)
+        matches = super().match(frame, camera, search)
         self._last = self._last._replace(matches=matches)
         return matches
 
@@ -121,7 +133,7 @@ class RecordedVision:
         return None if last.seen is None and last.matches is None else last
 
 
-class ReplayedVision:
+class ReplayedVision(_OverVision):
     """Answers with what a flight saw; without an image at that tick it looks itself.
 
     Args:
@@ -129,18 +141,10 @@ class ReplayedVision:
     """
 
     def __init__(self, inner: Vision) -> None:
-        self._inner = inner
+        super().__init__(inner)
         self.shown: ImageResult | None = None  # at the tick under way
 
-    @property
-    def finds_boxes(self) -> bool:
-        """Some detector looks for objects on the ground."""
-        return self._inner.finds_boxes
-
-    def begin(self) -> VisionMemory:
-        """Return the memory at the start of the mission."""
-        return self._inner.begin()
-
+    @override
     def look(
         self,
         memory: VisionMemory,
@@ -148,28 +152,14 @@ class ReplayedVision:
         priors: Priors,
         contain: Containment | None = None,
     ) -> Seen:
-        """Return what the flight saw.
-
-        Args:
-            memory: as the last tick left it.
-            observation: with the frame that arrived, if one did.
-            priors: prior beliefs about the targets.
-            contain: keeps what went wrong in a detector.
-        """
         if self.shown is not None and self.shown.seen is not None:
             return self.shown.seen
-        return self._inner.look(memory, observation, priors, contain)
+        return super().look(memory, observation, priors, contain)
 
+    @override
     def match(
         self, frame: Frame, camera: CameraModel, search: FeatureSearch
     ) -> FeatureMatches | None:
-        """Return what the flight matched.
-
-        Args:
-            frame: that arrived.
-            camera: lens and mount.
-            search: where the navigator expects its features.
-        """
         if self.shown is not None:
             return self.shown.matches
-        return self._inner.match(frame, camera, search)
+        return super().match(frame, camera, search)

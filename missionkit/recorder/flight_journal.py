@@ -8,7 +8,7 @@ Values are written by `value_codec`: reading them runs nothing. A kill loses 0.1
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from mcap.writer import CompressionType, Writer
 
 from missionkit.messages import Command, Fired, Imu, Observation, Record, Verdict
 from missionkit.recorder import value_codec
 from missionkit.recorder.json_fragments import nanoseconds
-from missionkit.recorder.mcap_channels import check_there
+from missionkit.recorder.mcap_channels import McapFile
 from missionkit.recorder.record_sinks import Job, Sink
 
 JOURNAL_FILE = "journal.mcap"
@@ -85,6 +84,30 @@ def decision_of(record: Record) -> Decision:
     )
 
 
+class ValueFile(McapFile):
+    """An MCAP file of values, as text of `value_codec`.
+
+    Args:
+        path: does not exist yet.
+        topics: of the values.
+    """
+
+    def __init__(self, path: Path, topics: Sequence[str]) -> None:
+        super().__init__(path, CHUNK_BYTES)
+        schema = self._writer.register_schema("missionkit.value", "jsonschema", b"{}")
+        self._ids = {it: self._writer.register_channel(it, "json", schema) for it in topics}
+
+    def write(self, topic: str, at: int, text: str) -> None:
+        """Write one value.
+
+        Args:
+            topic: one of the file's.
+            at: mission time, ns.
+            text: of the value.
+        """
+        self._writer.add_message(self._ids[topic], at, text.encode(), at)
+
+
 class FlightJournal:
     """Writes the journal of one flight, tick by tick; errors end the journal, not the flight.
 
@@ -102,16 +125,7 @@ class FlightJournal:
         self._sink = sink
         self._count = 0
         self._remembered = -float("inf")
-        self._stream = path.open("xb")
-        self._writer = Writer(
-            self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD
-        )
-        self._writer.start(profile="", library="missionkit")
-        schema = self._writer.register_schema("missionkit.value", "jsonschema", b"{}")
-        self._channels = {
-            topic: self._writer.register_channel(topic, "json", schema)
-            for topic in (ORIGIN, TICK, MEMORY)
-        }
+        self._file = ValueFile(path, (ORIGIN, TICK, MEMORY))
         self._put(lambda: self._write(ORIGIN, 0.0, head))
 
     def observe(self, record: Record, observation: Observation) -> None:
@@ -135,19 +149,11 @@ class FlightJournal:
 
     def close(self) -> None:
         """Finish the file."""
-        self._put(self._finish)
+        self._put(self._file.finish)
         self._sink.close()
 
     def _put(self, job: Job) -> None:
-        def write() -> None:
-            try:
-                job()
-            except BaseException:
-                with suppress(OSError):
-                    self._stream.close()  # what was written can still be read
-                raise
-
-        self._sink.put(write)
+        self._sink.put(self._file.abandoned_on_error(job))
 
     def _tick(self, number: int, record: Record, observation: Observation, image: Any) -> None:
         tick = JournalTick(
@@ -155,20 +161,14 @@ class FlightJournal:
         )
         self._write(TICK, record.now, tick)
         if number % FLUSH_TICKS == 0:
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            check_there(self._stream)
+            self._file.flush()
 
     def _memory(self, following: JournalMemory) -> None:
         with suppress(value_codec.NotPlainError):  # of a plug-in: a replay starts elsewhere
             self._write(MEMORY, following.now, following)
 
     def _write(self, topic: str, now: float, value: Any) -> None:
-        at = nanoseconds(now)
-        self._writer.add_message(self._channels[topic], at, value_codec.written(value).encode(), at)
-
-    def _finish(self) -> None:
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        self._stream.close()
+        self._file.write(topic, nanoseconds(now), value_codec.written(value))
 
 
 def rows(observation: Observation) -> npt.NDArray[np.float64]:

@@ -172,13 +172,7 @@ class FlightRecorder:
         return self._hash
 
     def _put(self, job: Job) -> None:
-        def write() -> None:
-            try:
-                job()
-            except BaseException:
-                self._channels.abandon()
-                raise
-
+        write = self._channels.abandoned_on_error(job)
         if self._sink is None:
             write()
         else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from mcap.records import Channel, Footer, Message
 
@@ -22,6 +22,8 @@ from missionkit.recorder.flight_journal import (
 )
 from missionkit.recorder.record_reader import MAGIC, whole_records
 from missionkit.recorder.value_codec import NotReadableError
+
+T = TypeVar("T")
 
 
 class Journal(NamedTuple):
@@ -79,10 +81,7 @@ def tick_of(path: Path, text: bytes) -> JournalTick:
     Raises:
         UsageError: the text is none.
     """
-    value = _value(path, text)
-    if not isinstance(value, JournalTick):
-        raise UsageError(f"{path}: a tick was changed after the flight")
-    return value
+    return _kept(path, text, JournalTick, "a tick was changed after the flight")
 
 
 def memory_of(path: Path, text: bytes) -> JournalMemory:
@@ -91,16 +90,11 @@ def memory_of(path: Path, text: bytes) -> JournalMemory:
     Raises:
         UsageError: the text is none.
     """
-    value = _value(path, text)
-    if not isinstance(value, JournalMemory):
-        raise UsageError(f"{path}: a memory was changed after the flight")
-    return value
+    return _kept(path, text, JournalMemory, "a memory was changed after the flight")
 
 
 def _head(path: Path, text: bytes) -> JournalHead:
-    value = _value(path, text)
-    if not isinstance(value, JournalHead):
-        raise UsageError(f"{path}: this is not the journal of a flight")
+    value = _kept(path, text, JournalHead, "this is not the journal of a flight")
     if value.version != VERSION:
         raise UsageError(
             f"{path}: another version of missionkit wrote this journal (format {value.version}; "
@@ -109,8 +103,12 @@ def _head(path: Path, text: bytes) -> JournalHead:
     return value
 
 
-def _value(path: Path, text: bytes) -> object:
+def _kept(path: Path, text: bytes, kind: type[T], otherwise: str) -> T:
+    """Return a value of a kind; `otherwise` says what is wrong with any other."""
     try:
-        return value_codec.read(text.decode())
+        value = value_codec.read(text.decode())
     except (UnicodeDecodeError, NotReadableError) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from error
+    if not isinstance(value, kind):
+        raise UsageError(f"{path}: {otherwise}")
+    return value

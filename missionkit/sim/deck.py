@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
+from missionkit.sim.printed_marker import PrintedMarker
 from missionkit.sim.vehicle_parameters import ParameterModel
 from missionkit.units import Degrees, Metres, MetresPerSecond, Spot
 
@@ -15,23 +15,13 @@ THICK = 0.05  # m
 Speed = Annotated[MetresPerSecond, Field(ge=-5, le=5)]
 
 
-class DeckMarker(ParameterModel):
+class DeckMarker(PrintedMarker):
     """A marker that lies on the deck, face up; its upper edge points where the deck leans from."""
 
-    dictionary: DictionaryName
-    id: int = Field(ge=0)
-    size: Metres = Field(gt=0, description="side of the black square")
     offset: Spot = Field(
         default=(0.0, 0.0), description="from the middle: up the slope, and to its right"
     )
     roll_deg: Degrees = Field(default=0.0, description="turns it clockwise, seen from above")
-
-    @model_validator(mode="after")
-    def _printed(self) -> Self:
-        last = SIZES[self.dictionary] - 1
-        if self.id > last:
-            raise ValueError(f"{self.dictionary} has ids 0 to {last}, not {self.id}")
-        return self
 
 
 class Deck(ParameterModel):

@@ -14,7 +14,6 @@ from pydantic import Field, model_validator
 
 from missionkit.geometry import Quat, Transform, from_matrix, multiply, vec
 from missionkit.geometry import exp as rotation
-from missionkit.perception.marker_dictionaries import SIZES, DictionaryName
 from missionkit.sim.arena import (
     HIT_RADIUS,
     Arena,
@@ -25,6 +24,7 @@ from missionkit.sim.arena import (
 )
 from missionkit.sim.deck import Deck, DeckMarker
 from missionkit.sim.fault_injection import FAULT_KINDS, Kind
+from missionkit.sim.printed_marker import PrintedMarker
 from missionkit.sim.vehicle_parameters import (
     BatteryModel,
     InnerAutopilotModel,
@@ -94,27 +94,17 @@ class Sphere(ParameterModel):
 Obstacle = Annotated[Cylinder | Box | Sphere, Field(discriminator="use")]
 
 
-class Marker(ParameterModel):
+class Marker(PrintedMarker):
     """A printed fiducial, where it really hangs.
 
     `facing_deg` is the heading of its normal; `tilt_deg` raises the normal (90: lying face up, its
     upper edge then points away from `facing_deg`); `roll_deg` turns it clockwise for the viewer.
     """
 
-    dictionary: DictionaryName
-    id: int = Field(ge=0)
-    size: Metres = Field(gt=0, description="side of the black square")
     position: Point
     facing_deg: Degrees = 180.0
     tilt_deg: Degrees = 0.0
     roll_deg: Degrees = 0.0
-
-    @model_validator(mode="after")
-    def _printed(self) -> Self:
-        last = SIZES[self.dictionary] - 1
-        if self.id > last:
-            raise ValueError(f"{self.dictionary} has ids 0 to {last}, not {self.id}")
-        return self
 
     @property
     def attitude(self) -> Quat:
