@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.mission import Mission
@@ -16,7 +17,7 @@ from missionkit.chart.plugin_catalogue import Catalogue, builtin
 from missionkit.engine.flight_loop import Operator
 from missionkit.messages import Observation, Record
 from missionkit.rehearsal.grading import Rehearsal
-from missionkit.rehearsal.rehearse import rehearse
+from missionkit.rehearsal.rehearse import Kept, rehearse
 from missionkit.rehearsal.stage import Stage, stage, world_of
 from missionkit.sim.fault_injection import parse_fault
 from missionkit.sim.world import Wind, World
@@ -54,6 +55,25 @@ def flown(ready: Stage, operator: Operator | None = None) -> Flight:
         observations.append(observation)
 
     return Flight(ready, rehearse(ready, (watch,), operator=operator), records, observations)
+
+
+class KilledError(BaseException):
+    """The process died: a recorder that only fails never ends a flight."""
+
+
+def killed(ready: Stage, when: Callable[[Kept], bool]) -> tuple[Kept, np.ndarray]:
+    """Fly until `when` holds of what is saved; return that, and the truth up to there."""
+    kept: list[Kept] = []
+
+    def save(each: Kept) -> None:
+        kept.append(each)
+        if when(each):
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        rehearse(ready, save=save)
+    rows = ready.vehicle.track.rows
+    return kept[-1], rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
 
 
 @cache

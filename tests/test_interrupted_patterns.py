@@ -9,12 +9,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rehearsed import Flight, flown, short_stage
+from rehearsed import Flight, flown, killed, short_stage
 
 from missionkit.engine.flight_loop import Operator
 from missionkit.messages import CONTINUE, PAUSE, Observation, Record
 from missionkit.recorder.value_codec import read, written
-from missionkit.rehearsal.rehearse import Again, Kept, rehearse
+from missionkit.rehearsal.rehearse import Again, rehearse
 
 CHART = """\
 targets:
@@ -62,10 +62,6 @@ GAP = 4.0  # s that the vehicle holds alone
 WAY_BACK = 8.0  # s more that an interruption may cost
 
 
-class KilledError(BaseException):
-    """The process died."""
-
-
 class Paused(Operator):
     """Pauses at a tick and continues at another."""
 
@@ -104,25 +100,10 @@ def apart(places: np.ndarray, line: np.ndarray) -> float:
     return float(gaps.min(axis=1).max())
 
 
-def killed(name: str, at: float) -> tuple[Kept, np.ndarray]:
-    """Return what was saved of a flight that died at `at` (s), as read back, and the truth."""
-    kept: list[Kept] = []
-    ready = short_stage(chart(name))
-
-    def save(each: Kept) -> None:
-        kept.append(each)
-        if each.course.memory.now >= at:
-            raise KilledError
-
-    with pytest.raises(KilledError):
-        rehearse(ready, save=save)
-    rows = ready.vehicle.track.rows
-    return read(written(kept[-1])), rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
-
-
 def continued(name: str, at: float) -> tuple[float, list[Record], np.ndarray]:
     """Return when a flight left off, the ticks after it was resumed, and the truth."""
-    kept, before = killed(name, at)
+    kept, before = killed(short_stage(chart(name)), lambda it: it.course.memory.now >= at)
+    kept = read(written(kept))
     ready, records = short_stage(chart(name)), []
 
     def watch(record: Record, _: Observation) -> None:

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rehearsed import MISSIONS, flown, timeless
+from rehearsed import MISSIONS, flown, killed, timeless
 
 from missionkit.chart.load import load
 from missionkit.chart.plugin_catalogue import builtin
@@ -113,10 +113,6 @@ def test_the_mission_plans_with_the_rotors_of_its_world():
         assert (flown.mass, flown.drag) == (frame.mass, frame.drag_quadratic)
 
 
-class KilledError(BaseException):
-    """The process died."""
-
-
 @pytest.mark.parametrize(
     ("state", "gap", "on_the_pad"),
     [("glide", 0.2, True), ("descend", 0.5, True), ("glide", 2.0, False)],
@@ -124,21 +120,16 @@ class KilledError(BaseException):
 def test_a_landing_that_was_killed_lands_after_it_was_resumed(state, gap, on_the_pad):
     """Without satellites and before the pad was seen, a long gap leaves no position: it lands."""
     mission, world = landed().ready.mission, landed().ready.world
-    kept = []
+    inside = []
 
-    def save(each):
-        kept.append(each)
-        inside = [it for it in kept if it.course.memory.chart.state == state]
-        if inside and each.course.memory.now > inside[0].course.memory.now + 0.6:
-            raise KilledError
+    def late(each):
+        if each.course.memory.chart.state == state:
+            inside.append(each.course.memory.now)
+        return bool(inside) and each.course.memory.now > inside[0] + 0.6
 
-    ready = stage(mission, builtin(), world, 1)
-    with pytest.raises(KilledError):
-        rehearse(ready, save=save)
-    rows = ready.vehicle.track.rows
-    before = rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
+    kept, before = killed(stage(mission, builtin(), world, 1), late)
     again = stage(mission, builtin(), world, 1)
-    result = rehearse(again, again=Again(kept[-1], before, gap))
+    result = rehearse(again, again=Again(kept, before, gap))
     assert result.flown.end is FlightEnd.LANDED
     assert not again.vehicle.truth.crashed
     assert result.succeeded is on_the_pad

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rehearsed import short_stage
+from rehearsed import killed, short_stage
 
 from missionkit.messages import Observation, Record
-from missionkit.rehearsal.rehearse import Again, Kept, rehearse
+from missionkit.rehearsal.rehearse import Again, rehearse
 
 CRUISE = """\
 targets: {pole: {position: [60, 0, -6]}}
@@ -24,29 +24,9 @@ success: {visit: out}
 """
 
 
-class KilledError(BaseException):
-    """The process died."""
-
-
-def killed(at: float) -> tuple[Kept, np.ndarray]:
-    """Return what was kept of a flight that died at `at` (s), and the truth up to there."""
-    kept: list[Kept] = []
-    ready = short_stage(CRUISE)
-
-    def save(each: Kept) -> None:
-        kept.append(each)
-        if each.course.memory.now >= at:
-            raise KilledError
-
-    with pytest.raises(KilledError):
-        rehearse(ready, save=save)
-    rows = ready.vehicle.track.rows
-    return kept[-1], rows[rows[:, 0] <= kept[-1].course.memory.now + 1e-9]
-
-
 @pytest.mark.parametrize(("at", "gap"), [(7.2, 1.0), (8.2, 5.0), (9.2, 120.0)])
 def test_a_resumed_flight_has_a_position_or_is_on_the_ground(at, gap):
-    kept, before = killed(at)
+    kept, before = killed(short_stage(CRUISE), lambda it: it.course.memory.now >= at)
     ready = short_stage(CRUISE)
     lost: list[np.ndarray] = []
     worst: list[float] = []

@@ -162,12 +162,6 @@ def _variables(chart: ExploredChart, way: GuardedTransition) -> list[str]:
 
 
 def _parts(chart: ExploredChart, way: GuardedTransition) -> Iterator[ex.Expression]:
-    """Yield every guard inside that of a transition, named ones looked into once."""
-    waiting = [] if way.model.when is None else [way.model.when]
-    named: set[str] = set()
-    while waiting:
-        for part in ex.parts_of(waiting.pop()):
-            yield part
-            if isinstance(part, ex.Named) and part.name not in named:
-                named.add(part.name)
-                waiting.append(chart.analysed.mission.guards[part.name])
+    """Return every guard inside that of a transition, named ones looked into once."""
+    guards = [] if way.model.when is None else [way.model.when]
+    return ex.opened(guards, chart.analysed.mission.guards)

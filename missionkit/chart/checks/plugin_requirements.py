@@ -141,16 +141,11 @@ def looked_for(chart: AnalysedChart) -> frozenset[str]:
 
 def _guards(chart: AnalysedChart) -> Iterator[tuple[str, str, Place]]:
     """Yield each guard that needs to see a target, once for each place where it is written."""
-    waiting = [guard for _, guard in chart.tree.guards()]
-    opened: set[str] = set()
-    while waiting:
-        for part in ex.parts_of(waiting.pop()):
-            if isinstance(part, ex.Named) and part.name not in opened:
-                opened.add(part.name)
-                waiting.append(chart.mission.guards[part.name])
-            if isinstance(part, ex.Use) and part.place.file:
-                for target in sorted(_seen_by(part.plugin)):
-                    yield f"guard {part.kind!r}", target, part.place
+    guards = [guard for _, guard in chart.tree.guards()]
+    for part in ex.opened(guards, chart.mission.guards):
+        if isinstance(part, ex.Use) and part.place.file:
+            for target in sorted(_seen_by(part.plugin)):
+                yield f"guard {part.kind!r}", target, part.place
 
 
 def _seen_by(plugin: Plugin) -> set[str]:

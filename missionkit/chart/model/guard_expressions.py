@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar, cast
 
@@ -173,6 +173,19 @@ def _grouped(expression: Expression) -> str:
 def names_in(expression: Expression) -> Iterator[Named]:
     """Yield every reference to a named guard."""
     yield from (part for part in parts_of(expression) if isinstance(part, Named))
+
+
+def opened(
+    expressions: Iterable[Expression], named: Mapping[str, Expression]
+) -> Iterator[Expression]:
+    """Yield every guard inside some, or read by them; named ones are looked into once."""
+    waiting, seen = list(expressions), set[str]()
+    while waiting:
+        for part in parts_of(waiting.pop()):
+            yield part
+            if isinstance(part, Named) and part.name not in seen:
+                seen.add(part.name)
+                waiting.append(named[part.name])
 
 
 def parts_of(expression: Expression) -> Iterator[Expression]:

@@ -167,13 +167,6 @@ class Nearest:
         return name != "" and self.every[name].state.kind in self._flying
 
     def _unreachable(self, way: Transition | None) -> bool:
-        waiting = [] if way is None or way.when is None else [way.when]
-        seen: set[str] = set()
-        while waiting:
-            for part in ex.parts_of(waiting.pop()):
-                if isinstance(part, ex.Use) and part.kind == UNREACHABLE.use:
-                    return True
-                if isinstance(part, ex.Named) and part.name not in seen:
-                    seen.add(part.name)
-                    waiting.append(self._guards[part.name])
-        return False
+        guards = [] if way is None or way.when is None else [way.when]
+        parts = ex.opened(guards, self._guards)
+        return any(isinstance(it, ex.Use) and it.kind == UNREACHABLE.use for it in parts)

@@ -188,21 +188,13 @@ def _judges_itself(analysed: AnalysedChart) -> bool:
 
     What reads the world alone may hold or not in the next tick, whatever happened in this one.
     """
-    waiting = [each.when for each in analysed.mission.failsafes]
-    waiting += [
+    guards = [each.when for each in analysed.mission.failsafes]
+    guards += [
         state.invariant.holds
         for _, state, _ in analysed.tree.states.values()
         if state.invariant.holds is not None
     ]
-    opened: set[str] = set()
-    for guard in waiting:
-        for part in ex.parts_of(guard):
-            if _of_chart(part):
-                return True
-            if isinstance(part, ex.Named) and part.name not in opened:
-                opened.add(part.name)
-                waiting.append(analysed.mission.guards[part.name])
-    return False
+    return any(map(_of_chart, ex.opened(guards, analysed.mission.guards)))
 
 
 def _of_chart(part: ex.Expression) -> bool:

@@ -106,7 +106,7 @@ def _traits(chart: ExploredChart, names: list[str], *, rest: bool = False) -> Tr
     if rest:
         guards += [each.when for each in mission.failsafes]
         acts += [act for each in mission.failsafes for act in each.do] + list(mission.initial.do)
-    parts = list(_leaves(chart, guards))
+    parts = list(ex.opened(guards, mission.guards))
     return Traits(
         frozenset(names),
         frozenset(word for it in states for way in it.transitions for word in way.event or ()),
@@ -135,17 +135,6 @@ def _read_by(acts: Iterable[Act]) -> Iterator[str]:
             yield act.after
         if isinstance(act, Assign):
             yield from (act.variable, str(act.operand))
-
-
-def _leaves(chart: ExploredChart, guards: list[ex.Expression]) -> Iterator[ex.Expression]:
-    """Yield every guard inside some, named ones opened."""
-    waiting, opened = list(guards), set[str]()
-    while waiting:
-        for part in ex.parts_of(waiting.pop()):
-            yield part
-            if isinstance(part, ex.Named) and part.name not in opened:
-                opened.add(part.name)
-                waiting.append(chart.analysed.mission.guards[part.name])
 
 
 def _of_entry(chart: ExploredChart, part: ex.Expression) -> bool:
