@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import json
-import zipfile
 
 import pytest
 from plans import FLAT, imported, mission_of, qgc, way
@@ -23,10 +21,7 @@ GOOD = qgc([way(47.398, 8.5456, 25)])
 
 
 def zipped(size):
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as file:
-        file.writestr("doc.kml", b"<kml>" + b" " * size)
-    return stream.getvalue()
+    return archive([("doc.kml", b"<kml>" + b" " * size)])
 
 
 def run(tmp_path, data, *options, name="file.any"):
