@@ -11,7 +11,7 @@ from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError
 from missionkit.geometry import vec
 from missionkit.guards.geofence import InsideFence
-from missionkit.interchange.plan import Home, Spot, degrees
+from missionkit.interchange.plan import Home, LatLon, degrees
 from missionkit.interchange.qgc_plan_writer import plan_document
 from missionkit.polygons import Corner, widened
 
@@ -76,8 +76,8 @@ def plan_file(
         )
     origin = mission.origin.geodetic
 
-    def spots(shape: Sequence[Corner]) -> list[Spot]:
-        return [Spot(*map(degrees, origin.place(vec(*it, 0.0))[:2])) for it in shape]
+    def spots(shape: Sequence[Corner]) -> list[LatLon]:
+        return [LatLon(*map(degrees, origin.place(vec(*it, 0.0))[:2])) for it in shape]
 
     shapes = [(around.corners, True), *((hole, False) for hole in around.holes)]
     plan = plan_document(

@@ -17,7 +17,7 @@ from missionkit.sim.airframes import flown_with
 from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import World
 from missionkit.sim.world_files import load_multicopter_world
-from missionkit.sitl.geodetic import Spot
+from missionkit.sitl.geodetic import GeographicPoint
 from missionkit.sitl.sitl_server import LINKS, Server, Setup
 
 
@@ -104,14 +104,14 @@ def _parameter(text: str) -> tuple[str, float]:
         raise UsageError(f"parameter {text!r}: expected NAME=NUMBER") from error
 
 
-def _spot(text: str) -> Spot:
+def _spot(text: str) -> GeographicPoint:
     try:
         latitude, longitude, height = map(float, text.split(","))
     except ValueError as error:
         raise UsageError(f"home {text!r}: expected LATITUDE,LONGITUDE,HEIGHT") from error
     if not (abs(latitude) < 85.0 and abs(longitude) <= 180.0 and abs(height) < 1e4):
         raise UsageError(f"home {text!r}: not a valid place")
-    return Spot(latitude, longitude, height)
+    return GeographicPoint(latitude, longitude, height)
 
 
 def _tell(server: Server, setup: Setup, *, as_json: bool) -> None:

@@ -25,9 +25,9 @@ from missionkit.interchange.plan import (
     Action,
     Corridor,
     Land,
+    LatLon,
     Place,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -41,12 +41,12 @@ EVENTS = "its events are left out"
 NO_COUNTERPART = "a plan has nothing like the behaviour {!r}"
 
 
-def spot_of(point: Sequence[float], origin: Origin) -> Spot:
+def spot_of(point: Sequence[float], origin: Origin) -> LatLon:
     """Return where a point of a mission is, as it was written if that was in degrees."""
     if isinstance(point, Converted):
-        return Spot(degrees(point.written.lat), degrees(point.written.lon))
+        return LatLon(degrees(point.written.lat), degrees(point.written.lon))
     lat, lon, _ = origin.place(vec(point[0], point[1], 0.0))
-    return Spot(degrees(lat), degrees(lon))
+    return LatLon(degrees(lat), degrees(lon))
 
 
 def place_of(point: Sequence[float], origin: Origin) -> Place:

@@ -17,12 +17,12 @@ from missionkit.interchange.plan import (
     Fence,
     Home,
     Land,
+    LatLon,
     Place,
     Plan,
     Rally,
     Reference,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -208,7 +208,7 @@ def _return(it: Feature) -> Return:
 
 def _land(it: Feature) -> Land:
     here = it.mark.get("here") is True
-    return Land(None if here else Spot(*it.places[0].spot), it.item)
+    return Land(None if here else LatLon(*it.places[0].spot), it.item)
 
 
 _MARKED: Mapping[str, Callable[[Feature], Action]] = {

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from missionkit.geodesy import Origin
 from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.lines import earth, local
-from missionkit.interchange.plan import Action, Fence, Land, Spot, Turns, Waypoint, metres
+from missionkit.interchange.plan import Action, Fence, Land, LatLon, Turns, Waypoint, metres
 from missionkit.polygons import Corner, inside_of, margin, unfit
 from missionkit.positions import FARTHEST
 
@@ -52,13 +52,13 @@ def fitted_fence(
     return Fence(corners_of, spots, height, fence.item), kept
 
 
-def _misplaced(spots: Sequence[Spot], outline: Sequence[Corner], origin: Origin) -> str:
+def _misplaced(spots: Sequence[LatLon], outline: Sequence[Corner], origin: Origin) -> str:
     if wrong := _too_far(spots, origin) or unfit(outline):
         return wrong
     return "" if margin(outline, (0.0, 0.0)) >= 0.0 else "home lies outside of it"
 
 
-def _too_far(spots: Sequence[Spot], origin: Origin) -> str:
+def _too_far(spots: Sequence[LatLon], origin: Origin) -> str:
     far = max(origin.distance(*it) for it in spots) > FARTHEST
     return "it reaches farther than 100 km from home" if far else ""
 
@@ -83,7 +83,7 @@ def _places(actions: Iterable[Action], origin: Origin) -> list[Corner]:
     return [it for action in actions for it in local(_spots(action), origin)]
 
 
-def _spots(action: Action) -> tuple[Spot, ...]:
+def _spots(action: Action) -> tuple[LatLon, ...]:
     match action:
         case Waypoint() | Turns():
             return (action.place.spot,)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from missionkit.geodesy import Origin
 from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.lines import earth
-from missionkit.interchange.plan import Fence, Spot
+from missionkit.interchange.plan import Fence, LatLon
 
 CORNERS = 48  # of the polygon that stands for a circle
 MOST_RADIUS = 100_000.0  # m
@@ -16,7 +16,7 @@ SEVERAL = (
     "several inclusions: autopilots differ in whether the vehicle must stay inside one or inside "
     "all of them, and a mission has one"
 )
-Shape = tuple[tuple[Spot, ...], int]  # corners, entry of the ledger
+Shape = tuple[tuple[LatLon, ...], int]  # corners, entry of the ledger
 
 
 @dataclass
@@ -27,7 +27,7 @@ class FenceShapes:
     outside: list[Shape] = field(default_factory=list)
 
     def polygon(
-        self, corners: tuple[Spot, ...] | None, entry: int, ledger: Ledger, *, inward: bool
+        self, corners: tuple[LatLon, ...] | None, entry: int, ledger: Ledger, *, inward: bool
     ) -> None:
         """Add a polygon.
 
@@ -45,7 +45,7 @@ class FenceShapes:
 
     def circle(
         self,
-        centre: Spot | None,
+        centre: LatLon | None,
         radius: float | None,
         entry: int,
         ledger: Ledger,
@@ -83,12 +83,12 @@ class FenceShapes:
         return Fence(outline, tuple(self.outside), None, inside[0][1] if inside else -1)
 
 
-def open_ring(corners: tuple[Spot, ...]) -> tuple[Spot, ...]:
+def open_ring(corners: tuple[LatLon, ...]) -> tuple[LatLon, ...]:
     """Return corners without a last one that repeats the first."""
     return corners[:-1] if len(corners) > 1 and corners[0] == corners[-1] else corners
 
 
-def _round(centre: Spot, reach: float) -> tuple[Spot, ...]:
+def _round(centre: LatLon, reach: float) -> tuple[LatLon, ...]:
     origin = Origin(centre.lat, centre.lon, 0.0)
     angles = (math.tau * n / CORNERS for n in range(CORNERS))
     return earth(((reach * math.cos(a), reach * math.sin(a)) for a in angles), origin)

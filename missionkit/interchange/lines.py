@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from missionkit.geodesy import Origin
 from missionkit.geometry import vec
-from missionkit.interchange.plan import Corridor, Spot, Survey, degrees
+from missionkit.interchange.plan import Corridor, LatLon, Survey, degrees
 from missionkit.planning.survey_pattern import (
     best_heading,
     corridor_lines,
@@ -19,16 +19,16 @@ from missionkit.planning.survey_pattern import (
 Metres = tuple[float, float]  # north, east
 
 
-def local(spots: Iterable[Spot], origin: Origin) -> tuple[Metres, ...]:
+def local(spots: Iterable[LatLon], origin: Origin) -> tuple[Metres, ...]:
     """Return places as north, east (m)."""
     points = (origin.local(it.lat, it.lon, origin.altitude) for it in spots)
     return tuple((float(north), float(east)) for north, east, _ in points)
 
 
-def earth(points: Iterable[Metres], origin: Origin) -> tuple[Spot, ...]:
+def earth(points: Iterable[Metres], origin: Origin) -> tuple[LatLon, ...]:
     """Return points north, east (m) as places."""
     places = (origin.place(vec(*it, 0.0)) for it in points)
-    return tuple(Spot(degrees(lat), degrees(lon)) for lat, lon, _ in places)
+    return tuple(LatLon(degrees(lat), degrees(lon)) for lat, lon, _ in places)
 
 
 def flown(
@@ -61,7 +61,7 @@ def flown(
     return tuple(points)
 
 
-def deviation(given: Sequence[Spot], path: Sequence[Metres], origin: Origin) -> float:
+def deviation(given: Sequence[LatLon], path: Sequence[Metres], origin: Origin) -> float:
     """Return how far (m) places lie from a path, at most.
 
     Args:

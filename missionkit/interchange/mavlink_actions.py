@@ -11,10 +11,10 @@ from missionkit.interchange.mavlink_commands import MissionItem
 from missionkit.interchange.plan import (
     Action,
     Land,
+    LatLon,
     Place,
     Reference,
     Return,
-    Spot,
     TakeOff,
     Turns,
     Waypoint,
@@ -75,12 +75,12 @@ def _unknown(_: ItemReader, item: MissionItem) -> str:
     return mav.REASONS.get(item.command, f"a mission has nothing like {mav.name_of(item.command)}")
 
 
-def _spot(item: MissionItem) -> Spot | None:
+def _spot(item: MissionItem) -> LatLon | None:
     """Return latitude and longitude; 0, 0 and NaN stand for none."""
     lat, lon = item.params[4:6]
     if lat is None or lon is None or (lat == 0.0 and lon == 0.0):
         return None
-    return Spot(degrees(lat), degrees(lon))
+    return LatLon(degrees(lat), degrees(lon))
 
 
 def _height(reader: ItemReader, item: MissionItem) -> tuple[float, Reference] | str:

@@ -14,10 +14,10 @@ from missionkit.interchange.plan import (
     Action,
     Corridor,
     Land,
+    LatLon,
     Place,
     Plan,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -58,7 +58,7 @@ class ItemWriter:
             case Return():
                 yield MissionItem(mav.RETURN, MISSION_FRAME, _params())
             case Land():
-                spot = action.spot or Spot(0.0, 0.0)
+                spot = action.spot or LatLon(0.0, 0.0)
                 yield _at(mav.LAND, Place(*spot, 0.0, "above_home"))
 
     def set_speed(self, speed: float | None) -> Iterator[MissionItem]:

@@ -11,10 +11,10 @@ from missionkit.interchange.plan import (
     Corridor,
     Fence,
     Land,
+    LatLon,
     Place,
     Plan,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -165,7 +165,7 @@ def _single(
         case Survey() | Corridor():
             name = "survey" if isinstance(action, Survey) else "corridor"
             yield _numbered(counts, name), "custom", list(_lines(action))
-        case Land(spot=Spot()):
+        case Land(spot=LatLon()):
             yield LANDING_PLACE, "custom", [f"{{use: waypoints, places: [{_spot(action.spot)}]}}"]
         case Return():
             yield HOME, "return", ["{use: go_to, target: home}"]
@@ -231,9 +231,9 @@ def _place(place: Place) -> str:
     return f"{{lat: {lat}, lon: {lon}, {place.reference}: {height}}}"
 
 
-def _spot(spot: Spot | None) -> str:
+def _spot(spot: LatLon | None) -> str:
     return "" if spot is None else f"{{lat: {figure(spot.lat)}, lon: {figure(spot.lon)}}}"
 
 
-def _spots(corners: Sequence[Spot]) -> str:
+def _spots(corners: Sequence[LatLon]) -> str:
     return f"[{', '.join(map(_spot, corners))}]"

@@ -14,7 +14,7 @@ Reference: TypeAlias = Literal["above_home", "amsl", "agl", "ellipsoid", "none"]
 DEGREE_DIGITS, METRE_DIGITS = 9, 4  # 0.1 mm
 
 
-class Spot(NamedTuple):
+class LatLon(NamedTuple):
     """A place on the map."""
 
     lat: float  # deg
@@ -30,9 +30,9 @@ class Place(NamedTuple):
     reference: Reference = "none"
 
     @property
-    def spot(self) -> Spot:
+    def spot(self) -> LatLon:
         """The place without its height."""
-        return Spot(self.lat, self.lon)
+        return LatLon(self.lat, self.lon)
 
 
 class Home(NamedTuple):
@@ -48,7 +48,7 @@ class TakeOff(NamedTuple):
 
     height: float  # m
     reference: Reference
-    spot: Spot | None  # where the file has it
+    spot: LatLon | None  # where the file has it
     item: int
 
 
@@ -79,7 +79,7 @@ class Turns(NamedTuple):
 class Survey(NamedTuple):
     """Photograph an area by parallel lines."""
 
-    polygon: tuple[Spot, ...]
+    polygon: tuple[LatLon, ...]
     height: float  # m
     reference: Reference
     item: int
@@ -87,14 +87,14 @@ class Survey(NamedTuple):
     angle: float | None = None  # heading of the lines
     turn_around: float = 0.0  # m
     speed: float | None = None
-    expanded: tuple[Spot, ...] = ()  # the way that the file itself has, to compare with
+    expanded: tuple[LatLon, ...] = ()  # the way that the file itself has, to compare with
     exact: bool = False  # the file has nothing that the lines of a mission could differ from
 
 
 class Corridor(NamedTuple):
     """Photograph along a line."""
 
-    line: tuple[Spot, ...]
+    line: tuple[LatLon, ...]
     breadth: float  # m
     height: float  # m
     reference: Reference
@@ -102,7 +102,7 @@ class Corridor(NamedTuple):
     spacing: float | None = None  # m
     turn_around: float = 0.0  # m
     speed: float | None = None
-    expanded: tuple[Spot, ...] = ()
+    expanded: tuple[LatLon, ...] = ()
     exact: bool = False
 
 
@@ -115,7 +115,7 @@ class Return(NamedTuple):
 class Land(NamedTuple):
     """Land at a place, or where the vehicle is."""
 
-    spot: Spot | None
+    spot: LatLon | None
     item: int
 
 
@@ -125,8 +125,8 @@ Action: TypeAlias = TakeOff | Waypoint | Turns | Survey | Corridor | Return | La
 class Fence(NamedTuple):
     """Ground to stay inside of and ground to stay out of."""
 
-    outline: tuple[Spot, ...]  # none: anywhere
-    holes: tuple[tuple[tuple[Spot, ...], int], ...]  # corners, and the item they came from
+    outline: tuple[LatLon, ...]  # none: anywhere
+    holes: tuple[tuple[tuple[LatLon, ...], int], ...]  # corners, and the item they came from
     height: float | None  # m above home; None: the file has no ceiling
     item: int = -1  # that the outline came from
 

@@ -12,10 +12,10 @@ from missionkit.interchange.plan import (
     Corridor,
     Home,
     Land,
+    LatLon,
     Place,
     Plan,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -121,9 +121,9 @@ def _lines(action: Survey | Corridor) -> dict[str, Any]:
     }
 
 
-def _level(corners: tuple[Spot, ...]) -> tuple[Place, ...]:
+def _level(corners: tuple[LatLon, ...]) -> tuple[Place, ...]:
     return tuple(Place(*it) for it in corners)
 
 
-def _at(corners: tuple[Spot, ...], action: Survey | Corridor) -> tuple[Place, ...]:
+def _at(corners: tuple[LatLon, ...], action: Survey | Corridor) -> tuple[Place, ...]:
     return tuple(Place(*it, action.height, "above_home") for it in corners)

@@ -16,12 +16,12 @@ from missionkit.interchange.plan import (
     Corridor,
     Home,
     Land,
+    LatLon,
     Place,
     Plan,
     Rally,
     Reference,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -114,7 +114,7 @@ class _Fit(NamedTuple):
         self.near(place.spot)
         return Place(*place.spot, *self.height(place.height, place.reference, item))
 
-    def near(self, *spots: Spot) -> None:
+    def near(self, *spots: LatLon) -> None:
         """Require places to be within reach of home.
 
         Raises:
@@ -184,7 +184,7 @@ def _reference(action: Action) -> Reference:
             return "none"
 
 
-def spots_of(action: Action) -> tuple[Spot, ...]:
+def spots_of(action: Action) -> tuple[LatLon, ...]:
     """Return where an action takes the vehicle, as far as its file says."""
     match action:
         case Waypoint() | Turns():

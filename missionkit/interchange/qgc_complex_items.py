@@ -18,9 +18,9 @@ from missionkit.interchange.mavlink_commands import WAYPOINT
 from missionkit.interchange.plan import (
     Action,
     Corridor,
+    LatLon,
     Place,
     Reference,
-    Spot,
     Survey,
     Waypoint,
     degrees,
@@ -125,7 +125,7 @@ def _height(style: Mapping[str, Any], camera: Mapping[str, Any]) -> tuple[float,
     return metres(value), "agl" if style.get("FollowTerrain") is True else reference
 
 
-def _expanded(style: Mapping[str, Any]) -> tuple[Spot, ...]:
+def _expanded(style: Mapping[str, Any]) -> tuple[LatLon, ...]:
     """Return the places of the lines that the file holds, if it does."""
     items = style.get("Items")
     rows = items if isinstance(items, list) else []
@@ -158,7 +158,7 @@ def _structure(item: Mapping[str, Any], entry: int, reader: ItemReader) -> list[
     reader.ledger.approximate(
         entry, "rounds of waypoints, the nose at the middle of the structure; no gimbal"
     )
-    middle = Spot(*(degrees(sum(axis) / len(ring)) for axis in zip(*ring, strict=True)))
+    middle = LatLon(*(degrees(sum(axis) / len(ring)) for axis in zip(*ring, strict=True)))
     return [
         Waypoint(
             Place(*it, metres(height), "above_home"),
@@ -171,7 +171,7 @@ def _structure(item: Mapping[str, Any], entry: int, reader: ItemReader) -> list[
     ]
 
 
-def _around(ring: tuple[Spot, ...], away: float) -> tuple[Spot, ...] | None:
+def _around(ring: tuple[LatLon, ...], away: float) -> tuple[LatLon, ...] | None:
     origin = Origin(*ring[0], 0.0)
     corners = local(ring, origin)
     wider = None if unfit(corners) else widened(corners, away)

@@ -13,7 +13,7 @@ from missionkit.interchange.ledger import Ledger
 from missionkit.interchange.lines import local
 from missionkit.interchange.mavlink_commands import MISSION_FRAME, MissionItem
 from missionkit.interchange.mavlink_items import ItemWriter
-from missionkit.interchange.plan import Corridor, Fence, Home, Plan, Spot, Survey, metres
+from missionkit.interchange.plan import Corridor, Fence, Home, LatLon, Plan, Survey, metres
 from missionkit.planning.survey_pattern import best_heading
 
 GENERIC, COPTER = 12, 2  # MAV_AUTOPILOT_PX4, MAV_TYPE_QUADROTOR: what the editor expects
@@ -47,7 +47,7 @@ def plan_json(plan: Plan, ledger: Ledger) -> str:
 def plan_document(
     items: Sequence[dict[str, Any]],
     home: Home,
-    polygons: Sequence[tuple[Sequence[Spot], bool]],
+    polygons: Sequence[tuple[Sequence[LatLon], bool]],
     rally: Sequence[Sequence[float]],
 ) -> dict[str, Any]:
     """Return the document of a plan.
@@ -83,7 +83,7 @@ def plan_document(
     }
 
 
-def _polygons(fence: Fence | None) -> list[tuple[Sequence[Spot], bool]]:
+def _polygons(fence: Fence | None) -> list[tuple[Sequence[LatLon], bool]]:
     if fence is None:
         return []
     return [(fence.outline, True), *((corners, False) for corners, _ in fence.holes)]

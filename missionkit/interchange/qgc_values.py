@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from missionkit.interchange.bounded_input import ForeignFileError, number
-from missionkit.interchange.plan import Spot, degrees
+from missionkit.interchange.plan import LatLon, degrees
 
 
 def section(data: Any, name: str) -> Mapping[str, Any]:
@@ -33,17 +33,17 @@ def listed(data: Mapping[str, Any], name: str) -> Sequence[Any]:
     return found
 
 
-def spot(row: object) -> Spot | None:
+def spot(row: object) -> LatLon | None:
     """Return a place written [lat, lon, ...], None if it is none."""
     if not isinstance(row, list) or len(row) < 2:
         return None
     lat, lon = number(row[0]), number(row[1])
     if lat is None or lon is None or abs(lat) > 90.0 or abs(lon) > 180.0:
         return None
-    return Spot(degrees(lat), degrees(lon))
+    return LatLon(degrees(lat), degrees(lon))
 
 
-def spots(rows: object) -> tuple[Spot, ...] | None:
+def spots(rows: object) -> tuple[LatLon, ...] | None:
     """Return places written [lat, lon], None if one of them is none."""
     found = [spot(row) for row in rows] if isinstance(rows, list) else [None]
     return None if None in found else tuple(it for it in found if it is not None)

@@ -26,7 +26,7 @@ from missionkit.recorder.palette import (
 from missionkit.recorder.plot_text import Ruler
 from missionkit.recorder.scenery import Ground, Scenery
 
-Spot = tuple[float, float]  # m, east and north
+EastNorth = tuple[float, float]  # m, east and north
 
 ROBOT_DASHES = {"target": "solid", "obstacle": (0, (1.0, 1.5))}
 ROBOT_COLOURS = {"home": HOME_COLOUR, "lost": FENCE_COLOUR, "": MUTED}
@@ -38,8 +38,8 @@ ARROW = 22.0  # px, how far a marker's arrow points out
 class Goals(NamedTuple):
     """Where the behaviours were going, and whether the vehicle came there."""
 
-    reached: list[Spot]
-    left: list[Spot]
+    reached: list[EastNorth]
+    left: list[EastNorth]
 
 
 class Flown(NamedTuple):
@@ -61,12 +61,12 @@ class Flown(NamedTuple):
         """Return the number of the tick at a time (s)."""
         return min(int(np.searchsorted(self.times, at - 1e-6)), len(self.path) - 1)
 
-    def place(self, at: float) -> Spot:
+    def place(self, at: float) -> EastNorth:
         """Return where the vehicle was at a time (s): east, north, m."""
         east, north = self.path[self.tick(at)].tolist()
         return east, north
 
-    def goal(self, goal: Goal) -> Spot:
+    def goal(self, goal: Goal) -> EastNorth:
         """Return east and north (m) of a goal as it lay from the vehicle when it was last computed.
 
         A goal is a place in the estimate's frame: where the truth is known, it is moved by as much

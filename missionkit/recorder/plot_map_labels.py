@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionkit.recorder.palette import INK, MUTED, OTHER_STYLE, darker, disc, letters_on
-from missionkit.recorder.plot_ground import ARROW, MapScene, Spot
+from missionkit.recorder.plot_ground import ARROW, EastNorth, MapScene
 from missionkit.recorder.plot_labels import (
     Boxes,
     Pixels,
@@ -40,14 +40,14 @@ class Label(NamedTuple):
     """A text with its anchor, east and north (m)."""
 
     text: str
-    at: Spot
+    at: EastNorth
     font: Font
     colour: str = INK
     face: str = ""  # of the disc behind it, if it has one
     needed: bool = True
 
 
-def label_map(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> None:
+def label_map(axes: Axes, scene: MapScene, goals: Sequence[EastNorth]) -> None:
     """Write all labels of a map whose limits are set.
 
     Args:
@@ -58,7 +58,7 @@ def label_map(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> None:
     _write(axes, scene, [*_names(scene), *_transitions(axes, scene), *_states(axes, scene)], goals)
 
 
-def label_close_up(axes: Axes, scene: MapScene, goal: Spot) -> None:
+def label_close_up(axes: Axes, scene: MapScene, goal: EastNorth) -> None:
     """Write the labels of a close-up: those of the map without the names of states.
 
     Args:
@@ -79,7 +79,9 @@ def dots(axes: Axes, scene: MapScene) -> None:
         axes.scatter(east, north, 26, shades, edgecolors="white", linewidths=0.8, zorder=7)
 
 
-def _write(axes: Axes, scene: MapScene, labels: Sequence[Label], goals: Sequence[Spot]) -> None:
+def _write(
+    axes: Axes, scene: MapScene, labels: Sequence[Label], goals: Sequence[EastNorth]
+) -> None:
     """Write labels beside their anchors, none over another, the most important first."""
     panel = axes.get_window_extent()
     seen = [it for it in labels if panel.contains(*_pixel(axes, it.at))]
@@ -161,7 +163,7 @@ def _wanted(axes: Axes, scene: MapScene, label: Label) -> Wanted:
     return Wanted(_pixel(axes, label.at), wide, high, label.needed)
 
 
-def _pixel(axes: Axes, at: Spot) -> tuple[float, float]:
+def _pixel(axes: Axes, at: EastNorth) -> tuple[float, float]:
     x, y = axes.transData.transform(at).tolist()
     return x, y
 
@@ -171,7 +173,7 @@ def _path(axes: Axes, scene: MapScene) -> Pixels:
     return np.asarray(axes.transData.transform(path)).reshape(-1, 2)
 
 
-def _icons(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> Boxes:
+def _icons(axes: Axes, scene: MapScene, goals: Sequence[EastNorth]) -> Boxes:
     """Return what no label may cover: home, goals, transitions, targets, markers with arrows."""
     targets = [(it.at[1], it.at[0]) for it in scene.scenery.targets]
     switched = [scene.flown.place(at) for at, _ in scene.flown.track.transitions]
@@ -185,7 +187,7 @@ def _icons(axes: Axes, scene: MapScene, goals: Sequence[Spot]) -> Boxes:
     return np.vstack(found)
 
 
-def _square(axes: Axes, places: Sequence[Spot], size: float) -> Boxes:
+def _square(axes: Axes, places: Sequence[EastNorth], size: float) -> Boxes:
     centres = np.asarray(axes.transData.transform(np.array(places).reshape(-1, 2)))
     return boxes(centres.reshape(-1, 2), size, size)
 

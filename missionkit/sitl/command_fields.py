@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from missionkit.geometry import Vec3
-from missionkit.sitl.geodetic import Spot
+from missionkit.sitl.geodetic import GeographicPoint
 from missionkit.sitl.mission_progress import RELATIVE_FRAMES
 from missionkit.sitl.peer_channel import Channel, Sender, sender
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
@@ -42,7 +42,9 @@ class CommandFields(NamedTuple):
         unknown = self.latitude is None or self.longitude is None
         if unknown or (self.latitude == 0.0 and self.longitude == 0.0):
             return state.earth.position(spot._replace(height=height))
-        return state.earth.position(Spot(self.latitude or 0.0, self.longitude or 0.0, height))
+        return state.earth.position(
+            GeographicPoint(self.latitude or 0.0, self.longitude or 0.0, height)
+        )
 
 
 def _finite(value: float) -> float | None:

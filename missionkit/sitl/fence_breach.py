@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from missionkit import polygons
 from missionkit.sitl.flight_modes import FlightTask
-from missionkit.sitl.geodetic import Earth, Spot
+from missionkit.sitl.geodetic import Earth, GeographicPoint
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.sitl.sitl_state import SitlState, take_over
 from missionkit.sitl.stored_plans import FENCE_ITEMS, Item
@@ -66,7 +66,7 @@ def shapes(items: tuple[Item, ...], earth: Earth) -> tuple[FenceShape, ...]:
 
 
 def _place(item: Item, earth: Earth) -> Place:
-    position = earth.position(Spot(item.x / 1e7, item.y / 1e7, 0.0))
+    position = earth.position(GeographicPoint(item.x / 1e7, item.y / 1e7, 0.0))
     return float(position[0]), float(position[1])
 
 

@@ -16,7 +16,7 @@ ARDUPILOT_RADIUS = 0.011131884502145034 * 1e7 * 180.0 / math.pi  # m
 ZURICH = (47.397742, 8.545594, 488.0)  # deg, deg, m: where PX4's simulations begin
 
 
-class Spot(NamedTuple):
+class GeographicPoint(NamedTuple):
     """A place on the Earth."""
 
     latitude: float  # deg
@@ -27,13 +27,13 @@ class Spot(NamedTuple):
 class Earth(NamedTuple):
     """A sphere around the origin of the world, flat near it."""
 
-    origin: Spot
+    origin: GeographicPoint
     radius: float = PX4_RADIUS  # m
 
-    def spot(self, position: Vec3) -> Spot:
+    def spot(self, position: Vec3) -> GeographicPoint:
         """Return where `position` (3,), m, NED, is."""
         here, shrink = self.origin, math.cos(math.radians(self.origin.latitude))
-        return Spot(
+        return GeographicPoint(
             here.latitude + math.degrees(float(position[0]) / self.radius),
             math.remainder(
                 here.longitude + math.degrees(float(position[1]) / (self.radius * shrink)), 360.0
@@ -41,7 +41,7 @@ class Earth(NamedTuple):
             here.height - float(position[2]),
         )
 
-    def position(self, spot: Spot) -> Vec3:
+    def position(self, spot: GeographicPoint) -> Vec3:
         """Return (3,), m, NED, of a place near the origin."""
         here, shrink = self.origin, math.cos(math.radians(self.origin.latitude))
         return vec(

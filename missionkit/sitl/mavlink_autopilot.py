@@ -21,7 +21,7 @@ from missionkit.sitl.geodetic import (
     ARDUPILOT_RADIUS,
     PX4_RADIUS,
     Earth,
-    Spot,
+    GeographicPoint,
 )
 from missionkit.sitl.mission_protocol import MissionProtocol
 from missionkit.sitl.mode_navigation import steer
@@ -55,7 +55,7 @@ class MavlinkAutopilot:
         dialect: ModeTable,
         seed: int,
         faults: Sequence[Fault],
-        origin: Spot,
+        origin: GeographicPoint,
         wall: Callable[[], float],
         system: int = 1,
     ) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from missionkit.geometry import Vec3, vec
 from missionkit.sitl.flight_modes import FlightTask
-from missionkit.sitl.geodetic import Spot
+from missionkit.sitl.geodetic import GeographicPoint
 from missionkit.sitl.pymavlink_dialect import mavlink
 from missionkit.sitl.setpoint_tracking import SetpointTarget, towards
 from missionkit.sitl.sitl_state import SitlState
@@ -49,12 +49,12 @@ def place(state: SitlState, item: Item) -> Vec3:
     """
     here = state.earth.position
     if not math.isfinite(item.z):
-        level = here(Spot(item.x / 1e7, item.y / 1e7, 0.0))
+        level = here(GeographicPoint(item.x / 1e7, item.y / 1e7, 0.0))
         return vec(level[0], level[1], float(state.body.position[2]))
     height = float(item.z)
     if item.frame in RELATIVE_FRAMES:
         height += state.earth.origin.height - float(state.home[2])
-    return here(Spot(item.x / 1e7, item.y / 1e7, height))
+    return here(GeographicPoint(item.x / 1e7, item.y / 1e7, height))
 
 
 def leg(state: SitlState, cruise: float) -> MissionLeg | None:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from missionkit.geometry import Vec3, from_euler, normalised, rotate, vec, yaw_of
-from missionkit.sitl.geodetic import Spot
+from missionkit.sitl.geodetic import GeographicPoint
 from missionkit.sitl.mission_progress import RELATIVE_FRAMES
 from missionkit.sitl.pymavlink_dialect import Message, mavlink
 from missionkit.sitl.setpoint_tracking import NO_AXES, Axes, SetpointTarget
@@ -48,7 +48,7 @@ def _global(state: SitlState, message: Message) -> tuple[float, ...]:
     height = message.alt
     if message.coordinate_frame in RELATIVE_FRAMES:
         height += state.earth.origin.height - float(state.home[2])
-    spot = Spot(message.lat_int / 1e7, message.lon_int / 1e7, height)
+    spot = GeographicPoint(message.lat_int / 1e7, message.lon_int / 1e7, height)
     return tuple(map(float, state.earth.position(spot)))
 
 

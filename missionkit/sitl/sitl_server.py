@@ -15,7 +15,7 @@ from missionkit.sim.warm_up import warm_up
 from missionkit.sim.world import World
 from missionkit.sitl.control_socket import ControlSocket
 from missionkit.sitl.flight_modes import dialect
-from missionkit.sitl.geodetic import ZURICH, Spot
+from missionkit.sitl.geodetic import ZURICH, GeographicPoint
 from missionkit.sitl.mavlink_autopilot import SLICE, MavlinkAutopilot
 from missionkit.sitl.socket_links import Address, open_link
 from missionkit.sitl.wire_faults import read_fault
@@ -36,7 +36,7 @@ class Setup(NamedTuple):
     speed: float = 1.0  # times real time
     seed: int = 0
     faults: Sequence[str] = ()
-    origin: Spot = Spot(*ZURICH)
+    origin: GeographicPoint = GeographicPoint(*ZURICH)
     system: int = 1  # MAVLink system id
     parameters: Mapping[str, float] = MappingProxyType({})  # other than their defaults
 

@@ -20,11 +20,11 @@ from missionkit.interchange.plan import (
     Fence,
     Home,
     Land,
+    LatLon,
     Place,
     Plan,
     Rally,
     Return,
-    Spot,
     Survey,
     TakeOff,
     Turns,
@@ -116,9 +116,9 @@ _offsets = st.integers(-300_000, 300_000).map(lambda it: it * 1e-8)  # deg, to 1
 
 
 @st.composite
-def spots(draw: st.DrawFn) -> Spot:
+def spots(draw: st.DrawFn) -> LatLon:
     lat, lon = HOME.lat + draw(_offsets), HOME.lon + draw(_offsets)
-    return Spot(round(lat, 9), round(lon, 9))
+    return LatLon(round(lat, 9), round(lon, 9))
 
 
 _heights = st.integers(20, 1000).map(lambda it: it * 0.1)
@@ -152,9 +152,9 @@ def areas(draw: st.DrawFn) -> Survey | Corridor:
     lat, lon = draw(spots())
     step = draw(st.integers(20, 90)) * 1e-5
     ring = (
-        Spot(lat, lon),
-        Spot(round(lat + step, 9), lon),
-        Spot(round(lat + step, 9), round(lon + step, 9)),
+        LatLon(lat, lon),
+        LatLon(round(lat + step, 9), lon),
+        LatLon(round(lat + step, 9), round(lon + step, 9)),
     )
     shared = (draw(_heights), "above_home", 0, draw(st.integers(10, 40)) * 1.0)
     angle = float(draw(st.integers(0, 179)))
@@ -182,11 +182,11 @@ def plans(draw: st.DrawFn) -> Plan:
     if draw(st.booleans()):
         far, near = 0.02, 0.004
         box = tuple(
-            Spot(round(HOME.lat + a * far, 9), round(HOME.lon + b * far, 9))
+            LatLon(round(HOME.lat + a * far, 9), round(HOME.lon + b * far, 9))
             for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
         )
         hole = tuple(
-            Spot(round(HOME.lat + near + a, 9), round(HOME.lon + near + b, 9))
+            LatLon(round(HOME.lat + near + a, 9), round(HOME.lon + near + b, 9))
             for a, b in ((0, 0), (0.001, 0), (0.001, 0.001))
         )
         fence = Fence(box, ((hole, 0),), 150.0, 0)

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from missionkit.sim.vehicle_parameters import InnerAutopilotModel as Inner
 from missionkit.sim.world import World
 from missionkit.sitl.flight_modes import dialect
-from missionkit.sitl.geodetic import ZURICH, Spot
+from missionkit.sitl.geodetic import ZURICH, GeographicPoint
 from missionkit.sitl.mavlink_autopilot import MavlinkAutopilot
 from missionkit.sitl.wire_faults import read_fault
 
@@ -27,7 +27,9 @@ class Station:
         kind = dialect(name)
         self.px4 = name == "px4"
         found = [read_fault(text, kind) for text in faults]
-        self.autopilot = MavlinkAutopilot(world, kind, 1, found, Spot(*ZURICH), lambda: 0.0)
+        self.autopilot = MavlinkAutopilot(
+            world, kind, 1, found, GeographicPoint(*ZURICH), lambda: 0.0
+        )
         self.state = self.autopilot.state
         self.seen: list[Any] = []
         self._mav = mavlink.MAVLink(None, *who)
