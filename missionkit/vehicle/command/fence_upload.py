@@ -5,7 +5,7 @@ The last line of defence: it holds when companion and link are gone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from missionkit.errors import VehicleError
 from missionkit.geodesy import Origin
@@ -18,6 +18,7 @@ EXCLUSION = 5002  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
 EXCLUSION_CIRCLE = 5004  # MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
 RALLY_POINT = 5100  # MAV_CMD_NAV_RALLY_POINT
 FENCE_PLAN, RALLY_PLAN = 1, 2  # MAV_MISSION_TYPE
+READINGS = 3
 FRAME_GLOBAL, FRAME_RELATIVE = 0, 3  # MAV_FRAME
 Ground = tuple[float, float]  # north, east, m
 
@@ -62,7 +63,7 @@ def set_fence(link: Link, items: Sequence[PlanItem]) -> None:
         VehicleError: it does not.
     """
     link.upload_fence(items)
-    _same("the geofence", items, link.download_fence())
+    _confirm("the geofence", items, link.download_fence)
 
 
 def set_rally(link: Link, items: Sequence[PlanItem]) -> None:
@@ -72,7 +73,7 @@ def set_rally(link: Link, items: Sequence[PlanItem]) -> None:
         VehicleError: it does not.
     """
     link.upload_rally(items)
-    _same("the rally points", items, link.download_rally())
+    _confirm("the rally points", items, link.download_rally)
 
 
 def _place(origin: Origin, ground: Ground) -> tuple[int, int]:
@@ -80,15 +81,23 @@ def _place(origin: Origin, ground: Ground) -> tuple[int, int]:
     return round(1e7 * latitude), round(1e7 * longitude)
 
 
-def _same(what: str, sent: Sequence[PlanItem], got: Sequence[PlanItem]) -> None:
-    differ = len(sent) != len(got) or any(
-        any(getattr(a, name) != getattr(b, name) for name in _COMPARED_FIELDS)
-        or abs(a.z - b.z) > 0.01
-        or abs(a.param1 - b.param1) > 0.01
+def _confirm(what: str, sent: Sequence[PlanItem], read: Callable[[], Sequence[PlanItem]]) -> None:
+    """Read back until it is what was sent: an answer may be lost, or an older one come late."""
+    got: Sequence[PlanItem] = ()
+    for _ in range(READINGS):
+        got = read()
+        if _same(sent, got):
+            return
+    raise VehicleError(
+        f"{what} was sent with {len(sent)} points, but the autopilot has {len(got)}, "
+        "or different ones: do not rely on it"
+    )
+
+
+def _same(sent: Sequence[PlanItem], got: Sequence[PlanItem]) -> bool:
+    return len(sent) == len(got) and all(
+        all(getattr(a, name) == getattr(b, name) for name in _COMPARED_FIELDS)
+        and abs(a.z - b.z) <= 0.01
+        and abs(a.param1 - b.param1) <= 0.01
         for a, b in zip(sent, got, strict=True)
     )
-    if differ:
-        raise VehicleError(
-            f"{what} was sent with {len(sent)} points, but the autopilot has {len(got)}, "
-            "or different ones: do not rely on it"
-        )
