@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,6 +16,8 @@ from missionkit.recorder.journal_reader import Journal, read_journal
 from missionkit.replays.decision_difference import first_difference
 from missionkit.replays.replayed_flight import replayed, start_at
 from missionkit.version import __version__
+
+PART = re.compile(rf"{Path(JOURNAL_FILE).stem}-\d+")  # of a resumed flight; not a copy of one
 
 
 class ReplayDifference(NamedTuple):
@@ -104,7 +107,8 @@ def journals(run: Path) -> list[Path]:
     if run.is_file():
         return [run]
     stem, ending = Path(JOURNAL_FILE).stem, Path(JOURNAL_FILE).suffix
-    parts = sorted(run.glob(f"{stem}-*{ending}"), key=lambda it: (len(it.name), it.name))
+    parts = [it for it in run.glob(f"{stem}-*{ending}") if PART.fullmatch(it.stem)]
+    parts.sort(key=lambda it: (len(it.name), it.name))
     found = [it for it in (run / JOURNAL_FILE, *parts) if it.is_file()]
     if not found:
         raise UsageError(f"{run}: it holds no {JOURNAL_FILE}")

@@ -1,9 +1,12 @@
-"""What another mission would have decided in a flight that was recorded."""
+"""What another mission would have decided in flights that were recorded."""
 
 from __future__ import annotations
 
+import hashlib
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,13 +15,39 @@ from missionkit.api.recorded_mission import mission_flown, origin_of
 from missionkit.api.replay import journals
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.mission import Mission
-from missionkit.engine.prepared_mission import prepare
-from missionkit.errors import UsageError
+from missionkit.engine.prepared_mission import PreparedMission, prepare
+from missionkit.errors import FileError, MissionkitError, UsageError
+from missionkit.recorder import value_codec
 from missionkit.recorder.journal_reader import Journal, read_journal
 from missionkit.replays.decision_table import DecisionTable, compared
 from missionkit.replays.replayed_flight import replayed
 
 SENSING = ("perception", "camera", "navigation", "targets", "known", "tracking")
+WORTH_A_PROCESS = 4  # flights; starting one takes a second
+
+
+class Question(NamedTuple):
+    """What is asked of each flight.
+
+    Attributes:
+        mission: file of the other mission; None: the one that was flown.
+        settings: values of parameters that differ from those of the flight.
+        plugins: plug-in files that the mission uses.
+    """
+
+    mission: Path | None
+    settings: Mapping[str, object] = {}
+    plugins: tuple[Path, ...] = ()
+
+
+class PreparedAnswer(NamedTuple):
+    """A mission prepared for the flights that stand on the same files and parameters."""
+
+    plan: PreparedMission
+    notes: tuple[str, ...]
+
+
+Prepared = dict[str, PreparedAnswer]  # by what a flight stands on
 
 
 class WhatIf(NamedTuple):
@@ -63,17 +92,95 @@ def what_if(
         >>> found.table.first is None, found.table.parted is None
         (True, False)
     """
-    journal = read_journal(journals(Path(run))[0])
+    other = None if mission is None else Path(mission)
+    return _answer(Question(other, settings, tuple(map(Path, plugins))), Path(run), {})
+
+
+def what_if_each(
+    runs: Sequence[Path], question: Question, *, processes: int = 1
+) -> list[WhatIf | MissionkitError]:
+    """Return the answer for each of many flights, or why there is none, in the order of the runs.
+
+    Args:
+        runs: folders of runs, or journals.
+        question: what is asked of each.
+        processes: that share the work; a mission is prepared once in each.
+    """
+    if processes == 1 or len(runs) < WORTH_A_PROCESS:
+        return _answers(question, runs)
+    parts = [runs[n::processes] for n in range(processes)]
+    plain = question._replace(settings=dict(question.settings))
+    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+        answers = list(pool.map(_answers, [plain] * processes, parts))
+    return [answers[n % processes][n // processes] for n in range(len(runs))]
+
+
+def without_copies(runs: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Return runs whose flights are all different, and a sentence for each copy left out.
+
+    Args:
+        runs: folders of runs, or journals.
+    """
+    first: dict[str, Path] = {}
+    notes: list[str] = []
+    for run in runs:
+        digest = _digest(journals(run)[0])
+        if digest in first:
+            notes.append(f"{run}: the same flight as {first[digest]}: counted once")
+        else:
+            first[digest] = run
+    return list(first.values()), notes
+
+
+def _digest(path: Path) -> str:
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:  # reading it says why
+        return str(path.resolve())
+
+
+def _answers(question: Question, runs: Sequence[Path]) -> list[WhatIf | MissionkitError]:
+    prepared: Prepared = {}
+    found: list[WhatIf | MissionkitError] = []
+    for run in runs:
+        try:
+            found.append(_answer(question, run, prepared))
+        except FileError as error:
+            found.append(FileError(error.problems))
+        except UsageError as error:
+            found.append(UsageError(str(error)))
+    return found
+
+
+def _answer(question: Question, run: Path, prepared: Prepared) -> WhatIf:
+    journal = read_journal(journals(run)[0])
     if not journal.head.begins:
         raise UsageError(f"{journal.path}: this is a resumed part: only its first part can be used")
-    files = [Path(it) for it in plugins]
-    with tempfile.TemporaryDirectory() as folder:
-        flown = None if mission else mission_flown(journal, Path(folder), files, settings)
-        other = flown or _other(journal, Path(str(mission)), settings, files)
-        plan = prepare(other.model, other.catalogue)
-        notes = () if mission is None else tuple(_notes(journal, Path(folder), other, files))
+    plan, notes = _prepared(question, journal, prepared)
     table = compared(replayed(plan, journal))
     return WhatIf(journal.path, table, (*([journal.ends] if journal.ends else []), *notes))
+
+
+def _prepared(question: Question, journal: Journal, prepared: Prepared) -> PreparedAnswer:
+    """Return the mission that decides; flights that stand on the same share one."""
+    origin = origin_of(journal)
+    stands = (origin.mission, origin.settings, origin.plugins, origin.texts)
+    key = hashlib.sha256(value_codec.written(stands).encode()).hexdigest()
+    if key not in prepared:
+        with tempfile.TemporaryDirectory() as folder:
+            prepared[key] = _prepare(question, journal, Path(folder))
+    return prepared[key]
+
+
+def _prepare(question: Question, journal: Journal, folder: Path) -> PreparedAnswer:
+    path, settings, files = question
+    if path is None:
+        mission = mission_flown(journal, folder, files, settings)
+        return PreparedAnswer(prepare(mission.model, mission.catalogue), ())
+    mission = _other(journal, path, settings, files)
+    plan = prepare(mission.model, mission.catalogue)
+    return PreparedAnswer(plan, tuple(_notes(journal, folder, mission, files)))
 
 
 def _other(
@@ -82,8 +189,23 @@ def _other(
     """Return another mission, with the flight's values of the parameters that it has too."""
     plain = load(path, plugins=plugins)
     flown = dict(text.split("=", 1) for text in origin_of(journal).settings)
-    kept = {name: value for name, value in flown.items() if name in plain.parameters}
-    return load(path, settings={**kept, **settings}, plugins=plugins)
+    kept = {
+        name: value
+        for name, value in flown.items()
+        if name in plain.parameters and name not in settings
+    }
+    try:
+        return load(path, settings={**kept, **settings}, plugins=plugins)
+    except FileError as error:
+        if not kept:
+            raise
+        values = ", ".join(
+            f"{name} = {value} (the file: {plain.parameters[name]})" for name, value in kept.items()
+        )
+        raise UsageError(
+            f"{journal.path}: {path} has errors with values that come from this flight, not from "
+            f"the file: {values}; --set replaces them\n{error}"
+        ) from error
 
 
 def _notes(

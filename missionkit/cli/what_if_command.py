@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from missionkit.api.replay import runs_in
-from missionkit.api.what_if import WhatIf
-from missionkit.api.what_if import what_if as asked
+from missionkit.api.what_if import Question, WhatIf, what_if_each, without_copies
 from missionkit.cli.overrides import overrides
-from missionkit.errors import ExitCode, UsageError, printable
+from missionkit.errors import ExitCode, MissionkitError, UsageError, printable
 from missionkit.replays.decision_table import ComparedTransition, Taken
+
+PROCESSES = 2  # that share the flights
 
 
 def what_if(
@@ -38,19 +40,15 @@ def what_if(
     """
     if mission is None and not settings:
         raise UsageError("say what is to be different: --mission FILE or --set NAME=VALUE")
-    values = overrides(settings)
-    found: list[WhatIf] = []
-    wrong: list[str] = []
-    runs = runs_in(folders)
-    for run in runs:
-        try:
-            found.append(asked(run, mission, settings=values, plugins=plugins))
-        except UsageError as error:  # of one flight; the others are compared
-            wrong.append(str(error))
-    if wrong and len(runs) == 1:
-        raise UsageError(wrong[0])
+    question = Question(mission, overrides(settings), tuple(plugins))
+    runs, copies = without_copies(runs_in(folders))
+    answers = what_if_each(runs, question, processes=min(PROCESSES, os.cpu_count() or 1))
+    found = [it for it in answers if isinstance(it, WhatIf)]
+    wrong = [it for it in answers if isinstance(it, MissionkitError)]
+    if wrong and not found:
+        raise wrong[0]
     _show(found, as_json=as_json)
-    for sentence in wrong:
+    for sentence in (*copies, *(line for it in wrong for line in str(it).splitlines())):
         print(printable(sentence), file=sys.stderr)  # noqa: T201
     differs = any(it.table.differs_at is not None for it in found)
     ended = ExitCode.ENDED_SAFELY if differs else ExitCode.SUCCESS

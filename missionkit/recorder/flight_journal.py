@@ -3,11 +3,13 @@
 One MCAP file beside the flight record. `/origin` comes first: the text of every file the flight
 stands on. `/tick` is written at every tick: the observation, what its image showed, and the
 decision. `/memory` is the flight's memory before the next tick, from which a replay can start.
+`/class` names the fields of a class before its first instance, for versions whose class has more.
 Values are written by `value_codec`: reading them runs nothing. A kill loses 0.1 s at most.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -24,7 +26,7 @@ from missionkit.recorder.mcap_channels import McapFile
 from missionkit.recorder.record_sinks import Job, Sink
 
 JOURNAL_FILE = "journal.mcap"
-ORIGIN, TICK, MEMORY = "/origin", "/tick", "/memory"
+ORIGIN, TICK, MEMORY, CLASS = "/origin", "/tick", "/memory", "/class"
 VERSION = 1  # grows when what is written below changes
 MEMORY_PERIOD = 5.0 - 1e-6  # s between two memories; a replay of 5 s is quick, a memory is large
 FLUSH_TICKS = 2
@@ -95,7 +97,9 @@ class ValueFile(McapFile):
     def __init__(self, path: Path, topics: Sequence[str]) -> None:
         super().__init__(path, CHUNK_BYTES)
         schema = self._writer.register_schema("missionkit.value", "jsonschema", b"{}")
-        self._ids = {it: self._writer.register_channel(it, "json", schema) for it in topics}
+        every = (CLASS, *topics)
+        self._ids = {it: self._writer.register_channel(it, "json", schema) for it in every}
+        self._described: frozenset[str] = frozenset()
 
     def write(self, topic: str, at: int, text: str) -> None:
         """Write one value.
@@ -105,6 +109,12 @@ class ValueFile(McapFile):
             at: mission time, ns.
             text: of the value.
         """
+        for name in sorted(value_codec.classes_in(text) - self._described):
+            self._described |= {name}
+            self._add(CLASS, at, json.dumps({name: value_codec.field_names(name)}))
+        self._add(topic, at, text)
+
+    def _add(self, topic: str, at: int, text: str) -> None:
         self._writer.add_message(self._ids[topic], at, text.encode(), at)
 
 

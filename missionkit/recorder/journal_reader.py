@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from mcap.records import Channel, Footer, Message
+from pydantic import TypeAdapter, ValidationError
 
 from missionkit.errors import UsageError
 from missionkit.recorder import value_codec
 from missionkit.recorder.flight_journal import (
+    CLASS,
     MEMORY,
     ORIGIN,
     TICK,
@@ -21,7 +23,7 @@ from missionkit.recorder.flight_journal import (
     JournalTick,
 )
 from missionkit.recorder.record_reader import MAGIC, whole_records
-from missionkit.recorder.value_codec import NotReadableError
+from missionkit.recorder.value_codec import Fields, NotReadableError
 
 T = TypeVar("T")
 
@@ -34,6 +36,7 @@ class Journal(NamedTuple):
     ticks: tuple[tuple[float, bytes], ...]  # s, and the text of each tick
     memories: tuple[tuple[float, bytes], ...]  # s of the tick before, and the text of each memory
     ends: str = ""  # why it ends before the flight did; "": it is whole
+    read: Callable[[str], Any] = value_codec.read  # knows the fields of the classes it holds
 
 
 def read_journal(path: Path) -> Journal:
@@ -42,28 +45,34 @@ def read_journal(path: Path) -> Journal:
     Raises:
         UsageError: it is not one, or another version of missionkit wrote it.
     """
-    ticks: list[tuple[float, bytes]] = []
-    memories: list[tuple[float, bytes]] = []
-    head: JournalHead | None = None
+    texts: dict[str, list[tuple[float, bytes]]] = {ORIGIN: [], TICK: [], MEMORY: []}
     topics: dict[int, str] = {}
+    classes: dict[str, Fields] = {}
     ended = False
     for record in whole_records(path):
         ended = isinstance(record, Footer)
         if isinstance(record, Channel):
             topics[record.id] = record.topic
-        if not isinstance(record, Message):
-            continue
-        topic, at, data = topics[record.channel_id], record.log_time * 1e-9, record.data
-        if topic == ORIGIN and head is None:
-            head = _head(path, data)
-        elif topic == TICK:
-            ticks.append((at, data))
-        elif topic == MEMORY:
-            memories.append((at, data))
-    if head is None:
+        elif isinstance(record, Message):
+            topic = topics[record.channel_id]
+            if topic == CLASS:
+                classes.update(_classes(path, record.data))
+            elif topic in texts:
+                texts[topic].append((record.log_time * 1e-9, record.data))
+    if not texts[ORIGIN]:
         raise UsageError(f"{path}: this is not the journal of a flight: it names no mission")
+    read = value_codec.reader(classes)
+    head, ticks = _head(path, texts[ORIGIN][0][1], read), tuple(texts[TICK])
     ends = "" if ended else _ends(path, ticks)
-    return Journal(path, head, tuple(ticks), tuple(memories), ends)
+    return Journal(path, head, ticks, tuple(texts[MEMORY]), ends, read)
+
+
+def _classes(path: Path, text: bytes) -> dict[str, Fields]:
+    """Return the names of the fields of classes, by class."""
+    try:
+        return TypeAdapter(dict[str, Fields]).validate_json(text)
+    except ValidationError as error:
+        raise UsageError(f"{path}: the fields of a class were changed after the flight") from error
 
 
 def _ends(path: Path, ticks: Sequence[tuple[float, bytes]]) -> str:
@@ -75,26 +84,28 @@ def _ends(path: Path, ticks: Sequence[tuple[float, bytes]]) -> str:
     return f"{path}: it ends {until}: the flight was killed, or the file was cut short"
 
 
-def tick_of(path: Path, text: bytes) -> JournalTick:
+def tick_of(journal: Journal, text: bytes) -> JournalTick:
     """Return a tick.
 
     Raises:
         UsageError: the text is none.
     """
-    return _kept(path, text, JournalTick, "a tick was changed after the flight")
+    changed = "a tick was changed after the flight"
+    return _kept(journal.path, text, JournalTick, changed, journal.read)
 
 
-def memory_of(path: Path, text: bytes) -> JournalMemory:
+def memory_of(journal: Journal, text: bytes) -> JournalMemory:
     """Return a memory.
 
     Raises:
         UsageError: the text is none.
     """
-    return _kept(path, text, JournalMemory, "a memory was changed after the flight")
+    changed = "a memory was changed after the flight"
+    return _kept(journal.path, text, JournalMemory, changed, journal.read)
 
 
-def _head(path: Path, text: bytes) -> JournalHead:
-    value = _kept(path, text, JournalHead, "this is not the journal of a flight")
+def _head(path: Path, text: bytes, read: Callable[[str], Any]) -> JournalHead:
+    value = _kept(path, text, JournalHead, "this is not the journal of a flight", read)
     if value.version != VERSION:
         raise UsageError(
             f"{path}: another version of missionkit wrote this journal (format {value.version}; "
@@ -103,10 +114,10 @@ def _head(path: Path, text: bytes) -> JournalHead:
     return value
 
 
-def _kept(path: Path, text: bytes, kind: type[T], otherwise: str) -> T:
+def _kept(path: Path, text: bytes, kind: type[T], otherwise: str, read: Callable[[str], Any]) -> T:
     """Return a value of a kind; `otherwise` says what is wrong with any other."""
     try:
-        value = value_codec.read(text.decode())
+        value = read(text.decode())
     except (UnicodeDecodeError, NotReadableError) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from error
     if not isinstance(value, kind):

@@ -11,6 +11,9 @@
 A class is looked up among the modules of the package that are loaded already: a text can make
 nothing be imported, and nothing be called but what builds a tuple, a dataclass without code of
 its own, or an enum's member.
+
+The values of an instance stand in the order of its fields. Who keeps the names of the fields too
+(`classes_in`, `field_names`) can read a text after a class has gained fields with defaults.
 """
 
 from __future__ import annotations
@@ -22,16 +25,20 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 PACKAGE_PREFIX = "missionkit."
 DTYPE = re.compile(r"[<|][biuf][1248]")
 LARGE = 1 << 63  # integers from here on are written in hexadecimal
+CLASS_NAME = re.compile(r'"(missionkit\.[\w.]+:[\w.]+)":\[')
+Fields = tuple[str, ...]
+Build = Callable[[Any], Any]
+NO_FIELDS: Mapping[str, Fields] = {}
 
 
 class NotPlainError(Exception):
@@ -60,10 +67,52 @@ def read(text: str) -> Any:
     Raises:
         NotReadableError: it was not given any.
     """
-    try:
-        return _built(json.loads(text))
-    except (ValueError, TypeError, KeyError, RecursionError, binascii.Error) as error:
-        raise NotReadableError(str(error)) from error
+    return reader()(text)
+
+
+def reader(fields_written: Mapping[str, Fields] = NO_FIELDS) -> Callable[[str], Any]:
+    """Return what `read` does, for many texts of the same writer.
+
+    Args:
+        fields_written: names of the fields that a class had when it was written. A class that is
+            not among them is taken to have gained fields at its end, if any.
+    """
+    classes: dict[str, Build] = {}
+
+    def built(value: Any) -> Any:
+        kind = value.__class__
+        if kind is list:
+            return tuple([built(part) for part in value])
+        if kind is not dict:
+            return value
+        ((tag, content),) = value.items()
+        if tag in values:
+            return values[tag](content)
+        build = classes.get(tag)
+        if build is None:
+            build = classes[tag] = _builder(tag, fields_written.get(tag))
+        return build(built(content))
+
+    values = _value_builders(built)
+
+    def read_text(text: str) -> Any:
+        try:
+            return built(json.loads(text))
+        except (ValueError, TypeError, KeyError, RecursionError, binascii.Error) as error:
+            raise NotReadableError(str(error)) from error
+
+    return read_text
+
+
+def classes_in(text: str) -> frozenset[str]:
+    """Return the names of the classes whose instances a text may hold."""
+    return frozenset(CLASS_NAME.findall(text))
+
+
+def field_names(name: str) -> Fields:
+    """Return the names of the fields of a class as `written` orders them; () if it is none."""
+    kind = _class_of(name)
+    return () if kind is None or issubclass(kind, Enum) else tuple(_defaults(kind))
 
 
 def is_plain(value: Any) -> bool:
@@ -156,23 +205,62 @@ WRITERS: Mapping[type, Callable[[Any], Any]] = {
 }
 
 
-def _built(value: Any) -> Any:
-    if isinstance(value, list):
-        return tuple([_built(part) for part in value])
-    if not isinstance(value, dict):
-        return value
-    ((tag, content),) = value.items()
-    build = VALUE_BUILDERS.get(tag)
-    return _instance(tag, _built(content)) if build is None else build(content)
-
-
-def _instance(name: str, content: Any) -> Any:
+def _builder(name: str, fields_written: Fields | None) -> Build:
+    """Return what builds an instance of a class from its values, in the order they were written."""
     kind: Any = _class_of(name)
     if kind is None:
         raise NotReadableError(f"{name} is not a plain class of this missionkit")
     if issubclass(kind, Enum):
-        return kind(content)
-    return kind._make(content) if issubclass(kind, tuple) else kind(*content)
+        return cast(Build, kind)
+    make = kind._make if issubclass(kind, tuple) else lambda values: kind(*values)
+    now = _defaults(kind)
+    if fields_written is None or fields_written == tuple(now):
+        return _completing(name, make, now)
+    unknown = [field for field in fields_written if field not in now]
+    if unknown:
+        has = f"{name} was written with {', '.join(unknown)}"
+        raise NotReadableError(f"{has}, which this missionkit does not know")
+    _check_defaults(name, {it: now[it] for it in now if it not in fields_written})
+
+    def build(values: Any) -> Any:
+        count = len(fields_written)
+        if len(values) != count:
+            had = f"{name} was written with {len(values)} of its {count} values"
+            raise NotReadableError(had)
+        given = dict(zip(fields_written, values, strict=True))
+        return make([given.get(field, default) for field, default in now.items()])
+
+    return build
+
+
+def _completing(name: str, make: Build, now: Mapping[str, Any]) -> Build:
+    """Return what builds an instance whose last fields may be missing."""
+    count, names = len(now), list(now)
+
+    def build(values: Any) -> Any:
+        if len(values) == count:
+            return make(values)
+        if len(values) > count:
+            had = f"{name} was written with {len(values)} values"
+            raise NotReadableError(f"{had}, this missionkit knows {count}")
+        missing = {it: now[it] for it in names[len(values) :]}
+        _check_defaults(name, missing)
+        return make((*values, *missing.values()))
+
+    return build
+
+
+def _check_defaults(name: str, missing: Mapping[str, Any]) -> None:
+    if bare := [field for field, default in missing.items() if default is MISSING]:
+        lacks = f"{name} was written without {', '.join(bare)}"
+        raise NotReadableError(f"{lacks}, which this missionkit needs")
+
+
+def _defaults(kind: Any) -> dict[str, Any]:
+    """Return the default of each field, `MISSING` where there is none."""
+    if issubclass(kind, tuple):
+        return {name: kind._field_defaults.get(name, MISSING) for name in kind._fields}
+    return {it.name: it.default for it in fields(kind)}
 
 
 def _class_of(name: str) -> type | None:
@@ -202,12 +290,13 @@ def _array_of(content: Any) -> Any:
     return flat.reshape([int(size) for size in shape]).copy()[()]
 
 
-VALUE_BUILDERS: Mapping[str, Callable[[Any], Any]] = {
-    "int": lambda text: int(text, 16),
-    "float": float,
-    "list": lambda parts: [_built(part) for part in parts],
-    "dict": lambda pairs: {_built(key): _built(part) for key, part in pairs},
-    "set": lambda parts: frozenset(_built(part) for part in parts),
-    "bytes": lambda text: base64.b64decode(text, validate=True),
-    "array": _array_of,
-}
+def _value_builders(built: Build) -> Mapping[str, Build]:
+    return {
+        "int": lambda text: int(text, 16),
+        "float": float,
+        "list": lambda parts: [built(part) for part in parts],
+        "dict": lambda pairs: {built(key): built(part) for key, part in pairs},
+        "set": lambda parts: frozenset(built(part) for part in parts),
+        "bytes": lambda text: base64.b64decode(text, validate=True),
+        "array": _array_of,
+    }

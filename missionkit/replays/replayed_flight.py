@@ -50,7 +50,7 @@ def replayed(
     eye, contain = ReplayedVision(plan.eye), Containment()
     plan = plan._replace(eye=eye, arm_anyway=journal.head.arm_anyway)
     for now, text in journal.ticks[number - first_number(journal) :]:
-        given = tick_of(journal.path, text)
+        given = tick_of(journal, text)
         if given.number != number:
             return
         eye.shown = given.image
@@ -79,7 +79,7 @@ def start_at(plan: PreparedMission, journal: Journal, since: float) -> ReplaySta
         if not times:
             raise UsageError(f"{journal.path}: a resumed flight without a memory to start from")
         index = 0
-    saved = memory_of(journal.path, journal.memories[index][1])
+    saved = memory_of(journal, journal.memories[index][1])
     if not isinstance(saved.memory, FlightMemory):
         raise UsageError(f"{journal.path}: a memory was changed after the flight")
     return ReplayStart(saved.number, saved.memory)
@@ -87,4 +87,4 @@ def start_at(plan: PreparedMission, journal: Journal, since: float) -> ReplaySta
 
 def first_number(journal: Journal) -> int:
     """Return the number of the first tick that is there."""
-    return tick_of(journal.path, journal.ticks[0][1]).number if journal.ticks else 0
+    return tick_of(journal, journal.ticks[0][1]).number if journal.ticks else 0

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rehearsed import flown, plain, short_stage
 
 from missionkit.geometry import Transform
-from missionkit.messages import Action, Battery
+from missionkit.messages import Action, Battery, Verdict
 from missionkit.recorder import value_codec
 from missionkit.recorder.value_codec import (
     NotPlainError,
@@ -188,3 +188,39 @@ def test_a_class_with_its_own_code_is_not_built(monkeypatch, kind):
 def test_invalid_json_is_refused(text):
     with pytest.raises(NotReadableError):
         read(text)
+
+
+VERDICT = "missionkit.messages.verdict:Verdict"
+
+
+@pytest.mark.parametrize(
+    ("values", "fields"),
+    [
+        ([True, "seen"], {}),  # a journal that does not name the fields: the last are missing
+        (["seen", True], {VERDICT: ("why", "holds")}),  # one that does: any may be
+    ],
+)
+def test_a_class_that_has_gained_fields_is_read_with_their_defaults(values, fields):
+    back = value_codec.reader(fields)(json.dumps({VERDICT: values}))
+    assert back == Verdict(holds=True, why="seen")
+
+
+@pytest.mark.parametrize(
+    ("values", "fields", "why"),
+    [
+        ([], {}, "was written without holds, which this missionkit needs"),
+        (["seen"], {VERDICT: ("why",)}, "was written without holds, which this missionkit needs"),
+        ([1.0] * 9, {}, "was written with 9 values, this missionkit knows 5"),
+        ([True, 1.0], {VERDICT: ("holds", "x")}, "was written with x, which this missionkit does"),
+        ([True], {VERDICT: ("holds", "why")}, "was written with 1 of its 2 values"),
+    ],
+)
+def test_a_shape_that_cannot_be_read_is_named(values, fields, why):
+    with pytest.raises(NotReadableError, match=f"{VERDICT} {why}"):
+        value_codec.reader(fields)(json.dumps({VERDICT: values}))
+
+
+def test_the_classes_of_a_text_are_found_with_their_fields():
+    (name,) = value_codec.classes_in(written((Verdict(holds=True), {"a": (1, "b")})))
+    assert name == VERDICT
+    assert value_codec.field_names(name) == Verdict._fields

@@ -22,7 +22,7 @@ from missionkit.replays.replayed_flight import replayed, start_at
 def with_tick(journal, number, **changes):
     """Return the journal with another decision at one tick."""
     texts = list(journal.ticks)
-    tick = tick_of(journal.path, texts[number][1])
+    tick = tick_of(journal, texts[number][1])
     changed = tick._replace(decision=tick.decision._replace(**changes))
     texts[number] = (texts[number][0], value_codec.written(changed).encode())
     return journal._replace(ticks=tuple(texts))
@@ -54,7 +54,7 @@ def test_from_any_memory_too(run, plan, journal):
 
 def test_the_memory_it_passes_is_the_one_that_was_kept(plan, journal):
     kept = {memory.number: memory.memory for memory in (
-        memory_of(journal.path, text) for _, text in journal.memories)}  # fmt: skip
+        memory_of(journal, text) for _, text in journal.memories)}  # fmt: skip
     compared = 0
     for tick in replayed(plan, journal):
         if tick.number + 1 in kept:
@@ -65,7 +65,7 @@ def test_the_memory_it_passes_is_the_one_that_was_kept(plan, journal):
 
 def test_the_first_field_that_differs_is_named_with_its_tick(plan, journal):
     number = 60
-    flown = tick_of(journal.path, journal.ticks[number][1]).decision
+    flown = tick_of(journal, journal.ticks[number][1]).decision
     assert differing(plan, journal) is None
     assert differing(plan, with_tick(journal, number, active=("wait", "up"))) == (
         number, f"active: wait, up flown, {', '.join(flown.active)} replayed",
@@ -76,11 +76,11 @@ def test_the_first_field_that_differs_is_named_with_its_tick(plan, journal):
 def test_the_last_bit_counts(plan, journal):
     number, name, verdict = next(
         (tick.number, name, verdict)
-        for tick in (tick_of(journal.path, text) for _, text in journal.ticks)
+        for tick in (tick_of(journal, text) for _, text in journal.ticks)
         for name, verdict in tick.decision.verdicts
         if verdict.value is not None
     )
-    flown = tick_of(journal.path, journal.ticks[number][1]).decision
+    flown = tick_of(journal, journal.ticks[number][1]).decision
     moved = verdict._replace(value=float(np.nextafter(verdict.value, 10.0)))
     verdicts = tuple((it, moved if it == name else was) for it, was in flown.verdicts)
     at, field = differing(plan, with_tick(journal, number, verdicts=verdicts))

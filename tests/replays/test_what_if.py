@@ -7,7 +7,10 @@ import pytest
 from replays.conftest import LOOK, WORLD
 
 import missionkit
+from missionkit.api import what_if as api
+from missionkit.api.what_if import Question, what_if_each
 from missionkit.cli.app import app
+from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import UsageError
 from missionkit.recorder.journal_reader import tick_of
 from missionkit.replays.decision_table import Change
@@ -34,7 +37,7 @@ def edited(tmp_path):
 
 def waiting(journal):
     """Return the time and the confidence of each tick in which the guard was evaluated."""
-    ticks = (tick_of(journal.path, text) for _, text in journal.ticks)
+    ticks = (tick_of(journal, text) for _, text in journal.ticks)
     return [
         (tick.observation.now, verdict.value)
         for tick in ticks
@@ -123,6 +126,43 @@ def test_one_bad_journal_does_not_keep_the_others_from_being_compared(run, tmp_p
     printed = capsys.readouterr()
     assert "1 flight would have gone the same way" in printed.out
     assert "bad/journal.mcap: this is not a flight record" in printed.err
+
+
+def test_a_copied_journal_counts_once(run, tmp_path, capsys):
+    shutil.copytree(run, tmp_path / "one")
+    shutil.copy(tmp_path / "one/journal.mcap", tmp_path / "one/journal-2 (copy).mcap")
+    shutil.copytree(tmp_path / "one", tmp_path / "two")
+    assert len(missionkit.replay(tmp_path / "one")) == 1
+    with pytest.raises(SystemExit):
+        app(["what-if", str(tmp_path), "--set", "height=2.2"])
+    printed = capsys.readouterr()
+    assert "1 flight would have gone the same way" in printed.out
+    assert "two: the same flight as" in printed.err
+
+
+def test_a_value_that_comes_from_the_flight_is_named_as_such(run, edited):
+    path = edited(("{height: 2.0}", "{height: 2.0, spare: 1}"), ("spare: 1", "spare: 1"),
+                  ("after: 20", "after: $spare"), ("height: $height", "height: 2.0"),
+                  ("window: 10", "window: $height"), ("{height: 2.0,", "{height: 10,"))  # fmt: skip
+    with pytest.raises(UsageError) as refused:
+        missionkit.what_if(run, path)
+    assert "come from this flight, not from the file: height = 2.2 (the file: 10)" in str(
+        refused.value
+    )
+    assert missionkit.what_if(run, path, settings={"height": 10}).table.rows
+
+
+def test_flights_that_stand_on_the_same_mission_share_one_that_is_prepared(run, monkeypatch):
+    made = []
+    monkeypatch.setattr(api, "prepare", lambda *given: made.append(1) or prepare(*given))
+    answers = what_if_each([run] * 3, Question(None, {"height": 2.2}))
+    assert (len(answers), len(made)) == (3, 1)
+
+
+def test_two_processes_answer_the_same(run, monkeypatch):
+    monkeypatch.setattr(api, "WORTH_A_PROCESS", 2)
+    question = Question(None, {"height": 2.3})
+    assert what_if_each([run, run], question, processes=2) == what_if_each([run, run], question)
 
 
 @pytest.mark.parametrize(
