@@ -24,7 +24,7 @@ from missionkit.cli.mission_file_commands import (
     validate,
 )
 from missionkit.cli.option_errors import Commands
-from missionkit.cli.replay_commands import replay, what_if
+from missionkit.cli.replay_commands import page, replay, what_if
 from missionkit.errors import ExitCode
 from missionkit.version import __version__
 
@@ -45,7 +45,7 @@ app = typer.Typer(
 
 _COMMANDS = (
     *(run, validate, check, explain, plugins, schema, graph, new),
-    *(fleet, preflight, fence, sitl, campaign, report, replay, what_if, export, log),
+    *(fleet, preflight, fence, sitl, campaign, report, replay, page, what_if, export, log),
 )
 for _command in _COMMANDS:
     app.command()(reporting_errors(_command))

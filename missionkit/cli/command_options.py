@@ -30,6 +30,18 @@ System = Annotated[
         min=1, max=255, metavar="N", help="MAVLink system id, where several vehicles share a link"
     ),
 ]
+Bind = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HOST:PORT", help="serve there; 127.0.0.1:8123, or another free port, if absent"
+    ),
+]
+Certificate = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="TLS certificate, if HOST is not this computer")
+]
+CertificateKey = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="key of the TLS certificate")
+]
 
 
 def reporting_errors(command: Callable[P, R]) -> Callable[P, R]:

@@ -7,7 +7,14 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import Json, Plugins, Settings
+from missionkit.cli.command_options import (
+    Bind,
+    Certificate,
+    CertificateKey,
+    Json,
+    Plugins,
+    Settings,
+)
 
 RunFolder = Annotated[Path, typer.Argument(help="folder of a run, or a journal", metavar="RUN")]
 
@@ -26,6 +33,23 @@ def replay(
     from missionkit.cli import replay_command as command  # noqa: PLC0415
 
     raise typer.Exit(command.replay(run, since, tuple(plugin or ()), as_json=as_json))
+
+
+def page(
+    run: RunFolder,
+    bind: Bind = None,
+    tls_cert: Certificate = None,
+    tls_key: CertificateKey = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """Show a recorded flight in a browser, to be played, searched and asked."""
+    from missionkit.cli import page_command as command  # noqa: PLC0415
+    from missionkit.page.server.serving import binding  # noqa: PLC0415
+
+    where = binding(bind, tls_cert, tls_key)
+    raise typer.Exit(command.page(run, where, tuple(plugin or ()), as_json=as_json))
 
 
 def what_if(

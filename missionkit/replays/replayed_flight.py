@@ -10,6 +10,7 @@ from missionkit.engine.flight_state import FlightMemory
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.tick import tick
 from missionkit.errors import UsageError
+from missionkit.messages import Observation, Record
 from missionkit.perception.vision_recording import ReplayedVision
 from missionkit.plugin_containment import Containment
 from missionkit.recorder.flight_journal import Decision, decision_of, whole
@@ -24,6 +25,8 @@ class ReplayedTick(NamedTuple):
     flown: Decision
     replayed: Decision
     memory: FlightMemory  # after the tick, as replayed
+    record: Record  # as replayed
+    observation: Observation  # without its image
 
 
 class ReplayStart(NamedTuple):
@@ -54,9 +57,11 @@ def replayed(
         if given.number != number:
             return
         eye.shown = given.image
-        done = tick(plan, memory, whole(given), contain)
-        memory = done.memory
-        yield ReplayedTick(number, now, given.decision, decision_of(done.record), memory)
+        observation = whole(given)
+        done = tick(plan, memory, observation, contain)
+        memory, record = done.memory, done.record
+        decided = decision_of(record)
+        yield ReplayedTick(number, now, given.decision, decided, memory, record, observation)
         number += 1
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from textwrap import shorten, wrap
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from missionkit.chart.drawing.nested_layout import (
     Rectangle,
     nested,
 )
-from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, numbered
+from missionkit.chart.drawing.problem_marks import UNMARKED, Marks, Way, numbered
 from missionkit.chart.drawing.svg_shapes import LINE, PICTURE_MARGIN
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.model.state_definitions import State
@@ -45,6 +45,22 @@ class Shown(NamedTuple):
     mission: Mission
     marks: Marks = UNMARKED
     overlay: Overlay = NO_OVERLAY
+    ids: Mapping[Way, str] | None = None  # of the transitions, where a program shows the picture
+
+    def grouped(self, what: str, name: str, shapes: Iterable[str]) -> Iterator[str]:
+        """Yield shapes, in a group that names what they are if the picture has ids.
+
+        Args:
+            what: state or transition.
+            name: of it.
+            shapes: SVG.
+        """
+        if self.ids is None or not name:
+            yield from shapes
+            return
+        yield f'<g data-{what}="{escape(name)}">'
+        yield from shapes
+        yield "</g>"
 
     def note(self, name: str) -> OverlayNote:
         """Return what stands at a state."""
@@ -59,10 +75,15 @@ class LabelledArrow(NamedTuple):
     noted: Sequence[str] = ()
     style: str = ""
     weight: float = 0.0
+    id: str = ""  # of the transition
 
 
 def svg(
-    mission: Mission, marks: Marks = UNMARKED, overlay: Overlay = NO_OVERLAY, key: str = ""
+    mission: Mission,
+    marks: Marks = UNMARKED,
+    overlay: Overlay = NO_OVERLAY,
+    key: str = "",
+    ids: Mapping[Way, str] | None = None,
 ) -> str:
     """Return the mission as an SVG document: states coloured by kind, guards on the arrows.
 
@@ -71,8 +92,10 @@ def svg(
         marks: the states and transitions to be drawn in red, and why.
         overlay: notes, weights, and what the chart does not declare.
         key: tells this picture from others on the same page.
+        ids: of the transitions; with them, states and transitions are groups with `data-state`
+            and `data-transition`.
     """
-    shown = Shown(mission, marks, overlay)
+    shown = Shown(mission, marks, overlay, ids)
     ways = list(_ways(shown))
     parents = {name: parent for name, _, parent in mission.walk()}
     sizes = {name: _size_of(name, state, shown) for name, state, _ in mission.walk()}
@@ -103,8 +126,8 @@ def svg(
             f'{TITLE_HEIGHT:.1f})">',
             *_groups(shown, drawn),
             *(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="#1f2937"/>' for x, y in drawn.dots),
-            *_arrows(drawn, ways, key),
-            *_labels(drawn, ways),
+            *_arrows(shown, drawn, ways, key),
+            *_labels(shown, drawn, ways),
             *_states(shown, drawn),
             *_ends(overlay, drawn),
             "</g>",
@@ -116,7 +139,7 @@ def svg(
 
 def _ways(shown: Shown) -> Iterator[LabelledArrow]:
     """Yield every arrow."""
-    mission, marks, overlay = shown
+    mission, marks, overlay, ids = shown
     yield from (LabelledArrow(Arrow(None, to, _size([]))) for to in mission.initial.to)
     for name, state, _ in mission.walk():
         for number, each in enumerate(state.transitions):
@@ -126,7 +149,8 @@ def _ways(shown: Shown) -> Iterator[LabelledArrow]:
             style = "marked" if found else "pale" if note.pale else ""
             for to in each.targets or (name,):
                 arrow = Arrow(name, to, _size([*lines, *note.lines]))
-                yield LabelledArrow(arrow, lines, note.lines, style, note.weight)
+                id_ = (ids or {}).get((name, number), "")
+                yield LabelledArrow(arrow, lines, note.lines, style, note.weight, id_)
         if state.initial is not None:
             yield from (LabelledArrow(Arrow(None, to, _size([]), name)) for to in state.initial.to)
         if state.default is not None:
@@ -174,19 +198,25 @@ def _title(mission: Mission) -> Iterator[str]:
     yield f'<text class="small" x="{PICTURE_MARGIN}" y="50">{escape(summary)}</text>'
 
 
-def _arrows(drawn: Drawing, ways: Sequence[LabelledArrow], key: str) -> Iterator[str]:
+def _arrows(shown: Shown, drawn: Drawing, ways: Sequence[LabelledArrow], key: str) -> Iterator[str]:
     for route, way in zip(drawn.routes, ways, strict=True):
-        yield svg_shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
+        path = svg_shapes.arrow(route, f"arrow {way.style}".rstrip(), key, way.weight)
+        yield from shown.grouped("transition", way.id, [path])
 
 
-def _labels(drawn: Drawing, ways: Sequence[LabelledArrow]) -> Iterator[str]:
-    for (x, y), (_, lines, noted, style, _) in zip(drawn.labels, ways, strict=True):
-        words = [*((it, "small") for it in lines), *((it, "note") for it in noted)]
-        if words:
-            yield svg_shapes.rectangle(Rectangle(x, y, _size([*lines, *noted])), "label", 3)
-        for at, (line, size) in enumerate(words):
-            top = y + LINE * (at - (len(words) - 1) / 2) + 4
-            yield svg_shapes.text(line, x, top, f"{size} {style}".rstrip())
+def _labels(shown: Shown, drawn: Drawing, ways: Sequence[LabelledArrow]) -> Iterator[str]:
+    for (x, y), way in zip(drawn.labels, ways, strict=True):
+        yield from shown.grouped("transition", way.id, _label(x, y, way))
+
+
+def _label(x: float, y: float, way: LabelledArrow) -> Iterator[str]:
+    _, lines, noted, style, *_ = way
+    words = [*((it, "small") for it in lines), *((it, "note") for it in noted)]
+    if words:
+        yield svg_shapes.rectangle(Rectangle(x, y, _size([*lines, *noted])), "label", 3)
+    for at, (line, size) in enumerate(words):
+        top = y + LINE * (at - (len(words) - 1) / 2) + 4
+        yield svg_shapes.text(line, x, top, f"{size} {style}".rstrip())
 
 
 def _groups(shown: Shown, drawn: Drawing) -> Iterator[str]:
@@ -198,7 +228,8 @@ def _groups(shown: Shown, drawn: Drawing) -> Iterator[str]:
     for name, state, _ in mission.walk():
         if state.states:
             style = " around region" if name in regions else " around"
-            yield _border(name, state, shown, drawn.states[name], style)
+            border = _border(name, state, shown, drawn.states[name], style)
+            yield from shown.grouped("state", name, [border])
 
 
 def _border(name: str, state: State, shown: Shown, place: Rectangle, style: str = "") -> str:
@@ -212,21 +243,25 @@ def _border(name: str, state: State, shown: Shown, place: Rectangle, style: str 
 def _states(shown: Shown, drawn: Drawing) -> Iterator[str]:
     """Yield the names of all states, and the borders of those without states inside."""
     for name, state, _ in shown.mission.walk():
-        x, y, box = drawn.states[name]
-        heading = _size_of(name, state, shown)
-        if not state.states:
-            yield _border(name, state, shown, drawn.states[name])
-        else:
-            x += (heading.width - box.width) / 2
-            y += heading.height / 2 + 2 - box.height / 2
-            back = LayoutBox(heading.width - 20, heading.height - 14)
-            yield svg_shapes.rectangle(Rectangle(x, y - 1, back), "label", 3)
-        found = numbered(shown.marks.states.get(name, ()))
-        tone = " marked" if found else " pale" if shown.note(name).pale else ""
-        top = y - heading.height / 2
-        yield svg_shapes.text(f"{name} {found}".rstrip(), x, top + 21, f"name{tone}")
-        yield svg_shapes.text(_does(name, state), x, top + 38, "small")
-        yield from _noted(shown.note(name).lines, x, top + 38 + LINE)
+        yield from shown.grouped("state", name, _state(name, state, shown, drawn.states[name]))
+
+
+def _state(name: str, state: State, shown: Shown, place: Rectangle) -> Iterator[str]:
+    x, y, box = place
+    heading = _size_of(name, state, shown)
+    if not state.states:
+        yield _border(name, state, shown, place)
+    else:
+        x += (heading.width - box.width) / 2
+        y += heading.height / 2 + 2 - box.height / 2
+        back = LayoutBox(heading.width - 20, heading.height - 14)
+        yield svg_shapes.rectangle(Rectangle(x, y - 1, back), "label", 3)
+    found = numbered(shown.marks.states.get(name, ()))
+    tone = " marked" if found else " pale" if shown.note(name).pale else ""
+    top = y - heading.height / 2
+    yield svg_shapes.text(f"{name} {found}".rstrip(), x, top + 21, f"name{tone}")
+    yield svg_shapes.text(_does(name, state), x, top + 38, "small")
+    yield from _noted(shown.note(name).lines, x, top + 38 + LINE)
 
 
 def _ends(overlay: Overlay, drawn: Drawing) -> Iterator[str]:
@@ -245,7 +280,7 @@ def _noted(lines: Sequence[str], x: float, y: float) -> Iterator[str]:
 
 def _strips(shown: Shown) -> Iterator[tuple[str, list[str]]]:
     """Yield what stands below the chart."""
-    mission, marks, overlay = shown
+    mission, marks, overlay, _ = shown
     if marks.lines:
         problems = [line for it in marks.lines for line in svg_shapes.listed(it)]
         yield "strip", ["Problems, marked in red:", *problems]

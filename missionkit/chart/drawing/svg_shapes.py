@@ -16,7 +16,7 @@ LIST_WIDTH = 110  # characters
 RED, ARROW_INK, PALE = "#c81e1e", "#4b5563", "#b6bdc8"
 HEAVIEST = 4.0  # px that a weight of 1 adds to an arrow
 TIPS = {"arrow": (ARROW_INK, 8), "heavy": (ARROW_INK, 13), "red": (RED, 8), "pale": (PALE, 8)}
-_STYLE_SHEET = (
+STYLE_SHEET = (
     "text{font-family:Helvetica,Arial,'DejaVu Sans',sans-serif;fill:#1f2937}",
     ".title{font-size:19px;font-weight:bold}",
     ".name{font-size:15px;font-weight:bold}",
@@ -43,7 +43,7 @@ _STYLE_SHEET = (
 
 def preamble(key: str) -> str:
     """Return the style of a picture, which holds inside it alone, and the tips of its arrows."""
-    style = "".join(f".chart {rule}" for rule in _STYLE_SHEET)
+    style = "".join(f".chart {rule}" for rule in STYLE_SHEET)
     return f"<style>{style}</style><defs>{''.join(_tip(key, name) for name in TIPS)}</defs>"
 
 

@@ -1,0 +1,52 @@
+"""`missionkit page`: serve the page of a recorded flight."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+from missionkit.errors import ExitCode, printable
+from missionkit.page.recording.recorded_run import recorded_run
+from missionkit.page.recording.recording_source import RecordingSource
+from missionkit.page.server.origin_check import is_loopback
+from missionkit.page.server.serving import Binding, PageAddress, serve
+from missionkit.page.server.sessions import Tokens
+
+
+def page(run: Path, where: Binding, plugins: Sequence[Path], *, as_json: bool) -> ExitCode:
+    """Serve the page of a recorded flight until it is interrupted.
+
+    Args:
+        run: folder of a run, or a journal.
+        where: the page is served.
+        plugins: files that the flight used.
+        as_json: print the address as JSON.
+
+    Raises:
+        FileError: the mission cannot be used by this version of missionkit.
+        UsageError: there is no journal, or the address cannot be served.
+    """
+    found = recorded_run(run, plugins)
+    tokens = None if is_loopback(where.host) else Tokens.fresh()
+    with closing(found.images):
+        source = RecordingSource(found)
+        serve(source, where, tokens, lambda address: announce(address, as_json=as_json))
+    return ExitCode.SUCCESS
+
+
+def announce(address: PageAddress, *, as_json: bool) -> None:
+    """Print how to get in.
+
+    Args:
+        address: of the page.
+        as_json: for programs.
+    """
+    if as_json:
+        said = {"url": address.url, "pilot": address.pilot, "view": address.view}
+        print(json.dumps(said), flush=True)  # noqa: T201
+        return
+    print(printable(f"page: {address.pilot}"), flush=True)  # noqa: T201
+    if address.tokens is not None:
+        print(printable(f"to look only: {address.view}"), flush=True)  # noqa: T201

@@ -1,0 +1,1 @@
+"""A recorded flight as the page plays it back."""

@@ -1,0 +1,1 @@
+"""The web server of the page: who may see and do what, and the messages."""
