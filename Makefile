@@ -72,6 +72,7 @@ picture: .venv/ready
 	$(BIN)/missionkit run missions/precision_task.yaml --seed 0 --headless --out build/picture
 	cp build/picture/precision-task-seed0/track.png docs/images/precision_task.png
 	$(BIN)/python -m docs.patterns_picture
+	$(BIN)/python -m docs.jobs_picture
 
 schema: .venv/ready
 	$(BIN)/missionkit schema --write schemas
