@@ -34,6 +34,8 @@ from missionkit.vehicle.telemetry.required_inputs import (
 )
 
 NOTED = "an observer"
+LAG_ALLOWED = 0.1  # s, of a simulated autopilot's clock: messages come by the tick
+LONGEST_WAIT = 0.05  # s, of the vehicle
 READY_INTERVAL = 0.1  # s between two times that a vehicle says it is ready
 
 
@@ -140,6 +142,7 @@ def fly_vehicle(
     reports: Reports | None = None,
     resume: Callable[[], Resumption] | None = None,
     look_first: bool = False,
+    simulated: bool = False,
 ) -> FlownFlight:
     """Fly a mission with a vehicle on MAVLink, tied to the wall clock.
 
@@ -156,6 +159,8 @@ def fly_vehicle(
         reports: takes what fails beside the flight.
         resume: continues a flight in progress.
         look_first: begin only once the pre-flight report has nothing against flying.
+        simulated: a simulated autopilot, as one always is at another `speed` than 1: mission time
+            waits for its clock.
 
     Raises:
         NotFitError: the pre-flight report speaks against flying.
@@ -173,7 +178,7 @@ def fly_vehicle(
             vehicle,
             (*(contained(NOTED, it, reports) for it in observers), tell),
             operator=operator,
-            pace=FromFirstTick(speed),
+            pace=FromFirstTick(speed, vehicle if simulated or speed != 1.0 else None),
             time_limit=time_limit,
             believe_stopwatch=True,
             keeper=contained(CHECKPOINTS, keeper, reports),
@@ -204,10 +209,17 @@ async def _together(vehicle: MavsdkVehicle, operator: Operator) -> None:
 
 
 class FromFirstTick:
-    """Ties mission time to the wall from the first tick on, however long connecting took."""
+    """Ties mission time to the wall from the first tick on, however long connecting took.
 
-    def __init__(self, speed: float = 1.0) -> None:
+    Args:
+        speed: seconds of the vehicle in one of the wall.
+        simulated: a simulated autopilot, whose clock mission time waits for where it lags: by a
+            tick at most for each, so that time never stands still.
+    """
+
+    def __init__(self, speed: float = 1.0, simulated: MavsdkVehicle | None = None) -> None:
         self._speed = speed
+        self._simulated = simulated
         self._pace: RealTime | None = None
 
     async def until(self, at: float) -> None:
@@ -215,3 +227,8 @@ class FromFirstTick:
         if self._pace is None:
             self._pace = RealTime(self._speed, at)
         await self._pace.until(at)
+        lag = 0.0 if self._simulated is None else self._simulated.lag(at) - LAG_ALLOWED
+        if self._simulated is not None and lag > 0.0:
+            wait = min(lag, LONGEST_WAIT) / self._speed
+            self._simulated.put_off(wait)
+            await self._pace.put_off(wait)

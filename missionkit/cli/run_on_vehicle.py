@@ -133,6 +133,7 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
             reports=sinks.reports,
             resume=None if past is None else lambda: woken(past, vehicle, speed),
             look_first=past is None and not order.anyway,
+            simulated=order.sitl is not None,
         )
     if vehicle.traffic is not None and flown.end in AT_REST:
         vehicle.traffic.end()

@@ -32,6 +32,11 @@ class RealTime:
         """Sleep until the wall clock has caught up."""
         await asyncio.sleep(max(0.0, self._start + at / self._speed - time.perf_counter()))
 
+    async def put_off(self, wait: float) -> None:
+        """Let `wait` (s, of the wall) pass without mission time."""
+        self._start += wait
+        await asyncio.sleep(wait)
+
 
 def date() -> float:
     """Return the computer's idea of the date (s since 1970): the one clock that outlives us."""

@@ -44,6 +44,7 @@ from missionkit.vehicle.telemetry.observer import Observer, TimedVelocity
 from missionkit.vehicle.telemetry.raw_imu_conversion import RawImuConverter
 from missionkit.vehicle.telemetry.reported_pose import Pose, reported_pose
 from missionkit.vehicle.telemetry.required_inputs import Reliance
+from missionkit.vehicle.telemetry.simulation_lag import SimulationLag
 
 ANSWER_TIMEOUT = 10.0  # s to wait for an answer
 CENSUS = 1.2  # s (of the vehicle) in which every autopilot on a link sends a heartbeat
@@ -91,6 +92,7 @@ class MavsdkVehicle:
         self._patience = patience
         self._lock = lock or LinkLock(address)
         self._clock = MissionClock(pace)
+        self._lag = SimulationLag(self.cache)
         self._lifecycle = LinkLifecycle(pace)
         self.cache.listen(self._lifecycle.hear)
         self._share = share
@@ -276,6 +278,14 @@ class MavsdkVehicle:
         """Wait until a message of a name is there; say whether it is."""
         found = self.cache.wait
         return await self.call(found, lambda: self.cache.latest(name) is not None, patience)
+
+    def lag(self, now: float) -> float:
+        """Return how far (s) a simulated autopilot's clock has fallen behind mission time `now`."""
+        return self._lag.at(now)
+
+    def put_off(self, wait: float) -> None:
+        """Take note that mission time stood still for `wait` (s, of the wall)."""
+        self._clock.put_off(wait)
 
     def mission_time(self, wall_time: float) -> float | None:
         """Return the mission time (s) at a wall time, None before the first tick."""

@@ -44,6 +44,11 @@ class MissionClock:
         if self._offset is None or offset > self._offset:
             self._offset = offset
 
+    def put_off(self, wait: float) -> None:
+        """Forget that `wait` (s, of the wall) have passed: mission time stood still."""
+        if self._offset is not None:
+            self._offset -= wait * self.speed
+
     def at(self, wall_time: float) -> float | None:
         """Return the mission time (s) at a wall time, None before the first tick."""
         return None if self._offset is None else wall_time * self.speed + self._offset
