@@ -18,10 +18,19 @@ ROOT = Path(__file__).parent
 PAGE = ROOT / "reference" / "python-api.md"
 SECTIONS = ("Args", "Attributes", "Returns", "Raises", "Example")
 PARTS = {
-    "Functions": ("load", "validate", "rehearse", "fly", "replay", "what_if", "campaign"),
+    "Functions": (
+        "load",
+        "validate",
+        "rehearse",
+        "fly",
+        "replay",
+        "what_if",
+        "campaign",
+        "subscribe",
+    ),
     "What they take and return": (
         *("LoadedMission", "Operator", "Summary", "Analysis", "Replay", "ReplayDifference"),
-        "WhatIf",
+        *("WhatIf", "TopicBus", "Subscription"),
         "Problem",
     ),
     "Errors": ("MissionkitError", "FileError", "UsageError", "VehicleError", "NotFitError"),

@@ -71,6 +71,9 @@ if TYPE_CHECKING:
     from missionkit.plugin_protocols import NamedInput as NamedInput
     from missionkit.plugin_protocols import Prior as Prior
     from missionkit.recorder.run_summary import Summary as Summary
+    from missionkit.recorder.topic_bus import Subscription as Subscription
+    from missionkit.recorder.topic_bus import TopicBus as TopicBus
+    from missionkit.recorder.topic_bus import subscribe as subscribe
 
 _HOMES = {  # module -> what it gives
     "api.campaign": ("campaign",),
@@ -107,6 +110,7 @@ _HOMES = {  # module -> what it gives
     ),
     "plugin_protocols": ("Inputs", "NamedInput", "Prior"),
     "recorder.run_summary": ("Summary",),
+    "recorder.topic_bus": ("Subscription", "TopicBus", "subscribe"),
 }
 _HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
 

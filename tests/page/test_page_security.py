@@ -100,6 +100,7 @@ def test_a_request_that_is_no_json_or_too_long_gets_a_sentence(browser):
     ("text", "says"),
     [
         ("192.168.1.20:8123", "over TLS"),
+        ("127.example:8123", "over TLS"),
         ("0.0.0.0:8123", "name the address of this computer"),
         ("127.0.0.1:99999", "expected HOST:PORT"),
         ("localhost:http", "expected HOST:PORT"),

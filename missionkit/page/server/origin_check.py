@@ -7,6 +7,7 @@ must come from a page of this server.
 
 from __future__ import annotations
 
+import ipaddress
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -57,7 +58,10 @@ class Addresses(NamedTuple):
 
 def is_loopback(host: str) -> bool:
     """Say whether an address can be reached from this computer alone."""
-    return host in {"localhost", "::1"} or host.startswith("127.")
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:  # a name
+        return False
 
 
 class OriginCheck:
