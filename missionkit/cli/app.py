@@ -1,32 +1,48 @@
-"""All commands of `missionkit`. What they do is imported when they are called."""
+"""All commands of `missionkit`, each imported when it is called."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from missionkit.cli.autopilot_commands import fence, preflight, sitl
-from missionkit.cli.camera_commands import camera as camera_commands
-from missionkit.cli.campaign_commands import campaign, report
-from missionkit.cli.command_options import reporting_errors
-from missionkit.cli.detector_commands import detector as detector_commands
-from missionkit.cli.fleet_commands import fleet
-from missionkit.cli.flight_commands import run
-from missionkit.cli.interchange_commands import export, import_, log
-from missionkit.cli.mission_file_commands import (
-    check,
-    explain,
-    graph,
-    new,
-    plugins,
-    schema,
-    validate,
-)
-from missionkit.cli.option_errors import Commands
-from missionkit.cli.replay_commands import page, replay, what_if
+from missionkit.cli.commands_on_demand import CommandsOnDemand
+from missionkit.cli.option_errors import WordedErrors
 from missionkit.errors import ExitCode
 from missionkit.version import __version__
+
+_COMMANDS = {  # in the order of `--help`
+    "run": "flight_commands.run",
+    "validate": "mission_file_commands.validate",
+    "check": "mission_file_commands.check",
+    "explain": "mission_file_commands.explain",
+    "plugins": "mission_file_commands.plugins",
+    "schema": "mission_file_commands.schema",
+    "graph": "mission_file_commands.graph",
+    "new": "mission_file_commands.new",
+    "fleet": "fleet_commands.fleet",
+    "preflight": "autopilot_commands.preflight",
+    "fence": "autopilot_commands.fence",
+    "sitl": "autopilot_commands.sitl",
+    "campaign": "campaign_commands.campaign",
+    "report": "campaign_commands.report",
+    "replay": "replay_commands.replay",
+    "page": "replay_commands.page",
+    "what-if": "replay_commands.what_if",
+    "export": "interchange_commands.export",
+    "log": "interchange_commands.log",
+    "import": "interchange_commands.import_",
+    "camera": "camera_commands.camera",
+    "detector": "detector_commands.detector",
+}
+
+
+class Commands(WordedErrors):
+    """The commands of `missionkit`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options | {"commands": CommandsOnDemand(_COMMANDS)})
+
 
 app = typer.Typer(
     name="missionkit",
@@ -42,16 +58,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-
-_COMMANDS = (
-    *(run, validate, check, explain, plugins, schema, graph, new),
-    *(fleet, preflight, fence, sitl, campaign, report, replay, page, what_if, export, log),
-)
-for _command in _COMMANDS:
-    app.command()(reporting_errors(_command))
-app.command("import")(reporting_errors(import_))
-app.add_typer(camera_commands, name="camera")
-app.add_typer(detector_commands, name="detector")
 
 
 @app.callback(invoke_without_command=True)

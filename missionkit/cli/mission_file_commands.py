@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from missionkit.cli.command_options import Json, MissionFile, Plugins, Settings
+from missionkit.cli.garbage_collection import collected_rarely
 
 
+@collected_rarely()
 def validate(
     missions: Annotated[
         list[Path], typer.Argument(help="mission files", metavar="MISSION.yaml ...")
@@ -50,6 +52,7 @@ def check(
     )
 
 
+@collected_rarely()
 def explain(mission: MissionFile, settings: Settings = None, plugin: Plugins = None) -> None:
     """Say in plain sentences what a mission does, state by state."""
     from missionkit.cli import mission_commands  # noqa: PLC0415
@@ -57,6 +60,7 @@ def explain(mission: MissionFile, settings: Settings = None, plugin: Plugins = N
     mission_commands.explain(mission, settings or (), plugin or ())
 
 
+@collected_rarely()
 def plugins(
     name: Annotated[str | None, typer.Argument(help="show the manual page of this one")] = None,
     plugin: Plugins = None,
@@ -69,6 +73,7 @@ def plugins(
     plugin_manual.plugins(name, plugin or (), as_json=as_json)
 
 
+@collected_rarely()
 def schema(
     kind: Annotated[str, typer.Argument(help="mission, world or free_flyer_world")] = "mission",
     plugin: Plugins = None,
@@ -86,6 +91,7 @@ def schema(
     mission_commands.schema(kind, plugin or (), write, of)
 
 
+@collected_rarely()
 def graph(
     mission: MissionFile,
     out: Annotated[

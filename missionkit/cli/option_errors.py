@@ -29,8 +29,8 @@ _EXPECTED = {
 }
 
 
-class Commands(TyperGroup):
-    """The commands, with errors in their use worded as elsewhere in missionkit."""
+class WordedErrors(TyperGroup):
+    """A group of commands, with errors in their use worded as elsewhere in missionkit."""
 
     @override
     def make_context(self, *args: Any, **kwargs: Any) -> Any:
