@@ -8,7 +8,8 @@ its function says.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from functools import lru_cache
 
 from missionkit.messages.region import Box, Boxes, Interval, Quantity
 
@@ -17,12 +18,13 @@ NO_BOXES: Boxes = ()
 MOST_BOXES = 64
 MOST_QUANTITIES = 24  # named by one box
 MOST_PIECES = 256  # of a box, while others are cut out of it
+MOST_SIDES = 4096  # of intervals, remembered
 ALL_VALUES = Interval()
 
 
 def within(quantity: Quantity, interval: Interval) -> Interval | None:
     """Return the part of an interval that the quantity can have, None if there is none."""
-    cut = _met(interval, Interval(quantity.least, quantity.most))
+    cut = _met(interval, (quantity.least, quantity.most, False, False))
     if cut is None or not quantity.whole:
         return cut
     low = _up(cut.low, open_=cut.low_open)
@@ -37,11 +39,18 @@ def _up(value: float, *, open_: bool) -> float:
     return float(math.floor(value) + 1 if open_ else math.ceil(value))
 
 
-def _met(one: Interval, other: Interval) -> Interval | None:
-    low, low_open = max((one.low, one.low_open), (other.low, other.low_open))
-    high, shut = min((one.high, not one.high_open), (other.high, not other.high_open))
-    empty = low > high or (low == high and (low_open or not shut)) or low == math.inf
-    return None if empty else Interval(low, high, low_open, not shut)
+def _met(one: Interval, other: tuple[float, float, bool, bool]) -> Interval | None:
+    """Return what is in both: the first itself if that is all of it."""
+    low, high, low_open, high_open = one
+    least, most, least_open, most_open = other
+    if least > low or (least == low and least_open):
+        low, low_open = least, least_open
+    if most < high or (most == high and most_open):
+        high, high_open = most, most_open
+    if low > high or (low == high and (low_open or high_open)) or low == math.inf:
+        return None
+    met = (low, high, low_open, high_open)
+    return one if met == one else Interval._make(met)
 
 
 def meet(one: Box, other: Box) -> Box | None:
@@ -127,15 +136,14 @@ def outside(box: Box) -> Boxes:
     return tuple(sides)
 
 
-def _sides(quantity: Quantity, one: Interval, other: Interval) -> Iterator[Interval]:
-    """Yield what of `one` lies below and above `other`."""
-    below = Interval(-math.inf, other.low, high_open=not other.low_open)
-    above = Interval(other.high, math.inf, low_open=not other.high_open)
-    for side in (below, above):
-        cut = _met(one, side)
-        cut = None if cut is None else within(quantity, cut)
-        if cut is not None:
-            yield cut
+@lru_cache(MOST_SIDES)
+def _sides(quantity: Quantity, one: Interval, other: Interval) -> tuple[Interval, ...]:
+    """Return what of `one` lies below and above `other`."""
+    below = (-math.inf, other.low, False, not other.low_open)
+    above = (other.high, math.inf, not other.high_open, False)
+    cuts = (_met(one, side) for side in (below, above))
+    inside = (within(quantity, cut) for cut in cuts if cut is not None)
+    return tuple([cut for cut in inside if cut is not None])
 
 
 def difference(box: Box, other: Box) -> list[Box]:
@@ -155,14 +163,12 @@ def difference(box: Box, other: Box) -> list[Box]:
     return pieces
 
 
-def _unnamed(quantity: Quantity, there: Interval | None) -> Iterator[Interval | None]:
-    """Yield what any or no value of a quantity leaves beside `there`."""
-    everything = within(quantity, ALL_VALUES)
+@lru_cache(MOST_SIDES)
+def _unnamed(quantity: Quantity, there: Interval | None) -> tuple[Interval | None, ...]:
+    """Return what any or no value of a quantity leaves beside `there`."""
     if there is None:
-        yield everything
-        return
-    yield None
-    yield from _sides(quantity, ALL_VALUES, there)
+        return (within(quantity, ALL_VALUES),)
+    return (None, *_sides(quantity, ALL_VALUES, there))
 
 
 def remains(boxes: Boxes, cut: Boxes) -> Boxes | None:

@@ -92,6 +92,7 @@ class Situation:
     def __init__(self, oracle: Oracle, plan: Sequence[Choice], age: float) -> None:
         self.oracle = oracle
         self.plan = plan
+        self.planned = len(plan)
         self.choices: list[Choice] = []
         self.known = oracle.nothing
         self.age = age  # s that the commanding state has lasted at most
@@ -103,9 +104,9 @@ class Situation:
     def pick(self, count: int) -> int:
         """Return the number of an option: as planned, beyond that the first."""
         at = len(self.choices)
-        taken = self.plan[at].taken if at < len(self.plan) else 0
-        self.choices.append(Choice(taken, count))
-        return taken
+        choice = self.plan[at] if at < self.planned else Choice(0, count)
+        self.choices.append(choice)
+        return choice.taken
 
     def following(self) -> list[Choice] | None:
         """Return the plan of the next path, None if this was the last."""

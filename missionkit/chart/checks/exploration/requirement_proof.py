@@ -94,6 +94,7 @@ class _Prover:
         self.limit = inf if requirement.limit is None else requirement.limit
         self.refuting = False  # only the chart's own states and variables count as sure
         self.truths: dict[tuple[int, int], Truth] = {}  # by the identities of boxes and guard
+        self.ends: dict[tuple[int, int], Truth] = {}  # by those of what is seen and moment
         self.regions: dict[int, GuardRegion] = {}
         self.opened: dict[int, Moment] = {}  # by the identity of the moment, which the model keeps
 
@@ -259,7 +260,11 @@ class _Prover:
         observed = edge.observed
         if moment is None or observed is None:
             return FAILS
-        return self._of(self._opened(moment), observed)
+        key = (id(observed), id(moment))
+        truth = self.ends.get(key)
+        if truth is None:
+            truth = self.ends[key] = self._of(self._opened(moment), observed)
+        return truth
 
     def _opened(self, moment: Moment) -> Moment:
         if id(moment) not in self.opened:

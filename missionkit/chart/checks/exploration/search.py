@@ -56,6 +56,7 @@ class Search:
         self.known: dict[Any, list[Node]] = {}
         self.edges: dict[int, list[Edge]] = {}
         self.kept: dict[int, tuple[Boxes, Boxes]] = {}
+        self.ends: dict[Any, Observed] = {}  # each once: what they say is worked out once
         self.observed = bool(chart.analysed.mission.requirements)
         self.taken: dict[int, Example] = {}
         self.rests: dict[int, Boxes] = {}
@@ -178,8 +179,9 @@ class Search:
         boxes = tick.step.boxes
         if tick.moves and not tick.fresh:  # no guard was asked since
             boxes = self._kept(boxes)
-        active, variables = tick.memory.active, tick.memory.variables
-        self._connect(node, Edge(to, tick.step, Observed(active, entered, variables, boxes)))
+        ends = Observed(tick.memory.active, entered, tick.memory.variables, boxes)
+        key = (ends.active, entered, id(ends.variables), id(boxes))
+        self._connect(node, Edge(to, tick.step, self.ends.setdefault(key, ends)))
 
     def _kept(self, boxes: Boxes) -> Boxes:
         """Return what entering a state leaves of boxes: the same object for the same boxes."""
