@@ -18,6 +18,7 @@ from missionkit.chart.checks.exploration.concrete_flight import Instant, Run
 from missionkit.chart.checks.exploration.concrete_run import Concrete
 from missionkit.chart.checks.exploration.exploration_result import Exploration
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
+from missionkit.chart.checks.exploration.independent_regions import independent
 from missionkit.chart.checks.exploration.requirement_proof import Proof, Standing, proofs
 from missionkit.chart.checks.exploration.search import explore
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
@@ -34,9 +35,21 @@ from missionkit.guards.plugin_failure import FAILING
 from missionkit.messages import GROUND_TOUCHED
 from missionkit.plugin_containment import Containment
 from studies.parallel import in_parallel
-from studies.soundness_charts import CATALOGUE, TICK, Seen, chart, estimate, flight, requirements
+from studies.soundness_charts import (
+    CATALOGUE,
+    EVENTS,
+    OWN_EVENTS,
+    TICK,
+    Seen,
+    chart,
+    chart_of_regions,
+    estimate,
+    flight,
+    requirements,
+)
 
 FLIGHTS = 6  # through each chart
+REGIONS = 5  # of so many charts one is made of regions, without requirements
 PAGE = """# Study: what is called impossible never happens, and what can happen does
 
 Random charts with parallel regions, timers, events, delayed events, variables, invariants and
@@ -45,7 +58,8 @@ times at random, and flies the run that the checks found to each transition that
 
     {command}
 
-- Charts: {charts}, of which {complete} were explored completely.
+- Charts: {charts}, of which {complete} were explored completely, and {apart} have independent
+  regions, which were explored apart.
 - Random ticks: {ticks}. A transition that can never fire fired, a state that is never reached was
   reached, a tick did not come to rest although none was found, a requirement was broken that was
   proved, or fulfilled that no run can fulfil, or a run did not happen: **{contradictions}**.
@@ -62,6 +76,7 @@ class Judged(NamedTuple):
 
     seed: int
     complete: bool
+    apart: bool  # its regions are independent
     ticks: int
     contradictions: tuple[str, ...]
     shown: int  # transitions and failsafes with a run
@@ -170,9 +185,13 @@ def as_seen(instant: Instant) -> Seen:
 def judged(seed: int) -> Judged:
     """Explore one random chart and fly it."""
     random = Random(seed)  # noqa: S311 - nothing secret
-    text = chart(random)
-    flights = [flight(random) for _ in range(FLIGHTS)]
-    text = "\n".join((text, *requirements(random)))
+    if seed % REGIONS:
+        text, known = chart(random), EVENTS
+    else:
+        text, known = chart_of_regions(random), (*EVENTS, *OWN_EVENTS)
+    flights = [flight(random, known) for _ in range(FLIGHTS)]
+    if seed % REGIONS:
+        text = "\n".join((text, *requirements(random)))
     mission = parse(text, "m.yaml", CATALOGUE)
     catalogue = CATALOGUE.flying(mission.vehicle.use)
     explored_chart = ExploredChart(AnalysedChart(fulfilled(mission, catalogue), catalogue))
@@ -193,8 +212,10 @@ def judged(seed: int) -> Judged:
     ticks = sum(map(len, flights))
     known = Counter(proof.standing for proof in proved)
     standings = (known[Standing.PROVED], known[Standing.REFUTED], known[Standing.OPEN])
+    apart = independent(explored_chart) is not None
+    without = len(tried) - len(runs)
     return Judged(
-        seed, explored.complete, ticks, tuple(wrong), len(runs), len(tried) - len(runs), standings
+        seed, explored.complete, apart, ticks, tuple(wrong), len(runs), without, standings
     )
 
 
@@ -229,6 +250,7 @@ def page(found: Sequence[Judged], command: str) -> str:
         command=command,
         charts=len(found),
         complete=sum(it.complete for it in found),
+        apart=sum(it.apart for it in found),
         ticks=sum(it.ticks for it in found),
         contradictions=sum(len(it.contradictions) for it in found),
         proved=sum(it.standings[0] for it in found),
