@@ -17,7 +17,7 @@ from missionkit.estimation.error_state_ekf.filter import ErrorStateEkf
 from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.geometry import IDENTITY, Transform, vec
 from missionkit.goal_pose import facing
-from missionkit.guards import ArucoConfidence
+from missionkit.guards.detection_confidence import ArucoConfidence
 from missionkit.messages import Estimate, Frame, Look, Observation, Target
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.camera_section import Camera

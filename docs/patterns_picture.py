@@ -10,7 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from missionkit.behaviors import Corridor, ExpandingSquare, Orbit, Sector, Survey, Waypoints
+from missionkit.behaviors.area_search import ExpandingSquare, Sector
+from missionkit.behaviors.orbit import Orbit
+from missionkit.behaviors.survey import Corridor, Survey
+from missionkit.behaviors.waypoints import Waypoints
 from missionkit.planning.route_following import Triple
 from missionkit.planning.spiral_search import SpiralPath
 from missionkit.recorder.palette import INK, MUTED, RULE

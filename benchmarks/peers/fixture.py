@@ -8,8 +8,11 @@ from typing import Any
 from unittest.mock import patch
 
 from benchmarks.peers.ring import Engine, Machine, Predicate, Ring, Sky, asks, predicate
-from missionkit.guards import BatteryBelow, Elapsed, LinkLost, PluginFailed
+from missionkit.guards.battery import BatteryBelow
 from missionkit.guards.comparison import ComparedGuard
+from missionkit.guards.link_loss import LinkLost
+from missionkit.guards.plugin_failure import PluginFailed
+from missionkit.guards.state_progress import Elapsed
 from missionkit.messages import Estimate
 
 OWN = (BatteryBelow, Elapsed, LinkLost, PluginFailed)  # guards that missionkit asks here

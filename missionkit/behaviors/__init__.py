@@ -1,59 +1,39 @@
 """Behaviours: what a state does, as guidance for the controller or a request to the autopilot."""
 
-from missionkit.behaviors.area_search import ExpandingSquare, Sector
-from missionkit.behaviors.climb import Climb
-from missionkit.behaviors.climb_clear import ClimbClear
-from missionkit.behaviors.ddp_go_to import DdpGoTo
-from missionkit.behaviors.devices import Gripper, Photo, SetRelay, SetServo
-from missionkit.behaviors.docking import DOCKING
-from missionkit.behaviors.follow import Follow
-from missionkit.behaviors.follow_path import FollowPath
-from missionkit.behaviors.go_to import GoTo
-from missionkit.behaviors.herd import Herd
-from missionkit.behaviors.hold import Hold
-from missionkit.behaviors.inject import Inject
-from missionkit.behaviors.land import Land
-from missionkit.behaviors.land_on import LandOn
-from missionkit.behaviors.loiter import Loiter
-from missionkit.behaviors.orbit import Orbit
-from missionkit.behaviors.point_at import PointAt
-from missionkit.behaviors.robot_contact import LandInFront, TouchTop
-from missionkit.behaviors.servo import Servo
-from missionkit.behaviors.shadow import Shadow
-from missionkit.behaviors.spiral import Spiral
-from missionkit.behaviors.survey import Corridor, Survey
-from missionkit.behaviors.take_off import TakeOff
-from missionkit.behaviors.waypoints import Waypoints
-
-BEHAVIORS = (
-    *DOCKING,
-    Climb,
-    ClimbClear,
-    Corridor,
-    DdpGoTo,
-    ExpandingSquare,
-    Follow,
-    FollowPath,
-    GoTo,
-    Gripper,
-    Herd,
-    Hold,
-    Inject,
-    Land,
-    LandInFront,
-    Loiter,
-    Orbit,
-    Photo,
-    PointAt,
-    LandOn,
-    Sector,
-    Servo,
-    SetRelay,
-    SetServo,
-    Shadow,
-    Spiral,
-    Survey,
-    TakeOff,
-    TouchTop,
-    Waypoints,
-)
+BEHAVIORS = {  # the name that mission files use -> the class; imported when a mission names it
+    "align": "missionkit.behaviors.docking.align.Align",
+    "approach": "missionkit.behaviors.docking.approach.Approach",
+    "climb": "missionkit.behaviors.climb.Climb",
+    "climb_clear": "missionkit.behaviors.climb_clear.ClimbClear",
+    "corridor": "missionkit.behaviors.survey.Corridor",
+    "ddp_go_to": "missionkit.behaviors.ddp_go_to.DdpGoTo",
+    "dock": "missionkit.behaviors.docking.dock.Dock",
+    "expanding_square": "missionkit.behaviors.area_search.ExpandingSquare",
+    "follow": "missionkit.behaviors.follow.Follow",
+    "follow_path": "missionkit.behaviors.follow_path.FollowPath",
+    "go_to": "missionkit.behaviors.go_to.GoTo",
+    "gripper": "missionkit.behaviors.devices.Gripper",
+    "herd": "missionkit.behaviors.herd.Herd",
+    "hold": "missionkit.behaviors.hold.Hold",
+    "inject": "missionkit.behaviors.inject.Inject",
+    "land": "missionkit.behaviors.land.Land",
+    "land_in_front": "missionkit.behaviors.robot_contact.LandInFront",
+    "land_on": "missionkit.behaviors.land_on.LandOn",
+    "loiter": "missionkit.behaviors.loiter.Loiter",
+    "look_at": "missionkit.behaviors.docking.align.LookAt",
+    "orbit": "missionkit.behaviors.orbit.Orbit",
+    "photo": "missionkit.behaviors.devices.Photo",
+    "point_at": "missionkit.behaviors.point_at.PointAt",
+    "reorient": "missionkit.behaviors.docking.reorient.Reorient",
+    "sector": "missionkit.behaviors.area_search.Sector",
+    "secure": "missionkit.behaviors.docking.secure.Secure",
+    "servo": "missionkit.behaviors.servo.Servo",
+    "set_relay": "missionkit.behaviors.devices.SetRelay",
+    "set_servo": "missionkit.behaviors.devices.SetServo",
+    "shadow": "missionkit.behaviors.shadow.Shadow",
+    "spiral": "missionkit.behaviors.spiral.Spiral",
+    "survey": "missionkit.behaviors.survey.Survey",
+    "take_off": "missionkit.behaviors.take_off.TakeOff",
+    "touch_top": "missionkit.behaviors.robot_contact.TouchTop",
+    "waypoints": "missionkit.behaviors.waypoints.Waypoints",
+}

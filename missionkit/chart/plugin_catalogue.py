@@ -5,11 +5,12 @@ There is no registry: the command line builds one catalogue and hands it down.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import ChainMap
+from collections.abc import Iterable, Mapping, MutableMapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from pydantic import BaseModel
 
@@ -17,6 +18,7 @@ from missionkit.chart.plugin_check import checked, grouped
 from missionkit.chart.plugin_file import plugins_of
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import UsageError
+from missionkit.import_on_demand import ImportedOnDemand
 from missionkit.plugin import Plugin
 from missionkit.plugin_containment import PluginError, reporting_faults
 from missionkit.states import VEHICLES
@@ -55,15 +57,15 @@ class Catalogue:
         Raises:
             UsageError: a kind is taken; names both sources.
         """
-        known = dict(self.group(group))
+        known, added = self.group(group), dict[str, type[Plugin]]()
         for plugin in plugins:
-            taken = known.get(plugin.kind)
+            taken = added.get(plugin.kind) or known.get(plugin.kind)
             if taken is not None and taken is not plugin:
                 raise UsageError(
                     f"two {group} are called {plugin.kind!r}: {source(taken)} and {source(plugin)}"
                 )
-            known[plugin.kind] = plugin
-        return self._with(group, known)
+            added[plugin.kind] = plugin
+        return self._with(group, ChainMap(added, cast(MutableMapping[str, type[Plugin]], known)))
 
     def with_entry_points(self) -> Catalogue:
         """Return a catalogue with the plug-ins of installed packages.
@@ -121,10 +123,14 @@ def builtin() -> Catalogue:
     """Return the catalogue of what missionkit itself brings."""
     return Catalogue(
         plugins={
-            name: {plugin.kind: plugin for plugin in group.builtin}
+            name: ImportedOnDemand(group.builtin, _as_class)
             for name, group in PLUGIN_GROUPS.items()
         },
     )
+
+
+def _as_class(_: str, found: object) -> type[Plugin]:
+    return cast(type[Plugin], found)
 
 
 def _loaded(group: str, entry: EntryPoint) -> type[Plugin]:

@@ -10,6 +10,7 @@ from typing_extensions import get_protocol_members
 
 from missionkit.chart.plugin_groups import PLUGIN_GROUPS
 from missionkit.errors import UsageError
+from missionkit.import_on_demand import imported
 from missionkit.plugin import Plugin
 
 CONFIG = {"frozen": True, "extra": "forbid", "allow_inf_nan": False}
@@ -70,7 +71,7 @@ def _model(plugin: object) -> type[Plugin]:
 
 def _wrong_with(model: type[Plugin], group: str) -> str:
     """Say why a model cannot be a plug-in of a group; "": nothing is wrong."""
-    if issubclass(model, PLUGIN_GROUPS[group].bases):
+    if any(issubclass(model, cast(type, imported(it))) for it in PLUGIN_GROUPS[group].bases):
         return ""
     contract = _contract(model, group)
     missing = sorted(_members(contract) - _present(model))

@@ -6,27 +6,10 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from missionkit.behaviors import BEHAVIORS
-from missionkit.control.controller import Control
 from missionkit.control.controller_protocol import ControllerProtocol
-from missionkit.control.lqr import Lqr
-from missionkit.estimation.error_state_ekf.parameters import VisualInertialEkf
 from missionkit.estimation.navigator import NavigatorParameters
-from missionkit.estimation.optical_flow.flow_parameters import FlowKalman
-from missionkit.estimation.tandem_ekf.parameters import CompoundEkf, TandemEkf
-from missionkit.estimation.target_tracking.tracker import MultiTargetTracker
-from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.guards import GUARDS
-from missionkit.perception.apriltag import AprilTag
-from missionkit.perception.aruco import Aruco
-from missionkit.perception.blob import Blob
-from missionkit.perception.haar.detector import Haar
-from missionkit.perception.template.detector import Template
-from missionkit.perception.tower import Tower
 from missionkit.planning.avoidance_planner import AvoidancePlanner
-from missionkit.planning.herding.dynamic_programme import DynamicProgramme
-from missionkit.planning.herding.nearest_to_goal import NearestToGoal
-from missionkit.planning.potential_field import PotentialField
-from missionkit.plugin import Plugin
 from missionkit.plugin_protocols import (
     BehaviorProtocol,
     BoxDetectorProtocol,
@@ -44,9 +27,17 @@ class PluginGroup(NamedTuple):
 
     word: str  # for one of them, in messages
     contracts: tuple[type, ...]  # protocols; a class satisfies one of them
-    builtin: tuple[type[Plugin], ...]
-    bases: tuple[type[Plugin], ...] = ()  # parameters of what the package builds: no methods needed
+    builtin: Mapping[str, str]  # name -> class; imported when a mission names it
+    bases: tuple[str, ...] = ()  # parameters of what the package builds: no methods needed
 
+
+_NAVIGATORS = {
+    "compound_ekf": "missionkit.estimation.tandem_ekf.parameters.CompoundEkf",
+    "flow_kalman": "missionkit.estimation.optical_flow.flow_parameters.FlowKalman",
+    "tandem_ekf": "missionkit.estimation.tandem_ekf.parameters.TandemEkf",
+    "ud_vision_ekf": "missionkit.estimation.ud_vision.parameters.UdVisionEkf",
+    "visual_inertial_ekf": "missionkit.estimation.error_state_ekf.parameters.VisualInertialEkf",
+}
 
 PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     # name of the section in `missionkit plugins`, and of the entry points `missionkit.NAME`
@@ -55,21 +46,49 @@ PLUGIN_GROUPS: Mapping[str, PluginGroup] = {
     ),
     "behaviors": PluginGroup("behaviour", (BehaviorProtocol,), BEHAVIORS),
     "navigators": PluginGroup(
-        "navigator",
-        (NavigatorParameters,),
-        builtin=(FlowKalman, VisualInertialEkf, UdVisionEkf, TandemEkf, CompoundEkf),
-        bases=(FlowKalman, VisualInertialEkf, UdVisionEkf, TandemEkf, CompoundEkf),
+        "navigator", (NavigatorParameters,), _NAVIGATORS, bases=(*_NAVIGATORS.values(),)
     ),
     "detectors": PluginGroup(
         "detector",
         (DetectorProtocol, BoxDetectorProtocol),
-        (AprilTag, Aruco, Blob, Haar, Template, Tower),
-        bases=(Aruco,),
+        {
+            "apriltag": "missionkit.perception.apriltag.AprilTag",
+            "aruco": "missionkit.perception.aruco.Aruco",
+            "blob": "missionkit.perception.blob.Blob",
+            "haar": "missionkit.perception.haar.detector.Haar",
+            "template": "missionkit.perception.template.detector.Template",
+            "tower": "missionkit.perception.tower.Tower",
+        },
+        bases=("missionkit.perception.aruco.Aruco",),
     ),
-    "trackers": PluginGroup("tracker", (TrackerProtocol,), (MultiTargetTracker,)),
-    "planners": PluginGroup("planner", (AvoidancePlanner,), (PotentialField,)),
-    "controllers": PluginGroup("controller", (ControllerProtocol,), (Control, Lqr)),
+    "trackers": PluginGroup(
+        "tracker",
+        (TrackerProtocol,),
+        {
+            "tracker": "missionkit.estimation.target_tracking.tracker.MultiTargetTracker",
+        },
+    ),
+    "planners": PluginGroup(
+        "planner",
+        (AvoidancePlanner,),
+        {
+            "potential_field": "missionkit.planning.potential_field.PotentialField",
+        },
+    ),
+    "controllers": PluginGroup(
+        "controller",
+        (ControllerProtocol,),
+        {
+            "lqr": "missionkit.control.lqr.Lqr",
+            "velocity_pid": "missionkit.control.controller.Control",
+        },
+    ),
     "herding_policies": PluginGroup(
-        "herding policy", (HerdingPolicyProtocol,), (DynamicProgramme, NearestToGoal)
+        "herding policy",
+        (HerdingPolicyProtocol,),
+        {
+            "dynamic_programme": "missionkit.planning.herding.dynamic_programme.DynamicProgramme",
+            "nearest_to_goal": "missionkit.planning.herding.nearest_to_goal.NearestToGoal",
+        },
     ),
 }

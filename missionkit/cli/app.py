@@ -6,34 +6,35 @@ from typing import Annotated, Any
 
 import typer
 
-from missionkit.cli.commands_on_demand import CommandsOnDemand
+from missionkit.cli.command_building import built
 from missionkit.cli.option_errors import WordedErrors
 from missionkit.errors import ExitCode
+from missionkit.import_on_demand import ImportedOnDemand
 from missionkit.version import __version__
 
 _COMMANDS = {  # in the order of `--help`
-    "run": "flight_commands.run",
-    "validate": "mission_file_commands.validate",
-    "check": "mission_file_commands.check",
-    "explain": "mission_file_commands.explain",
-    "plugins": "mission_file_commands.plugins",
-    "schema": "mission_file_commands.schema",
-    "graph": "mission_file_commands.graph",
-    "new": "mission_file_commands.new",
-    "fleet": "fleet_commands.fleet",
-    "preflight": "autopilot_commands.preflight",
-    "fence": "autopilot_commands.fence",
-    "sitl": "autopilot_commands.sitl",
-    "campaign": "campaign_commands.campaign",
-    "report": "campaign_commands.report",
-    "replay": "replay_commands.replay",
-    "page": "replay_commands.page",
-    "what-if": "replay_commands.what_if",
-    "export": "interchange_commands.export",
-    "log": "interchange_commands.log",
-    "import": "interchange_commands.import_",
-    "camera": "camera_commands.camera",
-    "detector": "detector_commands.detector",
+    "run": "missionkit.cli.flight_commands.run",
+    "validate": "missionkit.cli.mission_file_commands.validate",
+    "check": "missionkit.cli.mission_file_commands.check",
+    "explain": "missionkit.cli.mission_file_commands.explain",
+    "plugins": "missionkit.cli.mission_file_commands.plugins",
+    "schema": "missionkit.cli.mission_file_commands.schema",
+    "graph": "missionkit.cli.mission_file_commands.graph",
+    "new": "missionkit.cli.mission_file_commands.new",
+    "fleet": "missionkit.cli.fleet_commands.fleet",
+    "preflight": "missionkit.cli.autopilot_commands.preflight",
+    "fence": "missionkit.cli.autopilot_commands.fence",
+    "sitl": "missionkit.cli.autopilot_commands.sitl",
+    "campaign": "missionkit.cli.campaign_commands.campaign",
+    "report": "missionkit.cli.campaign_commands.report",
+    "replay": "missionkit.cli.replay_commands.replay",
+    "page": "missionkit.cli.replay_commands.page",
+    "what-if": "missionkit.cli.replay_commands.what_if",
+    "export": "missionkit.cli.interchange_commands.export",
+    "log": "missionkit.cli.interchange_commands.log",
+    "import": "missionkit.cli.interchange_commands.import_",
+    "camera": "missionkit.cli.camera_commands.camera",
+    "detector": "missionkit.cli.detector_commands.detector",
 }
 
 
@@ -41,7 +42,7 @@ class Commands(WordedErrors):
     """The commands of `missionkit`."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(**options | {"commands": CommandsOnDemand(_COMMANDS)})
+        super().__init__(**options | {"commands": ImportedOnDemand(_COMMANDS, built)})
 
 
 app = typer.Typer(

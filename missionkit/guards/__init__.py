@@ -1,75 +1,41 @@
 """Guards: predicates over the estimate that answer holds, does not hold, or cannot tell."""
 
-from missionkit.guards.battery import BatteryBelow
-from missionkit.guards.camera_silence import CameraSilent
-from missionkit.guards.converged import Converged
-from missionkit.guards.coverage import Covered
-from missionkit.guards.detection_confidence import ArucoConfidence
-from missionkit.guards.distances import NearGoal, Within
-from missionkit.guards.disturbance import Disturbed
-from missionkit.guards.estimate_quality import EstimateBad, GnssLost
-from missionkit.guards.event_count import Count
-from missionkit.guards.geofence import Inside, InsideFence
-from missionkit.guards.gps_to_visual import GpsToVisual
-from missionkit.guards.ground_height import HeightAboveGround
-from missionkit.guards.ground_touched import GroundTouched
-from missionkit.guards.link_loss import LinkLost
-from missionkit.guards.markov_steady_state import MarkovSteadyState
-from missionkit.guards.markov_switch import MarkovSwitch
-from missionkit.guards.mdp_policy import MdpPolicy
-from missionkit.guards.obstacle_robots import ObstacleRobotNear
-from missionkit.guards.plugin_failure import PluginFailed
-from missionkit.guards.readiness import Ready
-from missionkit.guards.separation import SeparationBelow
-from missionkit.guards.sequential_test import Sprt
-from missionkit.guards.state_progress import Done, Elapsed, GoalUnreachable
-from missionkit.guards.target_visibility import TargetLost, TargetSeen
-from missionkit.guards.tick_timing import TickOverrun
-from missionkit.guards.tracked_targets import (
-    TargetHeading,
-    TargetMode,
-    TargetsInView,
-    TimeToReversal,
-)
-from missionkit.guards.visits import Visited
-from missionkit.guards.wind_speed import WindAbove
-
-GUARDS = (
-    ArucoConfidence,
-    BatteryBelow,
-    CameraSilent,
-    Converged,
-    Count,
-    Covered,
-    Disturbed,
-    Done,
-    Elapsed,
-    EstimateBad,
-    GnssLost,
-    GoalUnreachable,
-    GpsToVisual,
-    GroundTouched,
-    HeightAboveGround,
-    Inside,
-    InsideFence,
-    LinkLost,
-    MarkovSteadyState,
-    MarkovSwitch,
-    MdpPolicy,
-    NearGoal,
-    ObstacleRobotNear,
-    PluginFailed,
-    Ready,
-    SeparationBelow,
-    Sprt,
-    TargetHeading,
-    TargetLost,
-    TargetMode,
-    TargetSeen,
-    TargetsInView,
-    TickOverrun,
-    TimeToReversal,
-    Visited,
-    WindAbove,
-    Within,
-)
+GUARDS = {  # the name that mission files use -> the class; imported when a mission names it
+    "aruco_confidence": "missionkit.guards.detection_confidence.ArucoConfidence",
+    "battery_below": "missionkit.guards.battery.BatteryBelow",
+    "camera_silent": "missionkit.guards.camera_silence.CameraSilent",
+    "converged": "missionkit.guards.converged.Converged",
+    "count": "missionkit.guards.event_count.Count",
+    "covered": "missionkit.guards.coverage.Covered",
+    "disturbed": "missionkit.guards.disturbance.Disturbed",
+    "done": "missionkit.guards.state_progress.Done",
+    "elapsed": "missionkit.guards.state_progress.Elapsed",
+    "estimate_bad": "missionkit.guards.estimate_quality.EstimateBad",
+    "gnss_lost": "missionkit.guards.estimate_quality.GnssLost",
+    "goal_unreachable": "missionkit.guards.state_progress.GoalUnreachable",
+    "gps_to_visual": "missionkit.guards.gps_to_visual.GpsToVisual",
+    "ground_touched": "missionkit.guards.ground_touched.GroundTouched",
+    "height_above_ground": "missionkit.guards.ground_height.HeightAboveGround",
+    "inside": "missionkit.guards.geofence.Inside",
+    "inside_fence": "missionkit.guards.geofence.InsideFence",
+    "link_lost": "missionkit.guards.link_loss.LinkLost",
+    "markov_steady_state": "missionkit.guards.markov_steady_state.MarkovSteadyState",
+    "markov_switch": "missionkit.guards.markov_switch.MarkovSwitch",
+    "mdp_policy": "missionkit.guards.mdp_policy.MdpPolicy",
+    "near_goal": "missionkit.guards.distances.NearGoal",
+    "obstacle_robot_near": "missionkit.guards.obstacle_robots.ObstacleRobotNear",
+    "plugin_failed": "missionkit.guards.plugin_failure.PluginFailed",
+    "ready": "missionkit.guards.readiness.Ready",
+    "separation_below": "missionkit.guards.separation.SeparationBelow",
+    "sprt": "missionkit.guards.sequential_test.Sprt",
+    "target_heading": "missionkit.guards.tracked_targets.TargetHeading",
+    "target_lost": "missionkit.guards.target_visibility.TargetLost",
+    "target_mode": "missionkit.guards.tracked_targets.TargetMode",
+    "target_seen": "missionkit.guards.target_visibility.TargetSeen",
+    "targets_in_view": "missionkit.guards.tracked_targets.TargetsInView",
+    "tick_overrun": "missionkit.guards.tick_timing.TickOverrun",
+    "time_to_reversal": "missionkit.guards.tracked_targets.TimeToReversal",
+    "visited": "missionkit.guards.visits.Visited",
+    "wind_above": "missionkit.guards.wind_speed.WindAbove",
+    "within": "missionkit.guards.distances.Within",
+}

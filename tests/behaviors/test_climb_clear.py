@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from playing import at, play
 
-from missionkit.behaviors import ClimbClear
+from missionkit.behaviors.climb_clear import ClimbClear
 from missionkit.geometry import vec
-from missionkit.guards import ObstacleRobotNear
+from missionkit.guards.obstacle_robots import ObstacleRobotNear
 from missionkit.messages import Target
 from missionkit.planning.obstacle_robots import ROBOT, nearest_approach
 

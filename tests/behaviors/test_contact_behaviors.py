@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playing import TICK, at
 
-from missionkit.behaviors import LandInFront, TouchTop
+from missionkit.behaviors.robot_contact import LandInFront, TouchTop
 from missionkit.geometry import vec
 from missionkit.messages import Target
 

@@ -5,9 +5,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from missionkit.behaviors.docking import Align, Approach, Dock, LookAt, Reorient, Secure
+from missionkit.behaviors.docking.align import Align, LookAt
+from missionkit.behaviors.docking.approach import Approach
+from missionkit.behaviors.docking.dock import Dock
 from missionkit.behaviors.docking.docking_pose import docking_pose, looking_at, shortest
 from missionkit.behaviors.docking.keep_out import way_round
+from missionkit.behaviors.docking.reorient import Reorient
+from missionkit.behaviors.docking.secure import Secure
 from missionkit.geometry import exp, multiply, norm, rotate, vec
 from missionkit.messages import Action, Estimate, Health, Target, VehicleStatus
 

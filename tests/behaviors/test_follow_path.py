@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playing import at, play
 
-from missionkit.behaviors import FollowPath
+from missionkit.behaviors.follow_path import FollowPath
 from missionkit.geometry import norm, vec
 from missionkit.messages import Health, Target
 from missionkit.planning import path_following

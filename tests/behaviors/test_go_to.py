@@ -9,7 +9,7 @@ import pytest
 from playing import at, marker, play, status
 from samples import calm
 
-from missionkit.behaviors import GoTo
+from missionkit.behaviors.go_to import GoTo
 from missionkit.geometry import vec
 from missionkit.messages import Target
 

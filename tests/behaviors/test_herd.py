@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playing import at, play
 
-from missionkit.behaviors import Herd
+from missionkit.behaviors.herd import Herd
 from missionkit.geometry import vec
 from missionkit.messages import Target
 

@@ -9,7 +9,7 @@ import pytest
 from playing import TICK, at, marker, play
 from samples import calm
 
-from missionkit.behaviors import Inject
+from missionkit.behaviors.inject import Inject
 from missionkit.geometry import norm, vec
 from missionkit.messages import Estimate, Target
 

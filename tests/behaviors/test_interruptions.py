@@ -9,7 +9,13 @@ import pytest
 from flying import Flown, fly, places
 from playing import marker
 
-from missionkit.behaviors import Climb, ExpandingSquare, Loiter, Orbit, PointAt, Spiral, Waypoints
+from missionkit.behaviors.area_search import ExpandingSquare
+from missionkit.behaviors.climb import Climb
+from missionkit.behaviors.loiter import Loiter
+from missionkit.behaviors.orbit import Orbit
+from missionkit.behaviors.point_at import PointAt
+from missionkit.behaviors.spiral import Spiral
+from missionkit.behaviors.waypoints import Waypoints
 
 TOWER = {"tower": marker(20.0, 10.0, -8.0), "mast": marker(0.0, 10.0, -8.0)}
 START = (14.0, 10.0, -8.0)

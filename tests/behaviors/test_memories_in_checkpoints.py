@@ -6,18 +6,14 @@ import pytest
 from flying import fly
 from playing import marker
 
-from missionkit.behaviors import (
-    Climb,
-    Corridor,
-    ExpandingSquare,
-    Follow,
-    Loiter,
-    Orbit,
-    PointAt,
-    Sector,
-    Survey,
-    Waypoints,
-)
+from missionkit.behaviors.area_search import ExpandingSquare, Sector
+from missionkit.behaviors.climb import Climb
+from missionkit.behaviors.follow import Follow
+from missionkit.behaviors.loiter import Loiter
+from missionkit.behaviors.orbit import Orbit
+from missionkit.behaviors.point_at import PointAt
+from missionkit.behaviors.survey import Corridor, Survey
+from missionkit.behaviors.waypoints import Waypoints
 from missionkit.recorder.value_codec import read, written
 
 FIELD = ((0.0, 0.0), (40.0, 0.0), (40.0, 24.0), (0.0, 24.0))

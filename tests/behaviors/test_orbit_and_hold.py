@@ -10,7 +10,11 @@ from flying import fly, places
 from playing import marker
 from pydantic import ValidationError
 
-from missionkit.behaviors import Climb, Follow, Loiter, Orbit, PointAt
+from missionkit.behaviors.climb import Climb
+from missionkit.behaviors.follow import Follow
+from missionkit.behaviors.loiter import Loiter
+from missionkit.behaviors.orbit import Orbit
+from missionkit.behaviors.point_at import PointAt
 from missionkit.geometry import vec, wrap
 
 TOWER = marker(20.0, 10.0, -8.0)

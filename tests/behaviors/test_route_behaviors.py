@@ -11,7 +11,9 @@ from flying import fly, places
 from playing import marker
 from pydantic import ValidationError
 
-from missionkit.behaviors import Corridor, ExpandingSquare, Sector, Survey, Waypoints
+from missionkit.behaviors.area_search import ExpandingSquare, Sector
+from missionkit.behaviors.survey import Corridor, Survey
+from missionkit.behaviors.waypoints import Waypoints
 from missionkit.geometry import wrap
 from missionkit.perception.camera_section import Camera, Mount
 

@@ -9,7 +9,7 @@ import pytest
 from playing import at, marker, play
 from samples import calm
 
-from missionkit.behaviors import Servo
+from missionkit.behaviors.servo import Servo
 from missionkit.geometry import vec
 from missionkit.messages import Target
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playing import at, play
 
-from missionkit.behaviors import Shadow
+from missionkit.behaviors.shadow import Shadow
 from missionkit.geometry import vec
 from missionkit.messages import Target
 

@@ -9,7 +9,7 @@ import pytest
 from playing import TICK, at, marker, play
 from pydantic import ValidationError
 
-from missionkit.behaviors import Spiral
+from missionkit.behaviors.spiral import Spiral
 from missionkit.geometry import norm, vec
 
 TRUNK = marker(20.0, 5.0, -3.0)

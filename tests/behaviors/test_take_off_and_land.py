@@ -8,7 +8,9 @@ from playing import at, play, status
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.behaviors import Hold, Land, TakeOff
+from missionkit.behaviors.hold import Hold
+from missionkit.behaviors.land import Land
+from missionkit.behaviors.take_off import TakeOff
 from missionkit.geometry import vec
 from missionkit.messages import Action, VehicleStatus
 

@@ -16,8 +16,8 @@ from missionkit.chart.model_file import load_model
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.cli.app import app
 from missionkit.errors import FileError, UsageError
-from missionkit.guards import MarkovSteadyState
 from missionkit.guards.estimated_chain import EstimatedChain
+from missionkit.guards.markov_steady_state import MarkovSteadyState
 from missionkit.markov.stationary import stationary
 from missionkit.plugin_protocols import Inputs
 

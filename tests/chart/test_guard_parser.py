@@ -10,7 +10,9 @@ from missionkit.chart.model.named_guards import problems_of
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.text.yaml_reader import read
 from missionkit.errors import Place
-from missionkit.guards import Converged, Done, Within
+from missionkit.guards.converged import Converged
+from missionkit.guards.distances import Within
+from missionkit.guards.state_progress import Done
 
 
 @pytest.fixture

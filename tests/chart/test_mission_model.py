@@ -5,14 +5,15 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from missionkit.behaviors import GoTo, Hold
+from missionkit.behaviors.go_to import GoTo
+from missionkit.behaviors.hold import Hold
 from missionkit.chart.load import load, parse
 from missionkit.chart.model.actions import Log, Raise
 from missionkit.chart.model.guard_expressions import Named, Use
 from missionkit.chart.model.mission import Mission
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.errors import Place
-from missionkit.guards import Done
+from missionkit.guards.state_progress import Done
 
 SMALLEST = """\
 missionkit: 1

@@ -227,5 +227,6 @@ def test_every_kind_of_plugin_is_looked_at_when_it_is_loaded(group, plugin, says
 
 def test_all_of_ours_are_what_they_should_be(catalogue: Catalogue):
     for group in PLUGIN_GROUPS:
-        for plugin in catalogue.group(group).values():
+        for name, plugin in catalogue.group(group).items():
             assert checked(plugin, group) is plugin
+            assert plugin.kind == name

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from stepping import CATALOGUE, HEAD
 
-from missionkit.behaviors import Hold
+from missionkit.behaviors.hold import Hold
 from missionkit.chart.checks import findings
 from missionkit.chart.load import load, parse
 from missionkit.chart.model import guard_expressions as ex

@@ -22,8 +22,10 @@ from missionkit.chart.checks.interval_boxes import (
     union,
     within,
 )
-from missionkit.guards import BatteryBelow, LinkLost, NearGoal, TickOverrun
-from missionkit.guards.battery import CHARGE
+from missionkit.guards.battery import CHARGE, BatteryBelow
+from missionkit.guards.distances import NearGoal
+from missionkit.guards.link_loss import LinkLost
+from missionkit.guards.tick_timing import TickOverrun
 from missionkit.messages import Battery
 from missionkit.messages.region import Box, Interval, Quantity
 

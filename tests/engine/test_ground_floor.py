@@ -5,7 +5,10 @@ import pytest
 from rehearsed import precise_stage
 from samples import calm
 
-from missionkit.behaviors import GoTo, Land, Spiral, TakeOff
+from missionkit.behaviors.go_to import GoTo
+from missionkit.behaviors.land import Land
+from missionkit.behaviors.spiral import Spiral
+from missionkit.behaviors.take_off import TakeOff
 from missionkit.control.velocity_limits import Limits
 from missionkit.engine.flight_loop import Operator
 from missionkit.engine.ground_floor import above_floor, floor_of

@@ -23,7 +23,7 @@ from missionkit.estimation.error_state_ekf.consistency import (
 )
 from missionkit.geometry import vec
 from missionkit.goal_pose import facing
-from missionkit.guards import Converged
+from missionkit.guards.converged import Converged
 from missionkit.messages import Goal, Target
 
 

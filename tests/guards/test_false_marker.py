@@ -11,7 +11,8 @@ from photographs import FALSE as FALSE_ID
 from samples import calm
 
 from missionkit.geometry import Transform, from_euler
-from missionkit.guards import ArucoConfidence, GpsToVisual
+from missionkit.guards.detection_confidence import ArucoConfidence
+from missionkit.guards.gps_to_visual import GpsToVisual
 from missionkit.messages import Frame, Goal, Observation, Sighting, Target, Verdict
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.marker_detector import MarkerDetector

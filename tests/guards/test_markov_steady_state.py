@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.guards import MarkovSteadyState
+from missionkit.guards.markov_steady_state import MarkovSteadyState
 from missionkit.messages import Goal, Health, Look, Target, Verdict
 from missionkit.plugin_protocols import Inputs
 from missionkit.recorder import value_codec

@@ -11,7 +11,7 @@ from samples import calm
 
 from missionkit.geometry import from_euler
 from missionkit.goal_pose import facing
-from missionkit.guards import MarkovSwitch
+from missionkit.guards.markov_switch import MarkovSwitch
 from missionkit.messages import Health, Target
 from missionkit.recorder import value_codec
 

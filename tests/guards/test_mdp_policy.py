@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.guards import MdpPolicy
+from missionkit.guards.mdp_policy import MdpPolicy
 from missionkit.messages import Verdict
 from missionkit.plugin_protocols import Inputs
 

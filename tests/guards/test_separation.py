@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from samples import calm
 
-from missionkit.guards import SeparationBelow
+from missionkit.guards.separation import SeparationBelow
 from missionkit.messages import OtherVehicle, TrafficReport
 
 

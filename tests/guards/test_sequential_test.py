@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.guards import Sprt
+from missionkit.guards.sequential_test import Sprt
 from missionkit.messages import Look
 from missionkit.recorder import value_codec
 

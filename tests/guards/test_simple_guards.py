@@ -9,23 +9,17 @@ import pytest
 from samples import calm
 
 from missionkit.geometry import from_euler
-from missionkit.guards import (
-    BatteryBelow,
-    Converged,
-    Disturbed,
-    Done,
-    Elapsed,
-    EstimateBad,
-    GnssLost,
-    InsideFence,
-    LinkLost,
-    NearGoal,
-    PluginFailed,
-    Ready,
-    TargetLost,
-    TargetSeen,
-    Within,
-)
+from missionkit.guards.battery import BatteryBelow
+from missionkit.guards.converged import Converged
+from missionkit.guards.distances import NearGoal, Within
+from missionkit.guards.disturbance import Disturbed
+from missionkit.guards.estimate_quality import EstimateBad, GnssLost
+from missionkit.guards.geofence import InsideFence
+from missionkit.guards.link_loss import LinkLost
+from missionkit.guards.plugin_failure import PluginFailed
+from missionkit.guards.readiness import Ready
+from missionkit.guards.state_progress import Done, Elapsed
+from missionkit.guards.target_visibility import TargetLost, TargetSeen
 from missionkit.messages import Battery, Goal, Health, Target, VehicleStatus
 
 FENCE = InsideFence(north=(-10, 20), east=(-5, 5), height=8)

@@ -10,7 +10,11 @@ from pydantic import ValidationError
 from samples import calm
 
 from missionkit.geometry import from_euler
-from missionkit.guards import Count, Covered, HeightAboveGround, Visited, WindAbove
+from missionkit.guards.coverage import Covered
+from missionkit.guards.event_count import Count
+from missionkit.guards.ground_height import HeightAboveGround
+from missionkit.guards.visits import Visited
+from missionkit.guards.wind_speed import WindAbove
 from missionkit.messages import Look
 from missionkit.messages.observation import Range
 from missionkit.perception.camera_section import Camera, Mount

@@ -9,7 +9,12 @@ import pytest
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.guards import TargetHeading, TargetMode, TargetsInView, TimeToReversal
+from missionkit.guards.tracked_targets import (
+    TargetHeading,
+    TargetMode,
+    TargetsInView,
+    TimeToReversal,
+)
 from missionkit.messages import Target
 
 ROBOT = Target(

@@ -9,13 +9,11 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from samples import calm
 
-from missionkit.guards import (
-    ArucoConfidence,
-    CameraSilent,
-    GoalUnreachable,
-    GpsToVisual,
-    TickOverrun,
-)
+from missionkit.guards.camera_silence import CameraSilent
+from missionkit.guards.detection_confidence import ArucoConfidence
+from missionkit.guards.gps_to_visual import GpsToVisual
+from missionkit.guards.state_progress import GoalUnreachable
+from missionkit.guards.tick_timing import TickOverrun
 from missionkit.messages import Cycle, Goal, Look, Target
 
 TRUNK = frozenset({"trunk"})
