@@ -111,9 +111,11 @@ class Live:
 
 
 @contextmanager
-def served(source: PageSource, tokens: Tokens | None = None) -> Iterator[PageAddress]:
-    """Serve a page on a free port of this computer."""
-    where = Binding(port=0)
+def served(
+    source: PageSource, tokens: Tokens | None = None, port: int = 0
+) -> Iterator[PageAddress]:
+    """Serve a page on this computer, on a free port if none is named."""
+    where = Binding(port=port)
     with listening(where) as bound:
         server = server_of(source, where, bound, tokens)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -155,7 +154,7 @@ class ScriptedFlight:
         self.refusal: PageError | None = None
         self._board: Board | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._beating = threading.Event()
+        self.stamp: Callable[[], float] = date  # s, the clock of the vehicle
 
     def facts(self) -> StaticFacts:
         return StaticFacts(self.about, self.picture)
@@ -179,7 +178,7 @@ class ScriptedFlight:
     def feed(self, session: Session) -> ScriptedFeed:
         if self._board is None:
             self._loop, self._board = asyncio.get_running_loop(), Board()
-            self._board.post({**self.values, "at_ms": 1000.0 * date()})
+            self._board.post({**self.values, "at_ms": 1000.0 * self.stamp()})
         return ScriptedFeed(self._board.reader())
 
     async def posted(
@@ -195,7 +194,7 @@ class ScriptedFlight:
         number = self.values["tick"] + 1
         self.values |= {"tick": number, "now": round(0.05 * number, 6)} | values
         happened = {key: self.values.pop(key, []) for key in ("fired", "problems")}
-        facts = {**self.values, **happened, "at_ms": 1000.0 * date()}
+        facts = {**self.values, **happened, "at_ms": 1000.0 * self.stamp()}
         if self._loop is not None and self._board is not None:
             self._loop.call_soon_threadsafe(self._board.post, facts)
 

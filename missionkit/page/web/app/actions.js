@@ -38,8 +38,17 @@ export const latestActions = computed(() => {
   const known = live("actions").value ?? [];
   const ids = new Set(known.map((it) => it.id));
   const waiting = own.value.filter((it) => !ids.has(it.id));
-  return [...known.map((it) => ({ ...it, name: nameOf(it) })), ...waiting].slice(-KEPT);
+  const all = [...known.map((it) => ({ ...it, name: nameOf(it) })), ...waiting];
+  const dated = all.map((it) => [firstSeen(it.id), it]);
+  return dated.sort(([one], [other]) => one - other).map(([, it]) => it).slice(-KEPT);
 });
+
+const order = new Map(); // id -> how many actions this page had seen before it
+
+function firstSeen(id) {
+  if (!order.has(id)) order.set(id, order.size);
+  return order.get(id);
+}
 
 /** Send a confirmed action. */
 export async function send({ action, event = null }, { held, at }) {
@@ -59,6 +68,7 @@ export async function send({ action, event = null }, { held, at }) {
 }
 
 function note(entry) {
+  firstSeen(entry.id);
   const others = own.value.filter((it) => it.id !== entry.id);
   own.value = [...others, entry].slice(-KEPT);
 }

@@ -24,7 +24,7 @@ export function ChartPanel() {
       <button type="button" aria-label="larger chart" onClick=${() => setZoom(Math.min(zoom * ZOOM, MOST))}>+</button>
       <button type="button" onClick=${() => setZoom(fitting(place.current))}>Fit</button>
     </div>
-    <div class="chart-scroll" tabindex="0" aria-label="chart, scrolls">
+    <div class="chart-scroll" role="group" tabindex="0" aria-label="chart, scrolls">
       <div class="chart-place" ref=${place} onClick=${onClick}></div>
     </div>
     <${Ways} />

@@ -98,7 +98,7 @@ function MarginBar({ guard }) {
   const known = guard.normal !== null && guard.normal !== undefined;
   const share = known ? Math.min(Math.max(guard.normal, -1), 1) : 0;
   return html`<span class="margin" aria-hidden="true" data-margin=${guard.margin ?? ""}>
-    ${known && html`<span class="bar" style=${{ transform: `scaleX(${share})` }}></span>`}
+    ${known && html`<span class="share" style=${{ transform: `scaleX(${share})` }}></span>`}
   </span>`;
 }
 

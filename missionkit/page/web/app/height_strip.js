@@ -17,9 +17,9 @@ export function HeightStrip() {
   const word = mission.value?.over_ground === false ? "up" : "height";
   return html`<div class="strip">
     <div class="strip-now">
-      <small>${word}</small><b>${position ? number(-position[2], "m") : "–"}</b>
-      <small>speed</small><b>${number(speedOf(live("velocity").value), "m/s")}</b>
-      <small>±</small><span>${number(live("position_sd").value, "m")}</span>
+      <small>${word} m</small><b>${position ? number(-position[2]) : "–"}</b>
+      <small>m/s</small><b>${number(speedOf(live("velocity").value))}</b>
+      <small>± m</small><span>${number(live("position_sd").value)}</span>
     </div>
     <canvas class="height" ref=${canvas} role="img" aria-label="height over the last minute"></canvas>
   </div>`;

@@ -49,7 +49,11 @@ function Wide({ source }) {
 }
 
 function Seen() {
-  return html`<div class="seen-row"><${CameraPanel} /><${RequirementsPanel} /></div>`;
+  const promises = !!mission.value?.requirements?.length;
+  return html`<div class=${`seen-row${promises ? "" : " alone"}`}>
+    <${CameraPanel} />
+    ${promises && html`<${RequirementsPanel} />`}
+  </div>`;
 }
 
 const side = signal("guards");

@@ -22,7 +22,7 @@ export function TimelinePanel() {
   return html`<section class="panel timeline-panel" aria-label="timeline">
     <h2>Timeline</h2>
     <div class="timeline-row">
-      <div class="lanes" tabindex="0" aria-label="lanes of the states">
+      <div class="lanes" role="group" tabindex="0" aria-label="lanes of the states">
         <canvas
           ref=${canvas}
           class=${seekable ? "seekable" : ""}

@@ -6,7 +6,7 @@ import { live, mission } from "./flight_state.js";
 export function TopBar() {
   return html`<header class="top">
     <h1 class="cut" title=${mission.value?.title ?? ""}>
-      ${mission.value?.title ?? "missionkit"}
+      <span class="title">${mission.value?.title ?? "missionkit"}</span>
       <small>${sourceOf(mission.value)}</small>
     </h1>
     <${State} />
@@ -86,7 +86,7 @@ function Recorder() {
 function Cycle() {
   const cycle = live("cycle_ms").value;
   const tick = 1000 * (mission.value?.tick ?? 0.05);
-  if (cycle === null) return null;
+  if (!cycle) return null; // a replay takes none
   return html`<${Chip} name="cycle" value=${number(cycle, "ms")} tone=${cycle > tick ? "bad" : cycle > tick / 2 ? "warn" : ""} />`;
 }
 

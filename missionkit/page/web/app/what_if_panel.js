@@ -16,7 +16,7 @@ export function WhatIfPanel() {
   const parameters = all.filter(([, it]) => typeof it.value === "number");
   return html`<section class="panel what-if" aria-label="what if">
     <h2>What if <small>the same flight, other values</small></h2>
-    <div class="scroll" tabindex="0" aria-label="parameters and decisions">
+    <div class="scroll" role="group" tabindex="0" aria-label="parameters and decisions">
       <ul>
         ${parameters.map(([name, it]) => html`<${Slider} key=${name} name=${name} it=${it} />`)}
       </ul>

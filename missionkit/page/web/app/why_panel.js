@@ -50,7 +50,7 @@ export function WhyPanel() {
       <h3 class="cut" title=${way?.text}>${way?.source ?? "any state"} → ${way?.to}</h3>
       <button type="button" aria-label="close" onClick=${() => (asked.value = "")}><${Icon} name="close" /></button>
     </header>
-    <div class="why-body" tabindex="0" aria-label="answer">
+    <div class="why-body" role="group" tabindex="0" aria-label="answer">
       <p class="quote">${way?.text}</p>
       ${failed.value && html`<p class="refused">${failed.value}</p>`}
       ${found.value && html`<${Answer} it=${found.value} />`}
