@@ -73,8 +73,9 @@ class Catalogue:
         One that cannot be used does no harm to missions that do not use it: it is in `broken`.
         """
         catalogue = self
+        installed = entry_points()  # once: it reads the folders of all packages
         for group in PLUGIN_GROUPS:
-            for entry in entry_points(group=f"missionkit.{group}"):
+            for entry in installed.select(group=f"missionkit.{group}"):
                 catalogue = catalogue._with_entry(group, entry)
         return catalogue
 

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from missionkit.chart.model_file import load_model
 from missionkit.chart.text.yaml_reader import read_file
 from missionkit.errors import FileError, Place, Problem
-from missionkit.sim.free_flyer.world import FreeFlyerWorld
-from missionkit.sim.world import World
+from missionkit.import_on_demand import ImportedOnDemand
 
-AnyWorld = World | FreeFlyerWorld
-_WORLDS: Mapping[str, type[World] | type[FreeFlyerWorld]] = MappingProxyType(
-    {"sim": World, "free_flyer": FreeFlyerWorld}
+if TYPE_CHECKING:
+    from missionkit.sim.free_flyer.world import FreeFlyerWorld
+    from missionkit.sim.world import World
+
+AnyWorld: TypeAlias = "World | FreeFlyerWorld"
+_WORLDS: ImportedOnDemand[Any] = ImportedOnDemand(  # by the kind of vehicle
+    {
+        "sim": "missionkit.sim.world.World",
+        "free_flyer": "missionkit.sim.free_flyer.world.FreeFlyerWorld",
+    },
+    lambda _, found: found,
 )
 
 
@@ -30,7 +36,7 @@ def load_world(path: Path, kind: str, named_at: Place) -> AnyWorld:
         FileError: the file cannot be used, or is that of another kind of vehicle.
     """
     _require_kind(path, kind, named_at)
-    return load_model(path, _WORLDS[kind])
+    return cast("AnyWorld", load_model(path, _WORLDS[kind]))
 
 
 def load_multicopter_world(path: Path) -> World:
@@ -40,7 +46,7 @@ def load_multicopter_world(path: Path) -> World:
         FileError: the file cannot be used, or is that of another kind of vehicle.
     """
     _require_kind(path, "sim", Place(str(path), 1, 1))
-    return load_model(path, World)
+    return cast("World", load_model(path, _WORLDS["sim"]))
 
 
 def _require_kind(path: Path, kind: str, named_at: Place) -> None:

@@ -97,11 +97,7 @@ def test_two_plugins_of_one_name_are_refused(tmp_path: Path, catalogue: Catalogu
 
 def installed(monkeypatch: pytest.MonkeyPatch, value: str, name: str = "mine") -> None:
     entry = EntryPoint(name, value, "missionkit.guards")
-
-    def entry_points(group: str) -> EntryPoints:
-        return EntryPoints([entry]).select(group=group)
-
-    monkeypatch.setattr(module, "entry_points", entry_points)
+    monkeypatch.setattr(module, "entry_points", lambda: EntryPoints([entry]))
 
 
 def test_installed_plugins_are_found(monkeypatch: pytest.MonkeyPatch, catalogue: Catalogue):
@@ -175,9 +171,7 @@ def test_of_two_packages_with_one_name_neither_is_guessed(
     within = catalogue.group("guards")["within"]
     kinds = [type("Mine", (within,), {"__module__": it, "kind": "mine"}) for it in ("a", "b")]
     entries = [EntryPoint("mine", f"{it}:Mine", "missionkit.guards") for it in ("a", "b")]
-    monkeypatch.setattr(
-        module, "entry_points", lambda group: EntryPoints(entries).select(group=group)
-    )
+    monkeypatch.setattr(module, "entry_points", lambda: EntryPoints(entries))
     monkeypatch.setattr(EntryPoint, "load", lambda it: kinds[entries.index(it)])
     found = catalogue.with_entry_points()
     assert "mine" not in found.group("guards")

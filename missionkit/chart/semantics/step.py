@@ -147,13 +147,15 @@ def _failsafe(
     chosen: CompiledTransition | None = None
     obeyed = False
     for failsafe in chart.failsafes:
+        (to,) = failsafe.to
+        rank = SAFETY.get(chart.states[to].kind.name, 0)
+        if question.frugal and here.safety and rank <= here.safety:
+            continue  # it cannot lead away
         if failsafe.ask is None or failsafe.ask(question)[0] is False:
             continue
         if not ready(failsafe, memory, question, held):
             continue
-        (to,) = failsafe.to
         obeyed = obeyed or to in memory.active
-        rank = SAFETY.get(chart.states[to].kind.name, 0)
         safer = rank > here.safety or (rank == here.safety == 0 and not obeyed)
         if chosen is None and safer:
             chosen = failsafe
