@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from missionkit.camera_pointing import camera_to_body
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import FileError, Problem, UsageError
 from missionkit.geometry import IDENTITY, Transform
@@ -129,7 +130,9 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
         def paint(pose: Pose, at: float) -> Frame:
             turned = pose.velocity, pose.rates
             robots = looks_at(world, pose.robots)
-            return Frame(at, renderer.render(pose.body, *turned, exposure, nothing, robots))
+            mount = camera_to_body(model, pose.body.rotation, pose.gimbal)
+            image = renderer.render(pose.body, *turned, exposure, nothing, robots, mount=mount)
+            return Frame(at, image, gimbal=pose.gimbal)
 
         return paint
     from missionkit.sim.marker_visibility import Spotter  # noqa: PLC0415
@@ -142,8 +145,9 @@ def painter_of(section: Section, world: World, seed: int = 0) -> Painter:
     def find(pose: Pose, at: float) -> Frame:
         body = pose.body
         x = np.concatenate((body.translation, pose.velocity, body.rotation, pose.rates))
-        corners = spotter.find(x, exposure, nothing)
-        seen = boxes.find(body, looks_at(world, pose.robots)) if pose.robots else ()
-        return Frame(at, None, corners, seen)
+        mount = camera_to_body(model, body.rotation, pose.gimbal)
+        corners = spotter.find(x, exposure, nothing, mount=mount)
+        seen = boxes.find(body, looks_at(world, pose.robots), mount) if pose.robots else ()
+        return Frame(at, None, corners, seen, pose.gimbal)
 
     return find

@@ -86,6 +86,7 @@ def vehicle_of(
         relies_on=relied_on(mission),
         wanted=origin_wanted(mission),
         traffic=traffic,
+        gimbal=mission.camera.gimbal is not None,
     )
 
 

@@ -11,6 +11,7 @@ BEHAVIORS = {  # the name that mission files use -> the class; imported when a m
     "expanding_square": "missionkit.behaviors.area_search.ExpandingSquare",
     "follow": "missionkit.behaviors.follow.Follow",
     "follow_path": "missionkit.behaviors.follow_path.FollowPath",
+    "gimbal": "missionkit.behaviors.gimbal.Gimbal",
     "go_to": "missionkit.behaviors.go_to.GoTo",
     "gripper": "missionkit.behaviors.devices.Gripper",
     "herd": "missionkit.behaviors.herd.Herd",

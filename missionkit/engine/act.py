@@ -81,6 +81,7 @@ def act(
         scan=acting.scan,
         lands=step.lands,
         chosen=step.chosen,
+        gimbal=step.gimbal or acting.gimbal,
     )
     return following, _ordered(command, orders, seen), step
 

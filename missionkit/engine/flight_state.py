@@ -9,7 +9,15 @@ from missionkit.chart.semantics.chart_memory import ChartMemory
 from missionkit.control.hold_point import HoldPoint
 from missionkit.engine.target_tracks import TrackingMemory
 from missionkit.geometry import Vec3
-from missionkit.messages import Battery, Goal, Range, Scan, VehicleStatus
+from missionkit.messages import (
+    Battery,
+    GimbalAim,
+    GimbalReading,
+    Goal,
+    Range,
+    Scan,
+    VehicleStatus,
+)
 from missionkit.perception.vision_pipeline import VisionMemory
 from missionkit.planning.scan_memory import FieldMemory
 
@@ -26,6 +34,7 @@ class SensorState(NamedTuple):
     range: Range | None = None
     misfit: str = ""  # how the sightings did not fit the filter's noise, the first time
     tracking: TrackingMemory | None = None  # None: nothing is tracked yet
+    gimbal: GimbalReading | None = None
 
 
 class PausedBehavior(NamedTuple):
@@ -53,6 +62,7 @@ class BehaviorState(NamedTuple):
     held: HoldPoint | None = None  # the place that is held while no behaviour leads anywhere
     lands: bool = False  # the behaviour led to the ground on purpose at the last tick
     chosen: str | None = None  # the tracked target that the behaviour asked for at the last tick
+    gimbal: GimbalAim | None = None  # aim of the gimbal, whichever behaviour gave it
 
 
 class FlightMemory(NamedTuple):

@@ -80,6 +80,7 @@ def sense(
         seen.range or before.range,
         before.misfit or state.health.misfit,
         tracking,
+        seen.gimbal or before.gimbal,
     )
     return senses, _estimate(plan, memory, senses, state, seen, found, targets)
 
@@ -161,6 +162,7 @@ def _estimate(
         range=senses.range,
         failing=acting.failing,
         traffic=seen.traffic,
+        gimbal=senses.gimbal,
         state=chart.state,
         entered_at=chart.entered_at,
         done=acting.done,

@@ -12,6 +12,7 @@ from missionkit.messages import (
     Action,
     Device,
     DeviceOrder,
+    GimbalAim,
     Goal,
     Guidance,
     HalfSpace,
@@ -40,6 +41,7 @@ def fault_of(answer: object) -> str:
         "lands": isinstance(answer.lands, bool),
         "orders": _orders(answer.orders),
         "chosen": _text_or_none(answer.chosen),
+        "gimbal": _aims(answer.gimbal),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"a Step with {wrong[0]} of a wrong type or not finite" if wrong else ""
@@ -88,6 +90,16 @@ def _orders(orders: object) -> bool:
         and it.value is not None
         and _number(it.value)
         for it in orders
+    )
+
+
+def _aims(aim: object) -> bool:
+    if not isinstance(aim, GimbalAim):
+        return aim is None
+    return (
+        (aim.place is None or _vector(aim.place))
+        and _text_or_none(aim.target)
+        and (aim.angles is None or all(it is not None and _number(it) for it in aim.angles))
     )
 
 

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from missionkit.camera_pointing import angles_to
 from missionkit.chart.semantics.arming_check import against_arming
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.quick_step import decide
 from missionkit.engine import pause
 from missionkit.engine.act import act
 from missionkit.engine.behavior_handover import handed_over
-from missionkit.engine.flight_state import FlightMemory, SensorState
+from missionkit.engine.flight_state import BehaviorState, FlightMemory, SensorState
 from missionkit.engine.ground_contact import with_ground_contact
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.sense import sense
@@ -93,6 +94,7 @@ def tick(
     if grounded:
         command = Command(payload=command.payload)
         step = step._replace(note=f"not taking off: {grounded}")
+    command = _with_gimbal(command, plan, acting, seen)
     t3 = stopwatch()
     record = Record(
         now=seen.now,
@@ -113,6 +115,15 @@ def tick(
     )
     following = FlightMemory(observation.now, senses, chart, acting, paused)
     return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)
+
+
+def _with_gimbal(
+    command: Command, plan: PreparedMission, acting: BehaviorState, seen: Estimate
+) -> Command:
+    """Return the command with what the gimbal is to be turned to, if it has an aim."""
+    if acting.gimbal is None:
+        return command
+    return command._replace(gimbal=angles_to(acting.gimbal, plan.camera, seen))
 
 
 def _on_ground(seen: Estimate) -> bool:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from pydantic import Field, PrivateAttr, model_validator
 from typing_extensions import override
 
+from missionkit.camera_pointing import seen_mount
 from missionkit.geometry import norm, to_matrix
 from missionkit.messages import CameraModel, Estimate, Verdict
 from missionkit.messages.region import Interval, Quantity, Region
@@ -105,13 +106,16 @@ class Covered(WindowGuard):
         corners = np.array(
             ((-0.5, right, right, -0.5), (-0.5, -0.5, low, low), (1.0, 1.0, 1.0, 1.0))
         )
+        mount = seen_mount(camera, seen)
+        if mount is None:
+            return 0
         body = to_matrix(seen.attitude)
-        turned = body @ to_matrix(camera.mount.rotation)
+        turned = body @ to_matrix(mount.rotation)
         rays = turned @ np.linalg.solve(camera.matrix, corners)
         rays /= np.linalg.norm(rays, axis=0)
         if rays[2].min() < LEAST_DEPTH:
             return 0
-        place = seen.position + body @ camera.mount.translation
+        place = seen.position + body @ mount.translation
         spots = (place[:2, None] + (-place[2] - self.ground) * rays[:2] / rays[2]).T
         sides = np.roll(spots, -1, axis=0) - spots
         off = self._cells[:, None, :] - spots[None, :, :]

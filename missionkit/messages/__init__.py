@@ -26,12 +26,14 @@ from missionkit.messages.events import (
     ABORT,
     CONTINUE,
     CONTROL_RESUMED,
+    GIMBAL_UNKNOWN,
     GROUND_TOUCHED,
     MARKER_DUPLICATED,
     MARKER_UPSIDE_DOWN,
     PAUSE,
     is_event,
 )
+from missionkit.messages.gimbal import GimbalAim, GimbalAngles, GimbalReading
 from missionkit.messages.image_features import FeatureMatches, FeatureSearch
 from missionkit.messages.observation import (
     NO_CYCLE,
@@ -72,6 +74,7 @@ __all__ = [
     "ABORT",
     "CONTINUE",
     "CONTROL_RESUMED",
+    "GIMBAL_UNKNOWN",
     "GROUND_TOUCHED",
     "MARKER_DUPLICATED",
     "MARKER_UPSIDE_DOWN",
@@ -99,6 +102,9 @@ __all__ = [
     "Features",
     "Fired",
     "Frame",
+    "GimbalAim",
+    "GimbalAngles",
+    "GimbalReading",
     "Gnss",
     "Goal",
     "GroundDetection",

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from missionkit.geometry import Quat, Vec3
 from missionkit.messages.estimate import Goal
+from missionkit.messages.gimbal import GimbalAim, GimbalAngles
 
 
 class Action(StrEnum):
@@ -81,6 +82,7 @@ class Command(NamedTuple):
     payload: str | None = None  # name of the actuator to be on during this tick
     own_velocity: Vec3 | None = None  # (3,), m/s, NED, estimated while a target is seen
     orders: tuple[DeviceOrder, ...] = ()  # each carried out once
+    gimbal: GimbalAngles | None = None  # to turn it to; None: it stays as it is
 
 
 class Mode(StrEnum):
@@ -131,3 +133,4 @@ class Step(NamedTuple):
     lands: bool = False  # leads to the ground on purpose: no height is kept above it
     orders: tuple[DeviceOrder, ...] = ()  # for devices of the payload, each once
     chosen: str | None = None  # the tracked target that `tracked` stands for from now on
+    gimbal: GimbalAim | None = None  # its aim from now on, in later states too

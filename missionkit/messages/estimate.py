@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from missionkit.geometry import Quat, Vec3, yaw_of
+from missionkit.messages.gimbal import GimbalReading
 from missionkit.messages.observation import (
     NO_CYCLE,
     Battery,
@@ -93,6 +94,7 @@ class Estimate(NamedTuple):
     failing: tuple[str, ...] = ()  # plug-ins that misbehaved at the last tick, and how
     ground: GroundFrame | None = None  # objects in the frame that came since the last tick
     traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
+    gimbal: GimbalReading | None = None  # the newest, fresh or not
     # where the chart stands, as of the last tick:
     state: str = ""
     entered_at: float = 0.0  # s

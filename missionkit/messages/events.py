@@ -19,6 +19,9 @@ CONTINUE = "operator.continue"
 GROUND_TOUCHED = "ground_touched"
 """Comes when the vehicle touches the ground outside landing and take-off."""
 
+GIMBAL_UNKNOWN = "gimbal_unknown"
+"""Comes when frames are not used because how the gimbal is turned is not known."""
+
 MARKER_DUPLICATED = "marker_duplicated"
 """Comes when more markers of one id are in view than the mission has."""
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.geometry import Quat, Vec3
+from missionkit.messages.gimbal import GimbalAngles, GimbalReading
 from missionkit.messages.traffic import OtherVehicle
 from missionkit.messages.vision import BoxDetection
 
@@ -113,6 +114,7 @@ class Frame(NamedTuple):
     image: Image | None
     corners: tuple[tuple[str, int, npt.NDArray[np.float64]], ...] | None = None
     boxes: tuple[BoxDetection, ...] | None = None
+    gimbal: GimbalAngles | None = None  # how it was turned then; None: not known, or there is none
 
 
 class Scan(NamedTuple):
@@ -182,3 +184,4 @@ class Observation:
     traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
     in_control: bool = True  # no: a pilot commands, or the autopilot by itself
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record
+    gimbal: GimbalReading | None = None

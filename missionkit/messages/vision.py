@@ -21,6 +21,7 @@ class CameraModel:
     distortion: npt.NDArray[np.float64]  # (5,) k1 k2 p1 p2 k3
     mount: Transform  # camera to body FRD
     period: float  # s between frames
+    gimbal_sd: float | None = None  # rad, how well its gimbal knows how it is turned; None: fixed
 
 
 class Detection(NamedTuple):

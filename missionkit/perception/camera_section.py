@@ -8,13 +8,13 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from missionkit.geometry import Mat, Quat, Transform, from_euler, from_matrix, multiply
+from missionkit.camera_pointing import looking
+from missionkit.geometry import Mat, Transform
 from missionkit.messages import CameraModel
-from missionkit.units import Degrees, Hertz, Number, Pixels, Point, Seconds
+from missionkit.units import Degrees, DegreesPerSecond, Hertz, Number, Pixels, Point, Seconds
 
 FOCAL = 554.0  # px, about 60 deg across 640 px
 DIGITS = 4  # of the number of a device
-_FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def numbered(source: object) -> object:
@@ -58,6 +58,30 @@ class Mount(_Section):
         return Transform(looking(tilt, pan, roll), np.array(self.position))
 
 
+Span = tuple[Annotated[Degrees, Field(ge=-180)], Annotated[Degrees, Field(le=180)]]
+
+
+class Gimbal(_Section):
+    """A gimbal that turns the camera about its place on the body and keeps the picture level.
+
+    The camera's `mount` is how it rests. `angle_sd_deg` is how well it knows how it is turned.
+    """
+
+    pitch_deg: Span = (-90.0, 30.0)
+    yaw_deg: Span = (-90.0, 90.0)
+    rate_deg: Annotated[DegreesPerSecond, Field(gt=0, le=720)] = 60.0
+    angle_sd_deg: Annotated[Degrees, Field(ge=0, le=10)] = 0.1
+
+    @model_validator(mode="after")
+    def _spans_in_order(self) -> Self:
+        for name, (low, high) in (("pitch_deg", self.pitch_deg), ("yaw_deg", self.yaw_deg)):
+            if low >= high:
+                raise ValueError(f"{name} is [least, most], got [{low:g}, {high:g}]")
+        if self.pitch_deg[0] < -90.0 or self.pitch_deg[1] > 90.0:
+            raise ValueError("pitch_deg lies within -90 (down) and 90 (up)")
+        return self
+
+
 class Camera(_Section):
     """A camera: how it sees, how often, how late, and where it is mounted.
 
@@ -83,6 +107,7 @@ class Camera(_Section):
     latency: Seconds = 0.06
     exposure: Seconds = 0.004
     mount: Mount = Mount()
+    gimbal: Gimbal | None = None
 
     @property
     def drawn(self) -> bool:
@@ -95,6 +120,23 @@ class Camera(_Section):
             raise ValueError("a device needs its source: a number, a file or a URL")
         if self.use != "device" and self.source is not None:
             raise ValueError("source belongs to use: device")
+        return self
+
+    @model_validator(mode="after")
+    def _rests_within_its_gimbal(self) -> Self:
+        if self.gimbal is None:
+            return self
+        if self.mount.roll_deg != 0.0:
+            raise ValueError("a camera on a gimbal has no roll_deg: the gimbal keeps it level")
+        for name, span, rest in (
+            ("pitch_deg", self.gimbal.pitch_deg, -self.mount.tilt_deg),
+            ("yaw_deg", self.gimbal.yaw_deg, self.mount.pan_deg),
+        ):
+            if not span[0] <= rest <= span[1]:
+                raise ValueError(
+                    f"the mount rests at {name} {rest:g}, outside the gimbal's "
+                    f"{span[0]:g} to {span[1]:g}"
+                )
         return self
 
     @model_validator(mode="after")
@@ -122,6 +164,7 @@ class Camera(_Section):
             distortion=np.array(self.distortion),
             mount=self.mount.transform(),
             period=1.0 / self.rate,
+            gimbal_sd=None if self.gimbal is None else math.radians(self.gimbal.angle_sd_deg),
         )
 
     def _matrix(self) -> Mat:
@@ -132,14 +175,3 @@ class Camera(_Section):
         # The middle of the image: pixel centres have whole numbers, as in OpenCV.
         cx, cy = self.centre or (0.5 * (self.width - 1), 0.5 * (self.height - 1))
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
-
-
-def looking(tilt: float, pan: float = 0.0, roll: float = 0.0) -> Quat:
-    """Return camera to body for a camera that looks forward, but for three turns (rad).
-
-    Args:
-        tilt: downwards.
-        pan: to the right, before it is tilted.
-        roll: clockwise about its axis, as seen from behind.
-    """
-    return multiply(from_euler(roll, -tilt, pan), from_matrix(_FORWARD))

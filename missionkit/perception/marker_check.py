@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from missionkit.camera_pointing import looking
 from missionkit.geometry import multiply, norm
 from missionkit.messages import CameraModel, Detection, Image
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.camera_section import looking
 from missionkit.perception.image_files import outlined, with_axes
 from missionkit.perception.marker_detector import MarkerDetector
 from missionkit.perception.square_pose import Solution, solve

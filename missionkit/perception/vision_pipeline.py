@@ -20,6 +20,7 @@ from missionkit.messages import (
     Observation,
     Sighting,
 )
+from missionkit.perception import gimbal_view
 from missionkit.perception.aruco import Aruco
 from missionkit.perception.duplicate_markers import without_duplicates
 from missionkit.perception.feature_matching import matched
@@ -61,7 +62,8 @@ class VisionPipeline:
     Pure: the memory goes in and comes out, and what differs between two flights is in it. Every
     frame that was due yields one `Look`, so that the confidence window counts frames (P1 section
     1.3, correction P1.7): a camera that falls silent for 1.5 periods, or repeats an image exactly,
-    gives silent looks that saw nothing. A frame that arrives late is used at its own time.
+    gives silent looks that saw nothing; so does a frame of a gimbal whose attitude is not known. A
+    frame that arrives late is used at its own time.
 
     Args:
         camera: intrinsics and mount.
@@ -109,6 +111,12 @@ class VisionPipeline:
         if digest is not None and digest == memory.digest:
             silent = Look(frame.at, frozenset(), silent=True)
             return Seen(following, (*missed, silent), (), None)
+        view = None
+        if self._camera.gimbal_sd is not None:
+            view = gimbal_view.gimbal_view(self._camera, frame, priors)
+            if view is None:
+                return _unusable(following, frame, missed)
+            priors = view.priors
         eye = self._eye(frame.at, priors)
         markers, turned = right_way_up(
             self._search.find(frame, priors),
@@ -127,6 +135,8 @@ class VisionPipeline:
             select(candidates, _expected(target, priors)).sighting
             for target, candidates in sorted(found.items())
         )
+        if view is not None:
+            sightings = gimbal_view.on_fixed_mount(view, sightings)
         seen = frozenset(s.target for s in sightings)
         ground = ground_frame(self._boxes, self._camera, frame, priors, contain)
         return Seen(following, (*missed, Look(frame.at, seen)), sightings, ground)
@@ -163,6 +173,17 @@ class VisionPipeline:
                 contain.note(f"{detector.kind} returned {wrong}")
                 continue
             yield from boxed[0]
+
+
+def _unusable(memory: VisionMemory, frame: Frame, missed: tuple[Look, ...]) -> Seen:
+    """Return what is seen while it is not known where the camera of a gimbal looks: nothing.
+
+    If that is the gimbal's fault, the frame counts as a missing one.
+    """
+    blind = frame.gimbal is None
+    warned = (gimbal_view.unknown(frame.at),) if blind else ()
+    memory = memory._replace(warnings=continued(memory.warnings, warned, frame.at))
+    return Seen(memory, (*missed, Look(frame.at, frozenset(), silent=blind)), (), None)
 
 
 def _plausible(

@@ -213,7 +213,7 @@ class FlightRecorder:
         if due or now.overruns != before.overruns:
             publish("/timing", at, message_encoding.timing(stamp, record.cycle))
         if due:
-            publish("/tf", at, message_encoding.body(stamp, record.estimate))
+            publish("/tf", at, message_encoding.body(stamp, record.estimate, self._camera))
             publish("/estimate", at, message_encoding.estimate(stamp, record.estimate))
             if record.estimate.goal is not None:
                 publish("/goal", at, message_encoding.goal(stamp, record.estimate.goal))

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from missionkit.camera_pointing import seen_mount
 from missionkit.geometry import IDENTITY, Quat, Transform, Vec3, from_euler, from_matrix, norm, vec
 from missionkit.messages import (
     TRACKED,
@@ -59,18 +60,27 @@ def goal(at: str, aim: Goal) -> str:
     return pose(at, aim.position, attitude)
 
 
-def body(at: str, seen: Estimate) -> str:
-    """Return the moving link of the frame tree, world NED <- base."""
-    link = json_fragments.transform(
-        at, NED_FRAME, BASE_FRAME, Transform(seen.attitude, seen.position)
-    )
-    return f'{{"transforms":[{link}]}}'
+def body(at: str, seen: Estimate, camera: CameraModel | None = None) -> str:
+    """Return the moving links of the frame tree: world NED <- base, and a gimbal's base <- camera.
+
+    Args:
+        at: JSON of the time.
+        seen: the estimate.
+        camera: lens and mount.
+    """
+    placed = Transform(seen.attitude, seen.position)
+    links = [json_fragments.transform(at, NED_FRAME, BASE_FRAME, placed)]
+    if camera is not None and camera.gimbal_sd is not None:
+        mount = seen_mount(camera, seen)
+        if mount is not None:
+            links.append(json_fragments.transform(at, BASE_FRAME, CAMERA_FRAME, mount))
+    return f'{{"transforms":[{",".join(links)}]}}'
 
 
 def fixed_links(at: str, camera: CameraModel | None) -> str:
-    """Return the links that never move: world <- world NED, base <- camera."""
+    """Return the links that never move: world <- world NED, base <- a fixed camera."""
     links = [json_fragments.transform(at, WORLD_FRAME, NED_FRAME, UPRIGHT)]
-    if camera is not None:
+    if camera is not None and camera.gimbal_sd is None:
         links.append(json_fragments.transform(at, BASE_FRAME, CAMERA_FRAME, camera.mount))
     return f'{{"transforms":[{",".join(links)}]}}'
 
@@ -89,6 +99,9 @@ def command(at: str, sent: Command) -> str:
     if sent.orders:
         said = ", ".join(f"{it.device} {it.number}: {it.value:g}" for it in sent.orders)
         parts.append(f'"orders":{json_fragments.text(said)}')
+    if sent.gimbal is not None:
+        pitch, yaw = map(math.degrees, sent.gimbal)
+        parts.append(f'"gimbal_deg":{{"pitch":{pitch},"yaw":{yaw}}}')
     return ",".join(parts) + "}"
 
 

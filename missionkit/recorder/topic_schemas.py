@@ -179,10 +179,11 @@ COMMAND = _record(
         "height": NUMBER_SCHEMA,
         "payload": TEXT_SCHEMA,
         "orders": TEXT_SCHEMA,
+        "gimbal_deg": _numbers("pitch", "yaw"),
     },
     optional=(
         *("velocity", "yaw_rate", "position", "yaw", "attitude", "thrust", "force", "torque"),
-        *("action", "height", "payload", "orders"),
+        *("action", "height", "payload", "orders", "gimbal_deg"),
     ),
 )
 VERDICT = _record(

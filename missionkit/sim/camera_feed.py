@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from missionkit.camera_pointing import camera_to_body
 from missionkit.geometry import Mat, Transform, Vec3
-from missionkit.messages import Frame
+from missionkit.messages import Frame, GimbalAngles
+from missionkit.sim.gimbal import SimulatedGimbal
 from missionkit.sim.kernel_layout import RATE
 from missionkit.sim.marker_visibility import Spotter
 from missionkit.sim.robot_boxes import BoxSpotter
@@ -32,6 +34,8 @@ class Shot(NamedTuple):
     flipped: bool  # upside down
     robots: tuple[RobotLook, ...] = ()
     shift: Spot = (0.0, 0.0)  # m, north and east, by which the deck has driven
+    mount: Transform | None = None  # camera to body, of a gimbal
+    gimbal: GimbalAngles | None = None  # as it says it was turned
 
 
 class Feed:
@@ -89,6 +93,8 @@ class Feed:
         off: bool,
         frozen: bool,
         flipped: bool,
+        gimbal: SimulatedGimbal | None = None,
+        gimbal_lost: bool = False,
     ) -> None:
         """Take the exposure that is due now, with the true state `x` and the active faults.
 
@@ -100,6 +106,8 @@ class Feed:
             off: no frame.
             frozen: repeat the last frame.
             flipped: upside down.
+            gimbal: that turns the camera.
+            gimbal_lost: it does not say how it is turned.
         """
         at = self.next_step / RATE
         self._count += 1
@@ -111,7 +119,19 @@ class Feed:
             if deck is not None and deck.moves:
                 shift = deck.shift(at)
                 state[3:5] -= deck.velocity_at(at)  # blur is that of the markers on the deck
-            self._waiting.append(Shot(at, due, state, hidden, frozen, flipped, looks, shift))
+            shot = Shot(at, due, state, hidden, frozen, flipped, looks, shift)
+            if gimbal is not None:
+                shot = self._turned(shot, gimbal, lost=gimbal_lost)
+            self._waiting.append(shot)
+
+    def _turned(self, shot: Shot, gimbal: SimulatedGimbal, *, lost: bool) -> Shot:
+        """Return an exposure through a camera on a gimbal."""
+        told, truth = gimbal.measured(shot.at), gimbal.angles(shot.at)
+        return shot._replace(
+            state=gimbal.turned_state(shot.state, shot.at),
+            mount=camera_to_body(self._model, shot.state[6:10], truth),
+            gimbal=None if lost else told,
+        )
 
     def deliver(self, now: float) -> Frame | None:
         """Return the newest frame that has arrived by `now` (s), if any; older ones are lost."""
@@ -128,20 +148,22 @@ class Feed:
     def _upside_down(self, frame: Frame) -> Frame:
         """Return it turned by half a turn."""
         if frame.image is not None:
-            return Frame(frame.at, np.ascontiguousarray(frame.image[::-1, ::-1]))
+            turned = np.ascontiguousarray(frame.image[::-1, ::-1])
+            return frame._replace(image=turned)
         last = np.array([self._camera.width - 1.0, self._camera.height - 1.0])
         found = tuple((name, number, last - at) for name, number, at in frame.corners or ())
         boxes = tuple(box._replace(centre=last - box.centre) for box in frame.boxes or ())
-        return Frame(frame.at, None, found, boxes)
+        return frame._replace(corners=found, boxes=boxes)
 
     def _picture(self, shot: Shot) -> Frame:
         x, exposure = shot.state, self._camera.exposure
         body = Transform(x[6:10], x[:3])
         if self._renderer is None:
-            corners = self._spotter.find(x, exposure, shot.hidden, shot.shift)
-            boxes = self._boxes.find(body, shot.robots) if self._any_robots else ()
-            return Frame(shot.at, None, corners, boxes)
+            corners = self._spotter.find(x, exposure, shot.hidden, shot.shift, shot.mount)
+            boxes = self._boxes.find(body, shot.robots, shot.mount) if self._any_robots else ()
+            return Frame(shot.at, None, corners, boxes, shot.gimbal)
+        moving = x[3:6], x[10:13]
         image = self._renderer.render(
-            body, x[3:6], x[10:13], exposure, shot.hidden, shot.robots, shot.shift
+            body, *moving, exposure, shot.hidden, shot.robots, shot.shift, shot.mount
         )
-        return Frame(shot.at, image)
+        return Frame(shot.at, image, gimbal=shot.gimbal)

@@ -54,6 +54,7 @@ class Renderer:
         hidden: frozenset[int] = frozenset(),
         robots: Sequence[RobotLook] = (),
         shift: Spot = (0.0, 0.0),
+        mount: Transform | None = None,
     ) -> Image:
         """Return one grey frame (height, width).
 
@@ -65,8 +66,10 @@ class Renderer:
             hidden: ids of markers that are not to be seen.
             robots: ground robots as they stand in the middle of the exposure.
             shift: m, north and east, by which the deck has driven.
+            mount: camera to body, of a gimbal; None: the camera's own.
         """
-        view = view_of(body @ self._camera.mount, self._lens)
+        mount = mount or self._camera.mount
+        view = view_of(body @ mount, self._lens)
         canvas = np.empty((view.size[1], view.size[0]), np.uint8)
         ground_drawing.paint(canvas, view, self._bands)
         for line in self._lines:
@@ -82,7 +85,7 @@ class Renderer:
         if self._lens.maps is not None:
             canvas = np.asarray(cv2.remap(canvas, *self._lens.maps, cv2.INTER_LINEAR), np.uint8)
         focus = self._focus(view, visible)
-        flow = exposure * self._flow(view, body, velocity, rates, focus)
+        flow = exposure * self._flow(view, (body, mount), velocity, rates, focus)
         return self._sensor.expose(lens_model.blur(canvas, float(flow[0]), float(flow[1])))
 
     def _focus(self, view: CanvasView, visible: list[Solid]) -> Vec3:
@@ -97,10 +100,23 @@ class Renderer:
         return np.array([0.0, 0.0, depth])
 
     def _flow(
-        self, view: CanvasView, body: Transform, velocity: Vec3, rates: Vec3, focus: Vec3
+        self,
+        view: CanvasView,
+        placed: tuple[Transform, Transform],
+        velocity: Vec3,
+        rates: Vec3,
+        focus: Vec3,
     ) -> Vec3:
-        """Return the image velocity (2,), px/s, of a fixed point `focus` (camera frame)."""
-        mount = self._camera.mount
+        """Return the image velocity (2,), px/s, of a fixed point.
+
+        Args:
+            view: of the picture.
+            placed: body to world, and camera to body.
+            velocity: (3,), m/s, NED, of the body's origin.
+            rates: (3,), rad/s, FRD.
+            focus: (3,), m, camera frame, the point.
+        """
+        body, mount = placed
         moving = velocity + rotate(body.rotation, np.cross(rates, mount.translation))
         turning = to_matrix(mount.rotation).T @ rates
         drift = -(view.turn @ moving) - np.cross(turning, focus)

@@ -34,6 +34,7 @@ FAULT_KINDS: Mapping[str, Kind] = {
     "camera_off": Kind(None, "", "no frames"),
     "camera_delayed": Kind(0.5, "s", "frames arrive later by VALUE", least=0.0, most=60.0),
     "camera_flipped": Kind(None, "", "images arrive upside down"),
+    "gimbal_lost": Kind(None, "", "the gimbal does not say how it is turned"),
     "gnss_lost": Kind(None, "", "no fixes, and the autopilot's own velocity drifts"),
     "gnss_jump": Kind(10.0, "m", "fixes are offset to the north by VALUE"),
     "gnss_drift": Kind(0.5, "m/s", "fixes drift to the north at VALUE"),

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from missionkit.geometry import Mat, Vec3, conjugate, multiply, rotate, vec
+from missionkit.geometry import Mat, Transform, Vec3, conjugate, multiply, rotate, vec
 from missionkit.jit import compiled
 from missionkit.messages import CameraModel
 from missionkit.sim.obstacle_distance import cast
@@ -229,7 +229,12 @@ class Spotter:
         self._rng = rng
 
     def find(
-        self, x: Vec3, exposure: float, hidden: frozenset[int], shift: Spot = (0.0, 0.0)
+        self,
+        x: Vec3,
+        exposure: float,
+        hidden: frozenset[int],
+        shift: Spot = (0.0, 0.0),
+        mount: Transform | None = None,
     ) -> tuple[Corners, ...]:
         """Return dictionary, id and corners (4, 2), px, of each marker found.
 
@@ -238,14 +243,16 @@ class Spotter:
             exposure: s.
             hidden: ids of markers that are covered.
             shift: m, north and east, by which the deck has driven.
+            mount: camera to body, of a gimbal; None: the camera's own.
         """
         shapes = self._shapes
         if shift != (0.0, 0.0):
             shapes = shapes.copy()
             shapes[self._first :, :, :2] += shift
         pixels = np.empty((len(self._markers), 4, 2))
-        place, mount = self._mount.translation, self._mount.rotation
-        views = glimpse(shapes, x, place, mount, self._lens, self._things, pixels)
+        mount = mount or self._mount
+        place, turned = mount.translation, mount.rotation
+        views = glimpse(shapes, x, place, turned, self._lens, self._things, pixels)
         found: list[Corners] = []
         for marker, (cosine, speed), corners in zip(
             self._markers, views.tolist(), pixels, strict=True

@@ -10,7 +10,7 @@ from missionkit.geometry import Mat
 
 STREAMS = (
     *("wind", "autopilot", "imu", "gnss", "baro", "magnetometer", "scan", "link", "camera"),
-    *("flow", "range", "robots", "boxes", "external_pose"),
+    *("flow", "range", "robots", "boxes", "external_pose", "gimbal"),
 )
 
 

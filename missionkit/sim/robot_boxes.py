@@ -46,14 +46,17 @@ class BoxSpotter:
         self._lens = lens_of(camera)
         self._rng = rng
 
-    def find(self, body: Transform, robots: Sequence[RobotLook]) -> tuple[BoxDetection, ...]:
+    def find(
+        self, body: Transform, robots: Sequence[RobotLook], mount: Transform | None = None
+    ) -> tuple[BoxDetection, ...]:
         """Return the boxes of one frame.
 
         Args:
             body: body to world at the exposure.
             robots: in play.
+            mount: camera to body, of a gimbal; None: the camera's own.
         """
-        eye = body @ self._camera.mount
+        eye = body @ (mount or self._camera.mount)
         boxes = (self._box(eye, robot) for robot in robots)
         return (*(box for box in boxes if box is not None), *self._false(eye))
 

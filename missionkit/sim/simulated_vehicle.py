@@ -17,6 +17,7 @@ from missionkit.messages import (
     Action,
     Command,
     Device,
+    GimbalReading,
     Gnss,
     Imu,
     Observation,
@@ -27,6 +28,7 @@ from missionkit.sim import disturbances, kernel_layout
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.fault_injection import Fault, InjectedFaults, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
+from missionkit.sim.gimbal import SimulatedGimbal
 from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.herd_grading import HerdTrack
 from missionkit.sim.obstacle_distance import ring
@@ -82,6 +84,9 @@ class SimulatedVehicle(SimulatedPort):
         self._injected = InjectedFaults(tuple(faults), {})
         self._plant = Plant(world, rngs)
         self._feed = Feed(camera, world, self._plant.things, rngs["camera"], rngs["boxes"])
+        self._gimbal: SimulatedGimbal | None = None
+        if camera.gimbal is not None:
+            self._gimbal = SimulatedGimbal(camera.gimbal, camera.mount, rngs["gimbal"])
         self._gnss = GnssSensor(world.sensors.gnss, rngs["gnss"])
         self._baro = BaroSensor(world.sensors.baro, rngs["baro"])
         self._mag = MagnetometerSensor(world.sensors.magnetometer, rngs["magnetometer"])
@@ -157,6 +162,8 @@ class SimulatedVehicle(SimulatedPort):
             else:
                 named = {f"{order.device} {order.number}": order.value}
                 self.devices = {**self.devices, **named}
+        if command.gimbal is not None and self._gimbal is not None:
+            self._gimbal.order(command.gimbal, self.now)
         action = command.action
         steered = self._plant.mode == kernel_layout.OFFBOARD and self._return is None
         if action is None and command.setpoint is None and steered:
@@ -196,6 +203,7 @@ class SimulatedVehicle(SimulatedPort):
             flow=box.flow,
             range=box.range,
             external_pose=None if self._outside is None else self._outside.deliver(self.now),
+            gimbal=self._gimbal_reading(),
         )
 
     @property
@@ -330,7 +338,14 @@ class SimulatedVehicle(SimulatedPort):
             off=faults.active("camera_off", now),
             frozen=faults.active("camera_frozen", now),
             flipped=faults.active("camera_flipped", now),
+            gimbal=self._gimbal,
+            gimbal_lost=faults.active("gimbal_lost", now),
         )
+
+    def _gimbal_reading(self) -> GimbalReading | None:
+        if self._gimbal is None or self._injected.active("gimbal_lost", self.now):
+            return None
+        return GimbalReading(self.now, self._gimbal.measured(self.now))
 
     def _telemetry(self, step: int, now: float) -> None:
         battery, heartbeat = self._gauge.beat.due(step), self._heartbeat.due(step)

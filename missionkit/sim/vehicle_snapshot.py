@@ -20,6 +20,7 @@ from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
 from missionkit.sim.free_flyer.feature_camera import FeatureCamera
 from missionkit.sim.free_flyer.flyer_plant import FlyerPlant
 from missionkit.sim.free_flyer.free_flyer import FreeFlyer
+from missionkit.sim.gimbal import SimulatedGimbal
 from missionkit.sim.herd_grading import HerdTrack
 from missionkit.sim.lens_model import Sensor
 from missionkit.sim.marker_visibility import Spotter
@@ -41,7 +42,7 @@ Snapshot = Mapping[str, Any]
 PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
-        *("_flow", "_range", "_outside", "devices", "photos"),
+        *("_flow", "_range", "_outside", "devices", "photos", "_gimbal"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_home", "_return"),
     ),
     FreeFlyer: (
@@ -63,6 +64,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     ExternalPoseSensor: ("beat", "_noise", "_waiting"),
     BatteryGauge: ("beat", "sag"),
     Beat: ("_next",),
+    SimulatedGimbal: ("_turning", "_rng"),
 }
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 
 from missionkit.geometry import norm
 from missionkit.sim.fault_injection import Fault
-from missionkit.sitl import arming_rules, mission_protocol, stream_scheduler
+from missionkit.sitl import arming_rules, gimbal_manager, mission_protocol, stream_scheduler
 from missionkit.sitl.command_fields import CommandFields, order_of
 from missionkit.sitl.flight_modes import FlightMode, FlightTask
 from missionkit.sitl.peer_channel import Channel, Sender
@@ -318,5 +318,8 @@ HANDLERS: Mapping[int, Handler] = {
     mavlink.MAV_CMD_DO_DIGICAM_CONTROL: _photo,
     mavlink.MAV_CMD_DO_SET_RELAY: _switch,
     mavlink.MAV_CMD_DO_GRIPPER: _switch,
+    mavlink.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE: gimbal_manager.configure,
+    mavlink.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW: gimbal_manager.turn,
+    mavlink.MAV_CMD_DO_MOUNT_CONTROL: gimbal_manager.mount_control,
     mavlink.MAV_CMD_DO_FLIGHTTERMINATION: _terminate,
 }

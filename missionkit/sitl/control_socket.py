@@ -56,6 +56,7 @@ def truth(state: SitlState, _: Any, __: Answer) -> Answer:
         "payload": state.payload,
         "photos": state.photos,
         "devices": dict(state.devices),
+        "gimbal": state.gimbal.angles(state.now)._asdict(),
     }
 
 

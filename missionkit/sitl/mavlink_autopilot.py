@@ -12,6 +12,7 @@ from missionkit.sim.world import World
 from missionkit.sitl import (
     autopilot_failsafes,
     command_protocol,
+    gimbal_manager,
     setpoint_messages,
     status_messages,
     stream_scheduler,
@@ -70,6 +71,7 @@ class MavlinkAutopilot:
             mode=dialect.initial,
             home=vec(*world.start, 0.0),
             wall=wall,
+            gimbal=gimbal_manager.at_rest(),
             system=system,
         )
         self._messages = stream_scheduler.Messages()

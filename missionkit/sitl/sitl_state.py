@@ -20,6 +20,7 @@ from missionkit.messages import (
     Range,
     Scan,
 )
+from missionkit.sim.gimbal import SimulatedGimbal
 from missionkit.sitl.flight_modes import FlightMode, FlightTask, ModeTable
 from missionkit.sitl.geodetic import Earth
 from missionkit.sitl.parameter_protocol import Parameters
@@ -101,6 +102,7 @@ class SitlState:
     mode: FlightMode
     home: Vec3  # (3,), m, NED
     wall: Callable[[], float]
+    gimbal: SimulatedGimbal
     journal: deque[JournalNote] = field(default_factory=lambda: deque(maxlen=JOURNAL_LENGTH))
     channels: list[Channel] = field(default_factory=list)
     sensed: Sensed = field(default_factory=Sensed)
@@ -124,6 +126,7 @@ class SitlState:
     payload: str | None = None  # actuator that is on
     photos: int = 0  # taken
     devices: dict[str, float] = field(default_factory=dict)  # as ordered last
+    gimbal_owner: Sender | None = None  # who has primary control of it
     height: float = 2.5  # m above home, of the next take-off
     grounded_at: float = 0.0
     warned: set[str] = field(default_factory=set)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 
 from missionkit.sitl import (
     flow_range_messages,
+    gimbal_manager,
     health_messages,
     robot_messages,
     sensor_messages,
@@ -56,6 +57,7 @@ MESSAGE_BUILDERS: Mapping[int, Builder] = {
     mavlink.MAVLINK_MSG_ID_DISTANCE_SENSOR: flow_range_messages.distance_sensor,
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW: flow_range_messages.optical_flow,
     mavlink.MAVLINK_MSG_ID_OPTICAL_FLOW_RAD: flow_range_messages.optical_flow_rad,
+    mavlink.MAVLINK_MSG_ID_GIMBAL_DEVICE_ATTITUDE_STATUS: gimbal_manager.attitude_status,
     mavlink.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: robot_messages.debug_float_array,
 }
 FRESH_ONLY = frozenset(  # sent once for each measurement, even if requested more often

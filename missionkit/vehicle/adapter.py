@@ -68,6 +68,7 @@ class MavsdkVehicle:
         relies_on: inputs whose absence is a problem (`reliance`).
         wanted: the mission's origin, if it has one; None: the vehicle's home is the origin.
         traffic: to the other vehicles of its fleet, if it flies in one.
+        gimbal: whether the camera is on a gimbal, whose attitude every frame then needs.
     """
 
     def __init__(
@@ -83,6 +84,8 @@ class MavsdkVehicle:
         relies_on: Iterable[str] = (),
         wanted: MissionOrigin | None = None,
         traffic: TrafficLink | None = None,
+        *,
+        gimbal: bool = False,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -99,6 +102,7 @@ class MavsdkVehicle:
         self._system = system
         self._guard = guard
         self._wanted = wanted
+        self._gimbal = gimbal
         self.traffic = traffic
         self._guardian: Guardian | None = None
         self._sharing: Sharing | None = None
@@ -213,8 +217,11 @@ class MavsdkVehicle:
         frame = self._camera.latest(min(until, parts.observer.moved_until))
         seen = parts.observer.observe(until, frame, events)
         parts.phase.see()
+        if frame is not None and frame.gimbal is None:
+            frame = frame._replace(gimbal=parts.observer.gimbal.at(frame.at))
         seen = replace(
             seen,
+            frame=frame,
             problems=seen.problems + self._reliance.problems(seen),
             in_control=parts.authority.ours,
         )
@@ -319,6 +326,7 @@ class MavsdkVehicle:
             *(link, self._lifecycle, dialect, self.cache, self._clock),
             *(*callbacks, self._pace, idle),
             wanted=self._wanted,
+            gimbal=self._gimbal,
         )
         if self._share != SHARE_NOTHING:
             start, stamp = (lambda: self.observer.start), self._clock.wall

@@ -79,8 +79,11 @@ SCALED: Mapping[int, float] = {
     27: 100.0,  # RAW_IMU
     29: 10.0,  # SCALED_PRESSURE
 }
+GIMBAL_INTERVALS: Mapping[int, float] = {
+    285: 20.0
+}  # GIMBAL_DEVICE_ATTITUDE_STATUS, if there is one
 OPTIONAL = frozenset(
-    (0, 2, 49, 100, 106, 115, 124, 132, 330, 331, 350)
+    (0, 2, 49, 100, 106, 115, 124, 132, 285, 330, 331, 350)
 )  # nothing is missing without these
 
 

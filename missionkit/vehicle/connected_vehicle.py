@@ -8,10 +8,11 @@ from contextlib import suppress
 from missionkit.errors import VehicleError
 from missionkit.geometry import Vec3, vec
 from missionkit.messages import Action, AutopilotSetpoint, Command, PositionSetpoint, Wrench
-from missionkit.vehicle.autopilot_dialect import OPTIONAL, Dialect
+from missionkit.vehicle.autopilot_dialect import GIMBAL_INTERVALS, OPTIONAL, Dialect
 from missionkit.vehicle.command.autopilot_commands import OFFBOARD_MODE, Commander
 from missionkit.vehicle.command.control_authority import ControlAuthority
 from missionkit.vehicle.command.device_orders import DeviceQueue
+from missionkit.vehicle.command.gimbal_orders import GimbalOrders
 from missionkit.vehicle.command.payload import Payload
 from missionkit.vehicle.command.setpoint_encoding import leashed, message
 from missionkit.vehicle.command.setpoint_stream import STALE, ZERO_VELOCITY, Streamer
@@ -49,6 +50,7 @@ class ConnectedVehicle:
         pace: seconds of the vehicle in one of the wall.
         idle: called when setpoints stop on purpose.
         wanted: the mission's origin, if it has one.
+        gimbal: whether the camera is on a gimbal.
     """
 
     def __init__(
@@ -64,6 +66,8 @@ class ConnectedVehicle:
         pace: float,
         idle: Callable[[], None] = lambda: None,
         wanted: MissionOrigin | None = None,
+        *,
+        gimbal: bool = False,
     ) -> None:
         self.link = link
         self.dialect = dialect
@@ -77,9 +81,11 @@ class ConnectedVehicle:
         self._idle = idle
         self.streamer = Streamer(self._emit, self._listens, wall, pace, paused=self._pauses)
         self.commander = Commander(link, cache, dialect, self.state, self.authority.order, pace)
-        self.streams = Streams(link, cache, dialect.intervals, OPTIONAL, pace)
+        intervals = dialect.intervals if not gimbal else {**dialect.intervals, **GIMBAL_INTERVALS}
+        self.streams = Streams(link, cache, intervals, OPTIONAL, pace)
         self.payload = Payload(link, cache, pace)
-        self.devices = DeviceQueue(link, cache, tell, note, pace)
+        self.devices = DeviceQueue(link, cache, note, tell, pace)
+        self.gimbal = GimbalOrders(link, cache, note, tell, pace)
         self._lifecycle = lifecycle
         self._check = check
         self._cache = cache
@@ -119,8 +125,10 @@ class ConnectedVehicle:
         self.payload.want(command.payload if self.authority.ours else None)
         if not self.authority.ours:
             self.devices.drop()
+            self.gimbal.drop()
             return
         self.devices.want(command.orders)
+        self.gimbal.want(command.gimbal)
         if command.action is not None:
             self._act(command.action, command.height, at)
         elif isinstance(command.setpoint, Wrench):

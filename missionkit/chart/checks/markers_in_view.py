@@ -15,10 +15,12 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
     """Yield each standoff at which no marker of the target lies wholly in the picture.
 
     The vehicle is taken to be level and to face the marker, as it is at its goal; the lens is
-    taken to be free of distortion. Only markers that hang upright and face a known way are judged.
+    taken to be free of distortion. Only markers that hang upright and face a known way are judged,
+    and no camera on a gimbal, which can turn to them.
     """
     mission = chart.mission
-    if mission.camera.use == "none" or not chart.tree.catalogue.vehicle.over_ground:
+    unjudged = mission.camera.use == "none" or mission.camera.gimbal is not None
+    if unjudged or not chart.tree.catalogue.vehicle.over_ground:
         return
     camera = mission.camera.model()
     for name, state, _ in chart.tree.states.values():

@@ -25,6 +25,7 @@ from missionkit.vehicle.link.time_sync import Answer
 from missionkit.vehicle.telemetry import batteries, message_readings
 from missionkit.vehicle.telemetry.autopilot_state import AutopilotState
 from missionkit.vehicle.telemetry.frame_changes import FrameChanges
+from missionkit.vehicle.telemetry.gimbal_attitude import GimbalReadings
 from missionkit.vehicle.telemetry.home_position import home_message, local_home, place_of
 from missionkit.vehicle.telemetry.mission_origin import MissionOrigin, misplacement, world_origin
 from missionkit.vehicle.telemetry.ordered_arrivals import Arrivals
@@ -84,6 +85,7 @@ class Observer:
         self._clock = clock
         self._arrivals = Arrivals(cache, clock, answers)
         self._around = RangeSensors(self._arrivals)
+        self.gimbal = GimbalReadings(cache, self._arrivals)
         self._ground: float | None = None  # m, pressure altitude of home
         self._status_told: VehicleStatus | None = None
         self._forget = threading.Event()
@@ -172,6 +174,7 @@ class Observer:
             flow=flow,
             range=reach,
             problems=(*sentences, *self._news_of_problems()),
+            gimbal=self.gimbal.read(now),
         )
 
     def mission_time(self, message: Message) -> float | None:

@@ -10,8 +10,10 @@ from typing import NamedTuple
 
 from missionkit.geodesy import Origin
 from missionkit.geometry import Transform, Vec3, vec
+from missionkit.messages import GimbalAngles
 from missionkit.vehicle.link.message_cache import Cache, Message
 from missionkit.vehicle.telemetry import message_readings
+from missionkit.vehicle.telemetry.gimbal_attitude import STATUS, angles_of
 from missionkit.vehicle.telemetry.observer import Observer
 
 POSE_AGE = 0.5  # s
@@ -27,6 +29,7 @@ class Pose(NamedTuple):
     rates: Vec3  # (3,), rad/s, FRD
     robots: tuple[tuple[float, float, float] | None, ...] = ()
     """Ground robots of missionkit's own simulator: north, east (m), heading (rad); None: out."""
+    gimbal: GimbalAngles | None = None  # as it says it is turned
 
 
 def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
@@ -38,7 +41,14 @@ def reported_pose(cache: Cache, observer: Observer, sphere: float) -> Pose | Non
         sphere: m, radius of the earth in the autopilot's simulators.
     """
     pose = _pose(cache, observer, sphere)
-    return None if pose is None else pose._replace(robots=reported_robots(cache))
+    if pose is None:
+        return None
+    return pose._replace(robots=reported_robots(cache), gimbal=_reported_gimbal(cache))
+
+
+def _reported_gimbal(cache: Cache) -> GimbalAngles | None:
+    message = cache.latest(STATUS, POSE_AGE)
+    return None if message is None else angles_of(message.fields, cache)
 
 
 def _pose(cache: Cache, observer: Observer, sphere: float) -> Pose | None:
