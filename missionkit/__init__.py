@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from missionkit.api.validation import validate as validate
     from missionkit.api.what_if import WhatIf as WhatIf
     from missionkit.api.what_if import what_if as what_if
+    from missionkit.api.why import Why as Why
+    from missionkit.api.why import why as why
     from missionkit.campaigns.analysis import Analysis as Analysis
     from missionkit.engine.flight_loop import Operator as Operator
     from missionkit.errors import FileError as FileError
@@ -83,6 +85,7 @@ _HOMES = {  # module -> what it gives
     "api.simulation": ("rehearse",),
     "api.validation": ("validate",),
     "api.what_if": ("WhatIf", "what_if"),
+    "api.why": ("Why", "why"),
     "campaigns.analysis": ("Analysis",),
     "engine.flight_loop": ("Operator",),
     "errors": (

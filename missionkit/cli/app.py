@@ -30,6 +30,7 @@ _COMMANDS = {  # in the order of `--help`
     "replay": "missionkit.cli.replay_commands.replay",
     "page": "missionkit.cli.replay_commands.page",
     "what-if": "missionkit.cli.replay_commands.what_if",
+    "why": "missionkit.cli.replay_commands.why",
     "export": "missionkit.cli.interchange_commands.export",
     "log": "missionkit.cli.interchange_commands.log",
     "import": "missionkit.cli.interchange_commands.import_",

@@ -71,3 +71,28 @@ def what_if(
     changed = tuple(settings or ())
     files = tuple(plugin or ())
     raise typer.Exit(command.what_if(runs, mission, changed, files, as_json=as_json))
+
+
+def why(
+    run: RunFolder,
+    transition: Annotated[
+        str, typer.Argument(metavar="FROM->TO", help="two states, as in 'gps->visual'; quote it")
+    ],
+    moment: Annotated[
+        str | None,
+        typer.Argument(metavar="[@TIME]", help="mission time (s); else the first time, or ever"),
+    ] = None,
+    plugin: Plugins = None,
+    *,
+    changes: Annotated[
+        bool,
+        typer.Option(help="look for the smallest change that would have let it be taken"),
+    ] = True,
+    as_json: Json = False,
+) -> None:
+    """Say why a transition was taken in a recorded flight, or why it was not."""
+    from missionkit.cli import why_command as command  # noqa: PLC0415
+
+    files = tuple(plugin or ())
+    code = command.why(run, transition, moment, files, changes=changes, as_json=as_json)
+    raise typer.Exit(code)

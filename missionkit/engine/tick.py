@@ -38,6 +38,7 @@ class Ticked(NamedTuple):
     command: Command
     record: Record
     took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
+    seen: Estimate  # what the chart was asked with
     grounded: str = ""  # why the vehicle is not armed although the mission wants it
 
 
@@ -69,6 +70,7 @@ def tick(
         chart = pause.stopped(memory.chart, observation.now - memory.now)
         memory = memory._replace(chart=chart)
     senses, seen = sense(plan, memory, observation, contain)
+    asked_with = seen
     t1 = stopwatch()
     chart, decision = decide(plan.chart, memory.chart, seen, contain)
     t2 = stopwatch()
@@ -114,7 +116,8 @@ def tick(
         done=step.done,
     )
     following = FlightMemory(observation.now, senses, chart, acting, paused)
-    return Ticked(following, command, record, (t1 - t0, t2 - t1, t3 - t2), grounded)
+    took = (t1 - t0, t2 - t1, t3 - t2)
+    return Ticked(following, command, record, took, asked_with, grounded)
 
 
 def _with_gimbal(

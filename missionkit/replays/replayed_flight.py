@@ -6,11 +6,12 @@ import bisect
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from missionkit.engine import pause
 from missionkit.engine.flight_state import FlightMemory
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.tick import tick
 from missionkit.errors import UsageError
-from missionkit.messages import Observation, Record
+from missionkit.messages import Estimate, Observation, Record
 from missionkit.perception.vision_recording import ReplayedVision
 from missionkit.plugin_containment import Containment
 from missionkit.recorder.flight_journal import Decision, decision_of, whole
@@ -27,6 +28,8 @@ class ReplayedTick(NamedTuple):
     memory: FlightMemory  # after the tick, as replayed
     record: Record  # as replayed
     observation: Observation  # without its image
+    seen: Estimate  # what the chart was asked with
+    stopped: float  # s by which the clocks of the chart were put off before that: a pause
 
 
 class ReplayStart(NamedTuple):
@@ -58,11 +61,30 @@ def replayed(
             return
         eye.shown = given.image
         observation = whole(given)
+        stopped = _stopped(plan, memory, observation)
         done = tick(plan, memory, observation, contain)
         memory, record = done.memory, done.record
-        decided = decision_of(record)
-        yield ReplayedTick(number, now, given.decision, decided, memory, record, observation)
+        yield ReplayedTick(
+            number,
+            now,
+            given.decision,
+            decision_of(record),
+            memory,
+            record,
+            observation,
+            done.seen,
+            stopped,
+        )
         number += 1
+
+
+def _stopped(plan: PreparedMission, memory: FlightMemory, observation: Observation) -> float:
+    """Return by how much (s) a pause puts off the clocks of the chart at this tick."""
+    by_operator = pause.asked(memory.paused, observation.events)
+    why = pause.reason(
+        plan.chart, memory.chart, by_operator=by_operator, in_control=observation.in_control
+    )
+    return observation.now - memory.now if why else 0.0
 
 
 def start_at(plan: PreparedMission, journal: Journal, since: float) -> ReplayStart:
