@@ -12,7 +12,7 @@ from seeing import LENS, built, observed, step, through
 from missionkit.estimation.builder import build
 from missionkit.estimation.error_state_ekf import measurement_models, process_model
 from missionkit.estimation.ud_filter.factors import covariance
-from missionkit.estimation.ud_vision import feature_steps, vehicle_steps
+from missionkit.estimation.ud_vision import feature_steps, feature_table, vehicle_steps
 from missionkit.estimation.ud_vision.feature_table import LOST_AFTER
 from missionkit.estimation.ud_vision.parameters import UdVisionEkf
 from missionkit.geometry import IDENTITY, Transform, vec
@@ -309,3 +309,12 @@ def test_a_frame_that_comes_again_counts_once():
     seen = recorded()[110][0]
     known = step(navigator, known, seen)
     assert navigator.search(known, seen.frame.at) is None
+
+
+def test_of_features_that_crowd_together_those_seen_most_often_stay():
+    table, slots = feature_table.begin(6), np.array([5, 1, 2, 4])
+    table = feature_table.begun(table, slots, 0.0)._replace(sightings=np.array([0, 3, 9, 0, 9, 5]))
+    row = np.array([[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [40.0, 0.0]])  # px
+    kept = feature_table.thinned(table, slots, row, 10.0)
+    assert np.flatnonzero(kept.alive).tolist() == [2, 4, 5]  # 1, next to 5 and 2, goes
+    assert feature_table.thinned(table, slots, 3.0 * row, 10.0) is table

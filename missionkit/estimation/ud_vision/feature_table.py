@@ -105,12 +105,13 @@ def thinned(table: FeatureTable, slots: Slots, places: Mat, spacing: float) -> F
         places: (k, 2), px.
         spacing: px.
     """
-    alive, kept = table.alive.copy(), np.empty((0, 2))
+    near = np.hypot(*(places[:, None] - places).T) < CROWDED * spacing
+    if near.sum() == len(places):  # each with itself
+        return table
+    alive, kept = table.alive.copy(), np.zeros(len(places), np.bool_)
     for n in np.argsort(-table.sightings[slots], kind="stable").tolist():
-        if (np.hypot(*(kept - places[n]).T) < CROWDED * spacing).any():
-            alive[slots[n]] = False
-        else:
-            kept = np.concatenate((kept, places[n : n + 1]))
+        kept[n] = not (near[n] & kept).any()
+    alive[slots[~kept]] = False
     return table._replace(alive=alive)
 
 

@@ -58,13 +58,15 @@ def renewed(
         used: (n,) of those looked for, taken in.
         through: the camera.
     """
-    scale = np.sqrt(np.abs(np.linalg.det(search.warps)))
+    (a, b), (c, d) = search.warps.transpose(1, 2, 0)
+    scale = np.sqrt(np.abs(a * d - b * c))
     fits = (scale > feature_table.LEAST_SCALE) & (scale < feature_table.MOST_SCALE)
     again = np.flatnonzero(used & ~fits)
-    turn, arms = camera(x, search.slots[again], through)
-    table = feature_table.with_patches(
-        table, search.slots[again], matches.patches[again], turn, arms
-    )
+    if len(again):
+        turn, arms = camera(x, search.slots[again], through)
+        table = feature_table.with_patches(
+            table, search.slots[again], matches.patches[again], turn, arms
+        )
     near = matches.in_view & table.alive[search.slots]
     places = matches.points[near] * through.focal
     return feature_table.thinned(table, search.slots[near], places, search.spacing)
@@ -91,12 +93,14 @@ def begun(
     in_view = np.zeros(len(table.alive), np.bool_)
     in_view[search.slots[matches.in_view]] = True
     slots, rows = [], []
-    vacant = feature_table.vacant(table, in_view).tolist()
     corners = matches.corners * through.focal
+    vacant = feature_table.vacant(table, in_view).tolist() if len(corners) else []
     for row, slot in zip(range(len(corners)), vacant, strict=False):
         if feature_steps.begin(*state, slot, corners[row], *through, variances):
             slots.append(slot)
             rows.append(row)
+    if not slots:
+        return table
     taken = np.array(slots, np.int64)
     turn, arms = camera(state[0], taken, through)
     patches = matches.corner_patches[rows]
