@@ -146,8 +146,7 @@ class MeetRobot(Behavior):
         """Say which obstacle robot comes too near to the place of contact before it is left."""
         takes = self._contact_in(seen, target, on)
         spot = place_ahead(target, self._ahead, takes)
-        others = (it for it in obstacle_robots(seen) if it.name != target.name)
-        away, robot = nearest_approach(others, (spot[0], spot[1]), takes + self._stays + UP)
+        away, robot = _nearest(seen, target, spot, takes + self._stays + UP)
         if robot is None or away >= self.keep_out + STRAYS:
             return ""
         return f"{robot.name} with its tower comes within {away:.1f} m of the place"
@@ -169,7 +168,9 @@ class MeetRobot(Behavior):
         gap = math.dist(spot, seen.position[:2])
         slope = gap / max(1e-6, height_over(seen, target) - self._lowest)
         rush = seen.velocity[:2] - velocity_out(target)[:2] * (not spins(target))
-        return on._replace(low=slope < SLOPE and math.hypot(*rush) < self.descent)
+        low = slope < SLOPE and math.hypot(*rush) < self.descent
+        beside = _nearest(seen, target, seen.position, UP)[0]  # a plan from there leads no nearer
+        return on._replace(low=low and beside >= self.keep_out + STRAYS)
 
     def _flown(self, seen: Estimate, target: Target, on: Meeting) -> Step:
         goal = Goal(target.position, None, seen.now, self.target)
@@ -249,6 +250,14 @@ def moving(target: Target, ahead: float, height: float) -> Mat:
 def velocity_out(target: Target) -> Mat:
     """Return the velocity (3,), m/s, at which a target drives on."""
     return np.array((*(ROBOT.speed * way_out(target)), 0.0))
+
+
+def _nearest(
+    seen: Estimate, target: Target, spot: Mat, within: float
+) -> tuple[float, Target | None]:
+    """Return how near (m) obstacle robots come to a spot within some time (s), and which one."""
+    others = (it for it in obstacle_robots(seen) if it.name != target.name)
+    return nearest_approach(others, (float(spot[0]), float(spot[1])), within)
 
 
 def _committed(seen: Estimate, target: Target, on: Meeting) -> bool:

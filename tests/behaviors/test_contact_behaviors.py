@@ -149,6 +149,22 @@ def test_it_does_not_land_where_an_obstacle_robot_comes_by(north, blocked):
     assert bool(rows[-1][1][2] < -1.9) is blocked
 
 
+def test_it_does_not_descend_beside_an_obstacle_robot_that_drives_away():
+    def targets(now):
+        leaves = robot(now, (0.0, 0.0, 0.0), "robot_9", obstacle=0.95)._replace(
+            position=(0.6 - SPEED * (now - 10.0)) * WAY,
+            velocity=-SPEED * WAY,
+            heading=HEADING + math.pi,
+        )
+        return named(robot(now, (0.0, 0.0, 0.0)), leaves)
+
+    rows = played(LandInFront(height=2.5), targets, 8.0, start=(*(0.8 * WAY[:2]), -2.5))
+    assert rows[-1][3].note.startswith("down")
+    low = [row for row in rows if row[3].note.startswith("descending")]
+    gaps = [np.hypot(*(row[1] - targets(row[0])["robot_9"].position)[:2]) for row in low]
+    assert min(gaps) > 0.6
+
+
 def test_down_it_does_not_wait_for_an_obstacle_robot():
     down = []
 
