@@ -23,7 +23,7 @@ from missionkit.plugin_protocols import HerdingPolicyProtocol
 from missionkit.units import Degrees, Fraction, Metres, MetresPerSecond, Seconds
 
 if TYPE_CHECKING:
-    from missionkit.planning.herding.remembered_herd import RememberedHerd, Sight
+    from missionkit.planning.herding.remembered_herd import Met, RememberedHerd, Sight
 
 ROBOT = GroundRobot()
 OWN = ("dynamic_programme", "nearest_to_goal")  # policies that it makes itself
@@ -43,8 +43,7 @@ class Herding(NamedTuple):
     choice: HerdChoice = HerdChoice(None, "wait")
     known: RememberedHerd | None = None
     robots: tuple[HerdRobot, ...] = ()  # what the last choice was made from
-    met: str | None = None  # the robot that was to be met last
-    met_at: float = 0.0  # s, when that began
+    met: Met | None = None  # the last meeting that it began
 
 
 class Herd(Behavior):
@@ -62,8 +61,8 @@ class Herd(Behavior):
 
     The arena is a square of `side` around `north`, `east`, its goal line in the direction
     `goal_deg`; the mission ends at `length`. `policy` is a herding policy, of another package too.
-    By its bare kind `dynamic_programme` knows `turns`, `speed`, `land`, `climb`, `length` and the
-    sight from here; as `{use: dynamic_programme, ...}` it is taken as it is given.
+    By its bare kind `dynamic_programme` knows `turns`, `speed`, `land`, `touch`, `climb`, `length`
+    and the sight from here; as `{use: dynamic_programme, ...}` it is taken as it is given.
     """
 
     kind: ClassVar[str] = "herd"
@@ -78,6 +77,7 @@ class Herd(Behavior):
     speed: MetresPerSecond = Field(default=2.13, gt=0)
     within: Metres = Field(default=0.5, gt=0)
     land: Seconds = Field(default=3.2, gt=0, description="from the choice's start to the bump")
+    touch: Seconds = Field(default=3.0, gt=0, description="from the choice's start to the touch")
     climb: Seconds = Field(default=2.7, gt=0, description="from the bump until it is back up")
     ahead: Metres = Field(
         default=0.8, ge=0, description="of a robot, where it waits to land in front of it"
@@ -114,7 +114,7 @@ class Herd(Behavior):
         if -float(seen.position[2]) < CLEAR * self.height:
             return self._up(seen, on)
         target = seen.targets.get(it.name)
-        return self._above(seen, target, on) if target else self._search(seen, it, on)
+        return self._above(seen, target, it, on) if target else self._search(seen, it, on)
 
     @override
     def warm_up(self) -> None:
@@ -141,6 +141,7 @@ class Herd(Behavior):
             length=self.length,
             speed=self.speed,
             land=self.land,
+            touch=self.touch,
             climb=self.climb,
             reach=LEVEL,
             lead=BLOCK,
@@ -178,7 +179,7 @@ class Herd(Behavior):
         known = tuple(it for it in robots if it.heading is not None)
         n, e, d = seen.position.tolist()
         radius = self.view * max(0.0, -d) if len(known) == len(robots) else 0.0
-        return Sight(seen.now, known, (n, e), radius, on.met, on.met_at)
+        return Sight(seen.now, known, (n, e), radius, on.met)
 
     def _up(self, seen: Estimate, on: Herding) -> Step:
         """Climb straight up: sideways it might be hit."""
@@ -194,18 +195,22 @@ class Herd(Behavior):
         guidance = Guidance(place, self.speed, yaw=on.yaw)
         return Step(guidance, goal=Goal(place, None, seen.now, TRACKED), note=note, memory=on)
 
-    def _above(self, seen: Estimate, robot: Target, on: Herding) -> Step:
+    def _above(self, seen: Estimate, robot: Target, known: HerdRobot, on: Herding) -> Step:
         choice = on.choice
         over = choice.action == "top" or math.isinf(stands_for(robot))
         ahead = 0.0 if over else self.ahead
-        place = np.append(place_ahead(robot, ahead, 0.0), robot.position[2] - self.height)
+        reverses_in = self._reverses_first(seen, robot, known, on)
+        met = robot if reverses_in is None else _reversed(robot, reverses_in)
+        place = np.append(place_ahead(met, ahead, 0.0), met.position[2] - self.height)
         gap = math.dist(place[:2], seen.position[:2])
-        speed = 0.0 if spins(robot) else ROBOT.speed
-        along = np.append(speed * way_out(robot), 0.0)
+        stands = spins(robot) or reverses_in is not None
+        along = np.append((0.0 if stands else ROBOT.speed) * way_out(robot), 0.0)
         due = choice.action != "wait" and seen.now - on.decided_at >= choice.start_in
-        done = due and gap <= self.within
+        done = due and gap <= self.within and reverses_in is None
         if done:
-            on = on._replace(met=robot.name, met_at=seen.now)
+            from missionkit.planning.herding.remembered_herd import Met  # noqa: PLC0415
+
+            on = on._replace(met=Met(robot.name, choice.action, seen.now))
         return Step(
             Guidance(place, self.speed, along, yaw=on.yaw),
             done=done,
@@ -216,6 +221,29 @@ class Herd(Behavior):
             memory=on,
             chosen=robot.name,
         )
+
+    def _reverses_first(
+        self, seen: Estimate, robot: Target, known: HerdRobot, on: Herding
+    ) -> float | None:
+        """Return when (s) a robot that drives reverses by its clock, None: not before it is met.
+
+        A meeting that began before that would end with it: on the wrong side of the robot.
+        """
+        since = seen.now - on.decided_at
+        if on.choice.action == "wait" or spins(robot):
+            return None
+        if known.spin_left > since:
+            return 0.0  # not noticed yet
+        takes = self.touch if on.choice.action == "top" else self.land
+        if known.reversal_in is None or known.reversal_in >= on.choice.start_in + takes:
+            return None
+        return max(0.0, known.reversal_in - since)
+
+
+def _reversed(robot: Target, after: float) -> Target:
+    """Return a robot as it is once it has reversed by its clock in `after` s."""
+    place = np.append(place_ahead(robot, 0.0, after), robot.position[2])
+    return robot._replace(position=place, heading=(robot.heading or 0.0) + math.pi)
 
 
 def _best(choice: HerdChoice) -> str:

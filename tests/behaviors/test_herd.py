@@ -11,6 +11,7 @@ from playing import at, play
 from missionkit.behaviors.herd import Herd
 from missionkit.geometry import vec
 from missionkit.messages import Target
+from missionkit.planning.herding import robot_forecast as fc
 
 LEAVING = math.radians(135.0)
 
@@ -90,6 +91,24 @@ def test_a_robot_that_left_the_view_is_remembered():
     step = behavior.step(at(14.0, -6.0, -6.0, -2.5), memory)
     assert "looking for unseen_1" in step.note
     np.testing.assert_allclose(step.guidance.position, (5.3, 5.0, -2.5), atol=0.6)
+
+
+def test_a_robot_that_is_about_to_reverse_is_met_on_the_side_where_it_drives_then():
+    behavior = Herd(robots=1, policy="nearest_to_goal")
+    it = robot("robot_1", 7.0, 2.0, math.pi)
+    place = (7.6, 2.0, -2.5)
+    memory = behavior.step(at(10.0, *place, targets={"robot_1": it}), None).memory
+    memory.known.particles[0, :, fc.REVERSAL_IN] = 1.1
+    still = it._replace(seen_at=10.5)
+    drives = behavior.step(at(10.5, *place, targets={"robot_1": still}), memory)
+    assert drives.chosen == "robot_1"
+    np.testing.assert_allclose(drives.guidance.position, (7.0 - 0.6 * 0.33 + 0.8, 2.0, -2.5))
+    assert not drives.done  # a meeting would end when it begins to turn
+    turning = it._replace(modes={"spin": 0.9}, spin_left=2.2, heading=math.radians(199.0))
+    turning = turning._replace(seen_at=11.4)
+    spins = behavior.step(at(11.4, *place, targets={"robot_1": turning}), drives.memory)
+    assert spins.done
+    np.testing.assert_allclose(spins.guidance.position, (7.8, 2.0, -2.5), atol=0.05)
 
 
 def test_the_memory_is_a_value():

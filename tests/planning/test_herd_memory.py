@@ -12,7 +12,7 @@ from missionkit.messages import Target
 from missionkit.messages.herd import Arena
 from missionkit.planning.herding import robot_forecast as fc
 from missionkit.planning.herding.herd_memory import Seen, at_start
-from missionkit.planning.herding.remembered_herd import Sight, beginning, looked
+from missionkit.planning.herding.remembered_herd import Met, Sight, beginning, looked
 from missionkit.sim import ground_robots as gr
 
 ROBOT = GroundRobot()
@@ -118,8 +118,8 @@ def sighted(name, *, spin_left=None):
     return found._replace(modes={"spin": 0.9}, spin_left=spin_left)
 
 
-def sight(now, robot, met_at):
-    return Sight(now, (robot,), (3.0, 2.0), 0.0, "robot_1", met_at)
+def sight(now, robot, met_at, action="front"):
+    return Sight(now, (robot,), (3.0, 2.0), 0.0, Met("robot_1", action, met_at))
 
 
 @pytest.mark.parametrize(
@@ -141,3 +141,22 @@ def test_a_spin_is_a_bump_only_when_the_vehicle_may_have_been_down(met_at, own):
 def test_a_spin_that_is_first_seen_after_a_meeting_began_with_the_bump():
     known = looked(beginning(1, ARENA), sight(11.0, sighted("robot_1"), 6.0), ARENA)
     assert np.allclose(known.particles[0, :, fc.SPIN_LEFT], ROBOT.spin_time - 1.6)
+
+
+def test_a_touch_turns_by_a_quarter_of_a_spin():
+    seen = sight(10.0, sighted("robot_1", spin_left=ROBOT.spin_time - 0.2), 6.8, "top")
+    known = looked(beginning(1, ARENA), seen, ARENA)
+    assert np.allclose(known.particles[0, :, fc.SPIN_LEFT], 0.25 * ROBOT.spin_time - 0.2)
+
+
+@pytest.mark.parametrize(("action", "turn"), [("front", 180.0), ("top", 45.0)])
+def test_a_robot_may_have_been_turned_while_the_vehicle_was_too_low_to_see_it(action, turn):
+    before = sighted("robot_1")._replace(modes={})
+    known = looked(beginning(1, ARENA), sight(0.5, before, -60.0), ARENA)
+    met = Met("robot_1", action, 0.6)
+    after = looked(known, Sight(8.0, (), (-9.0, 0.0), 0.0, met), ARENA)
+    turned = np.degrees(after.particles[0, :, fc.HEADING] - 0.3)
+    spun = known.particles[0, :, fc.REVERSAL_IN] < 7.5
+    assert np.median(turned[~spun][1::2]) == pytest.approx(turn, abs=13.0)
+    soon = looked(known, Sight(2.0, (), (-9.0, 0.0), 0.0, met), ARENA)  # given up at once
+    assert np.abs(np.degrees(soon.particles[0, ~spun, fc.HEADING] - 0.3)).max() < 13.0

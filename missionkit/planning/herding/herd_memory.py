@@ -50,6 +50,17 @@ class HerdMemory:
         """Let `dt` (s) pass."""
         hp.move(self.particles, dt, self.half, ROBOT, self.seeds)
 
+    def turn(self, robot: int, lasts: float) -> None:
+        """Let a robot have been turned, in every other particle: perhaps it has not.
+
+        Args:
+            robot: that was met.
+            lasts: s, the spin.
+        """
+        drives = self.particles[robot, :, SPIN_LEFT] == 0.0
+        drives[::2] = False
+        self.particles[robot, drives, SPIN_LEFT] = lasts
+
     def look(self, seen: Sequence[Seen], spot: tuple[float, float], sight: float) -> None:
         """Take in what is in view.
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from missionkit.geometry import Mat
 from missionkit.ground_robot import GroundRobot
 from missionkit.messages import Target
-from missionkit.messages.herd import Arena, HerdRobot
+from missionkit.messages.herd import Arena, HerdRobot, Interaction
 from missionkit.messages.robot_modes import spins
 from missionkit.planning.herding.arena_frame import to_arena
 from missionkit.planning.herding.herd_memory import HerdMemory, Seen, at_start
@@ -22,8 +22,32 @@ from missionkit.planning.herding.herd_particles import Seeds
 ROBOT = GroundRobot()
 LONGEST = 2.0  # s, that robots are moved at once
 NOTICED = 0.2  # s after its begin a spin is noticed
-TAKES = (2.0, 6.0)  # s, shortest and longest from the begin of a meeting to the turn it brings
-USUAL = 3.4  # s, the same in most meetings
+BACK_UP = 1.0  # s after the turn, before which a vehicle that made it sees nothing
+
+
+class Turn(NamedTuple):
+    """The spin that a meeting brings, and how long (s) after the meeting began that begins."""
+
+    lasts: float  # s
+    shortest: float
+    longest: float
+    usual: float
+
+
+TURNS: Mapping[Interaction, Turn] = MappingProxyType(
+    {
+        "front": Turn(ROBOT.spin_time, 2.0, 6.0, 3.4),
+        "top": Turn(0.25 * ROBOT.spin_time, 2.0, 4.5, 3.0),
+    }
+)
+
+
+class Met(NamedTuple):
+    """The last meeting."""
+
+    robot: str  # its track
+    action: Interaction
+    at: float  # s, when it began
 
 
 class RememberedHerd(NamedTuple):
@@ -43,8 +67,7 @@ class Sight(NamedTuple):
     robots: tuple[Target, ...]  # in view, with headings
     spot: tuple[float, float]  # m, north and east, of the vehicle
     radius: float  # m, around it, in which a robot would be seen; 0: do not conclude from absence
-    turned: str | None = None  # the robot that was met last
-    turned_at: float = 0.0  # s, when that began
+    met: Met | None = None  # the last meeting
 
 
 def beginning(count: int, arena: Arena) -> RememberedHerd:
@@ -67,10 +90,13 @@ def looked(known: RememberedHerd, sight: Sight, arena: Arena) -> RememberedHerd:
         arena: that they are in.
     """
     memory = _opened(known, arena)
-    left = sight.now - known.at
-    while left > 0.0:
-        memory.advance(min(left, LONGEST))
-        left -= LONGEST
+    at, met = known.at, _met_unseen(known, sight)
+    if met is not None:
+        turn = TURNS[met.action]
+        _pass(memory, met.at + turn.usual - at)
+        memory.turn(known.who[met.robot], turn.lasts)
+        at = met.at + turn.usual
+    _pass(memory, sight.now - at)
     spinning = {it.name: _since(it, known, sight) for it in sight.robots if spins(it)}
     seen = [_seen(it, spinning.get(it.name), sight, arena) for it in sight.robots]
     memory.look(seen, to_arena(arena, sight.spot), sight.radius)
@@ -107,6 +133,21 @@ def _opened(known: RememberedHerd, arena: Arena) -> HerdMemory:
     return HerdMemory(known.particles.copy(), known.seeds.copy(), 0.5 * arena.side, dict(known.who))
 
 
+def _pass(memory: HerdMemory, left: float) -> None:
+    """Let time (s) pass."""
+    while left > 0.0:
+        memory.advance(min(left, LONGEST))
+        left -= LONGEST
+
+
+def _met_unseen(known: RememberedHerd, sight: Sight) -> Met | None:
+    """Return the meeting since the last look that took long enough to turn a remembered robot."""
+    met = sight.met
+    if met is None or met.robot not in known.who or known.at > met.at:
+        return None
+    return met if sight.now > met.at + TURNS[met.action].usual + BACK_UP else None
+
+
 def _since(it: Target, known: RememberedHerd, sight: Sight) -> float:
     """Return when (s) the spin began that a robot is in, NaN if that was not seen.
 
@@ -118,8 +159,10 @@ def _since(it: Target, known: RememberedHerd, sight: Sight) -> float:
         return known.spun_since[it.name]
     if it.name in known.who:
         return sight.now - NOTICED
-    if it.name == sight.turned and sight.now - sight.turned_at < TAKES[1] + ROBOT.spin_time:
-        return sight.turned_at + USUAL
+    if sight.met is not None and it.name == sight.met.robot:
+        turn = TURNS[sight.met.action]
+        if sight.now - sight.met.at < turn.longest + turn.lasts:
+            return sight.met.at + turn.usual
     return math.nan
 
 
@@ -129,6 +172,12 @@ def _seen(it: Target, since: float | None, sight: Sight, arena: Arena) -> Seen:
     state = x, y, (it.heading or 0.0) - arena.goal
     if since is None:
         return Seen(it.name, state)
-    caused = it.name == sight.turned and TAKES[0] <= since - sight.turned_at <= TAKES[1]
-    lasts = ROBOT.spin_time if caused else 0.0
-    return Seen(it.name, state, max(sight.now - since, NOTICED), lasts)
+    return Seen(it.name, state, max(sight.now - since, NOTICED), _caused(it, since, sight.met))
+
+
+def _caused(it: Target, since: float, met: Met | None) -> float:
+    """Return how long (s) a spin takes which the last meeting began, 0: it is the robot's own."""
+    if met is None or it.name != met.robot:
+        return 0.0
+    turn = TURNS[met.action]
+    return turn.lasts if turn.shortest <= since - met.at <= turn.longest else 0.0
