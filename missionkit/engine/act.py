@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from missionkit.chart.semantics.compiled_chart import CompiledState
+from missionkit.chart.model.variables import Values
+from missionkit.chart.semantics.compiled_chart import NO_VALUES, CompiledState
+from missionkit.engine.behavior_parameters import Behaving, behaving
 from missionkit.engine.control_law import ControlLaw, Controlled
 from missionkit.engine.flight_state import BehaviorState
 from missionkit.engine.position_hold import standing
@@ -12,7 +14,6 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.engine.step_validation import fault_of
 from missionkit.messages import Action, Command, Estimate, Mode, Step
 from missionkit.plugin_containment import Containment, is_foreign
-from missionkit.plugin_protocols import BehaviorProtocol
 
 HOLD_IDLE = Step(note="holding: no state commands")
 HOLD_MISBEHAVIOUR = Step(note="holding: a plug-in misbehaves")
@@ -28,6 +29,7 @@ def act(
     orders: Sequence[Action],
     contain: Containment,
     pause: str = "",
+    variables: Values = NO_VALUES,
 ) -> tuple[BehaviorState, Command, Step]:
     """Let the behaviour of the state that commands speak, and turn its answer into a command.
 
@@ -42,12 +44,13 @@ def act(
         orders: the chart's own commands to the autopilot; the last sane one counts.
         contain: keeps what went wrong.
         pause: why the behaviour pauses and the vehicle holds its place; "": it does not.
+        variables: of the chart, which a behaviour that begins may take parameters from.
     """
     state = plan.chart.states[seen.state]
     if pause:
         mode, step = state.kind.mode, Step(note=pause, memory=acting.behavior)
     else:
-        acting, mode, step = _answered(state, acting, seen, contain)
+        acting, mode, step = _answered(state, acting, variables, seen, contain)
     failing = contain.take()
     if failing and mode is not Mode.NONE:
         step = HOLD_MISBEHAVIOUR._replace(memory=acting.behavior, goal=acting.goal)
@@ -87,15 +90,25 @@ def act(
 
 
 def _answered(
-    state: CompiledState, acting: BehaviorState, seen: Estimate, contain: Containment
+    state: CompiledState,
+    acting: BehaviorState,
+    variables: Values,
+    seen: Estimate,
+    contain: Containment,
 ) -> tuple[BehaviorState, Mode, Step]:
     """Return the behaviour's state, begun, the mode it is flown in, and its answer."""
-    behavior, mode = state.behavior, state.kind.mode
-    if behavior is None:
+    mode = state.kind.mode
+    if state.behavior is None:
         return acting, Mode.GPS, HOLD_IDLE
+    now = behaving(state, acting.behavior, variables, contain)
+    if now is None:
+        return acting, mode, _misbehaving(state)
     if not acting.begun:
-        acting = _begun(acting, behavior, seen, contain)
-    step = _stepped(behavior, state, acting, seen, contain)
+        acting = _begun(acting, now, seen, contain)
+        now = now._replace(memory=acting.behavior)
+        acting = acting._replace(behavior=now.remembered(acting.behavior))
+    step = _stepped(now, state, seen, contain)
+    step = step._replace(memory=now.remembered(step.memory))
     return acting, Mode.GPS if mode is Mode.NONE and step.takes_over else mode, step
 
 
@@ -124,28 +137,26 @@ def _ordered(command: Command, orders: Sequence[Action], seen: Estimate) -> Comm
 
 
 def _begun(
-    acting: BehaviorState, behavior: BehaviorProtocol, seen: Estimate, contain: Containment
+    acting: BehaviorState, now: Behaving, seen: Estimate, contain: Containment
 ) -> BehaviorState:
+    behavior = now.behavior
     boxed = contain.call(behavior.kind, behavior.begin, seen, foreign=is_foreign(behavior))
     memory = None if boxed is None else boxed[0]
     return acting._replace(behavior=memory, begun=True, done=False, goal=None)
 
 
-def _stepped(
-    behavior: BehaviorProtocol,
-    state: CompiledState,
-    acting: BehaviorState,
-    seen: Estimate,
-    contain: Containment,
-) -> Step:
-    boxed = contain.call(
-        behavior.kind, behavior.step, seen, acting.behavior, foreign=is_foreign(behavior)
-    )
+def _stepped(now: Behaving, state: CompiledState, seen: Estimate, contain: Containment) -> Step:
+    behavior, memory = now.behavior, now.memory
+    boxed = contain.call(behavior.kind, behavior.step, seen, memory, foreign=is_foreign(behavior))
     wrong = "" if boxed is None else fault_of(boxed[0])
     if wrong:
         contain.note(f"{behavior.kind} returned {wrong}")
     if boxed is not None and not wrong:
         return boxed[0]
+    return _misbehaving(state)
+
+
+def _misbehaving(state: CompiledState) -> Step:
     return LAND_MISBEHAVIOUR if state.kind.name == "land" else HOLD_MISBEHAVIOUR
 
 

@@ -83,7 +83,7 @@ def tick(
     if not in_control:
         acting = pause.let_go(plan.law, acting, seen)
     why = pause.reason(plan.chart, chart, by_operator=paused, in_control=in_control)
-    acting, command, step = act(plan, acting, seen, decision.orders, contain, why)
+    acting, command, step = act(plan, acting, seen, decision.orders, contain, why, chart.variables)
     grounded = ""
     if command.action in TAKE_OFF_ACTIONS and _on_ground(seen):
         if paused:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar, cast
+from types import MappingProxyType
+from typing import Final, Generic, TypeVar, cast
 
 from pydantic import BaseModel
 
@@ -14,6 +15,8 @@ from missionkit.plugin_protocols import CompositeGuardProtocol
 
 P_co = TypeVar("P_co", covariant=True)  # a model of parameters, with the methods of its group
 
+NO_VARIABLES: Final[Mapping[str, str]] = MappingProxyType({})
+
 
 @dataclass(frozen=True, slots=True)
 class Use(Generic[P_co]):
@@ -22,6 +25,7 @@ class Use(Generic[P_co]):
     kind: str
     plugin: P_co
     place: Place
+    variables: tuple[tuple[str, str], ...] = ()  # parameters that variables give: name, variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,13 +147,15 @@ def use_text(use: Use[object]) -> str:
     model = cast(BaseModel, use.plugin)
     if isinstance(model, Plugin) and (own := model.text()):
         return f"{words} ({own})"
-    given = _given(model)
+    given = _given(model, dict(use.variables))
     return f"{words} ({given})" if given else words
 
 
-def _given(model: BaseModel) -> str:
+def _given(model: BaseModel, variables: Mapping[str, str] = NO_VARIABLES) -> str:
     return ", ".join(
-        f"{name} {_value(getattr(model, name))}"
+        f"{name} of the variable {variables[name]}"
+        if name in variables
+        else f"{name} {_value(getattr(model, name))}"
         for name in type(model).model_fields
         if name in model.model_fields_set
     )

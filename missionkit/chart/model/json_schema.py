@@ -27,10 +27,12 @@ Names = Mapping[str, Collection[str]]
 NO_NAMES: Names = {}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _PARAMETER = "#/$defs/parameter"
+_VARIABLE = "#/$defs/variable_value"
 _META = ("description", "default", "unit")
 _BY_NAME = frozenset({"properties", "patternProperties", "$defs"})
 DEFAULTED = frozenset({"controllers"})  # groups whose `use` the kind of vehicle may say
 _SCALARS = frozenset({"number", "integer", "boolean"})
+_VARIED = _SCALARS | {"string"}
 
 
 def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
@@ -58,7 +60,23 @@ def mission_schema(catalogue: Catalogue, names: Names = NO_NAMES) -> Schema:
         "pattern": PARAMETER_PATTERN,
         "description": "$name: the value of a parameter",
     }
+    finished["$defs"]["variable_value"] = _mapping(
+        "the value that a variable has when the state is entered",
+        {"variable": {"type": "string", "description": "its name"}},
+    )
+    for name, definition in finished["$defs"].items():
+        if name.startswith("behaviors."):
+            _allow_variables(definition)
     return {"$schema": DIALECT, **described(finished, Mission.__name__)}
+
+
+def _allow_variables(behavior: Schema) -> None:
+    """Let the numbers, words and truth values of a behaviour be given by variables."""
+    for field in behavior.get("properties", {}).values():
+        options = field.get("anyOf", ())
+        scalar = any(it.get("type") in _VARIED or "enum" in it for it in options)
+        if scalar and {"$ref": _PARAMETER} in options:
+            field["anyOf"] = [*options, {"$ref": _VARIABLE}]
 
 
 def model_schema(model: type[BaseModel]) -> Schema:

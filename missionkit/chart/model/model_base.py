@@ -58,6 +58,7 @@ class Scope:
     origin: Origin | None = None  # of positions in latitude and longitude
     amsl: list[GeodeticPosition] = field(default_factory=list)  # those above mean sea level
     fence: InsideFence | None = None  # of the guard `inside_fence` without parameters
+    declared: Mapping[str, Any] = field(default_factory=dict)  # variables as written
 
     @classmethod
     def of(cls, data: Mapping[str, Any], catalogue: Catalogue, folder: Path = HERE) -> Scope:
@@ -80,7 +81,10 @@ class Scope:
         origin = _origin(data.get("origin"))
         names = states, targets, guards, variables
         fence = _fence(data.get("fence"), origin)
-        return cls(catalogue.flying(kind), *names, folder, origin=origin, fence=fence)
+        given = data.get("variables")
+        declared = given if isinstance(given, Mapping) else {}
+        reduced = catalogue.flying(kind)
+        return cls(reduced, *names, folder, origin=origin, fence=fence, declared=declared)
 
 
 def _origin(section: object) -> Origin | None:

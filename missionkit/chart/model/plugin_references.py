@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, InitErrorDetails, core_schema
 
+from missionkit.chart.model import variable_parameters
 from missionkit.chart.model.field_descriptions import keys_of
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.model_base import HOME, Scope
@@ -29,6 +30,7 @@ from missionkit.plugin_protocols import (
 )
 
 NO_PLUGIN = "none"
+BEHAVIORS = "behaviors"  # the group whose parameters variables may give
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,8 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
     given = with_files(known[kind], data, scope)
     inner = _inner_plugins(known[kind], given, scope)
     parameters = {key: value for key, value in given.items() if key not in {"use", *inner}}
+    varied = variable_parameters.given_by(parameters, scope) if group == BEHAVIORS else {}
+    parameters |= variable_parameters.first_values(varied, scope)
     try:
         plugin, errors = _made(known[kind], parameters, scope)
     except PluginError as error:
@@ -97,7 +101,9 @@ def resolve(data: object, group: str, scope: Scope) -> Use[Plugin]:
         raise sentences(sentence(wrong, "use")) from error
     if errors:
         raise sentences(*errors)
-    return Use(kind, plugin.model_copy(update=inner) if inner else plugin, place_of(data))
+    plugin = plugin.model_copy(update=inner) if inner else plugin
+    variable_parameters.try_bounds(plugin, varied, scope)
+    return Use(kind, plugin, place_of(data), tuple(varied.items()))
 
 
 def _inner_plugins(

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache
+from typing import cast
+
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.actions import Act, Assign, Cancel, Log, Order, Raise
 from missionkit.chart.model.mission import Mission
@@ -12,6 +16,8 @@ from missionkit.chart.model.state_definitions import GROUP_KIND, Failsafe
 from missionkit.chart.model.state_definitions import Start as StartModel
 from missionkit.chart.model.state_definitions import State as StateModel
 from missionkit.chart.model.state_definitions import Transition as TransitionModel
+from missionkit.chart.model.variable_parameters import with_values
+from missionkit.chart.model.variables import Value
 from missionkit.chart.plugin_catalogue import Catalogue
 from missionkit.chart.semantics.compiled_chart import (
     ROOT_STATE,
@@ -29,7 +35,7 @@ from missionkit.chart.semantics.requirement_watch import PREFIX, WatchedRequirem
 from missionkit.chart.semantics.robustness import Formula, formula, leaves, opened_up
 from missionkit.errors import NO_PLACE
 from missionkit.messages import CameraModel
-from missionkit.plugin import Behavior
+from missionkit.plugin import Behavior, Plugin
 from missionkit.plugin_containment import is_foreign
 from missionkit.plugin_protocols import BehaviorProtocol
 
@@ -112,10 +118,26 @@ class _Compiler:
             return plugin
         return plugin.with_camera(self.mission.camera.model())
 
+    def _with_values(
+        self, state: StateModel
+    ) -> Callable[[tuple[Value, ...]], BehaviorProtocol] | None:
+        """Return what makes the behaviour of a state with the values of its variables."""
+        use = state.behavior
+        if use is None or not isinstance(use.plugin, Plugin):
+            return None
+        plugin, names = use.plugin, [name for name, _ in use.variables]
+
+        def made(values: tuple[Value, ...]) -> BehaviorProtocol:
+            varied = with_values(plugin, dict(zip(names, values, strict=True)))
+            return self._behavior(cast(BehaviorProtocol, varied))
+
+        return lru_cache(16)(made)
+
     def _state(self, placed: Placed, order: int) -> CompiledState:
         name, state, parent = placed
         kind = self.catalogue.kinds[state.kind]
         behavior = None if state.behavior is None else self._behavior(state.behavior.plugin)
+        given = () if state.behavior is None else state.behavior.variables
         targets = () if behavior is None else behavior.targets()
         promise = state.invariant.holds
         ancestors = (*around(self.placed, parent), ROOT_STATE)
@@ -123,6 +145,8 @@ class _Compiler:
             name=name,
             kind=kind,
             behavior=behavior,
+            given_by=tuple([variable for _, variable in given]),
+            with_values=self._with_values(state) if given else None,
             target=targets[0] if targets else None,
             dwell=self.mission.dwell if state.dwell is None else state.dwell,
             transitions=tuple([self._transition(one, placed) for one in state.transitions]),

@@ -160,6 +160,8 @@ class CompiledState:
     children: tuple[str, ...] = ()
     initial: DefaultEntry = NO_DEFAULT_ENTRY  # of a compound state, or a history's default
     remembered: bool = False  # a history may lead back here
+    given_by: tuple[str, ...] = ()  # variables that give parameters of the behaviour
+    with_values: Callable[[tuple[Value, ...]], BehaviorProtocol] | None = None
 
 
 class DirectGuard(NamedTuple):

@@ -93,10 +93,15 @@ class Renaming:
             "initial": self._start,
             "default": self._start,
             "transitions": lambda ways: _each(ways, self._transition),
+            "behavior": lambda it: _each(it, self._parameter),
             "entry": self._actions,
             "exit": self._actions,
             "invariant": lambda it: _changed(it, {"holds": self.guard, "exit": self._state_name}),
         }
+
+    def _parameter(self, data: Any) -> Any:
+        """Rename in the value of a behaviour's parameter: `{variable: tries}`."""
+        return _changed(data, {"variable": self._variable_name})
 
     def _transition(self, data: Any) -> Any:
         keys = {"to": self._names, "when": self.guard, "event": self._events, "do": self._actions}
