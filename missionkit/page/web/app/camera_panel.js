@@ -85,11 +85,13 @@ function drawDetection(context, { name, score }, corners) {
     context.lineWidth = width;
     context.stroke();
   }
-  const words = score === null || score === undefined ? name : `${name} ${percent(score)}`;
-  const [x, y] = [Math.min(...corners.map((it) => it[0])), Math.min(...corners.map((it) => it[1])) - 6];
+  const words = shortened(score === null || score === undefined ? name : `${name} ${percent(score)}`, 30);
+  const room = context.canvas.clientWidth - context.measureText(words).width - 4;
+  const x = Math.max(Math.min(...corners.map((it) => it[0]), room), 2);
+  const y = Math.min(...corners.map((it) => it[1])) - 6;
   context.lineWidth = 3;
   context.strokeStyle = "#000";
-  context.strokeText(shortened(words, 30), x, Math.max(y, 12));
+  context.strokeText(words, x, Math.max(y, 12));
   context.fillStyle = colour("seen");
-  context.fillText(shortened(words, 30), x, Math.max(y, 12));
+  context.fillText(words, x, Math.max(y, 12));
 }

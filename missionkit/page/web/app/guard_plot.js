@@ -13,22 +13,24 @@ export function GuardPlot({ name }) {
     let plot = null;
     let stop = () => {};
     let left = false;
+    let timer = 0;
+    const draw = () => {
+      timer = 0;
+      plot.setData(data(name));
+    };
     import("../vendor/uplot/uPlot.js").then(({ default: UPlot }) => {
       if (left) return;
       plot = new UPlot(options(name, place.current.clientWidth), data(name), place.current);
-      let last = 0;
       stop = effect(() => {
-        theme.value;
         live("now").value;
         filled.value;
-        if (performance.now() - last < EVERY) return;
-        last = performance.now();
-        plot.setData(data(name));
+        timer ||= setTimeout(draw, EVERY);
       });
     });
     return () => {
       left = true;
       stop();
+      clearTimeout(timer);
       plot?.destroy();
     };
   }, [name, theme.value]);

@@ -1,7 +1,7 @@
 // What a pilot looks at first: the state and its reason, then what may end the flight.
 import { html } from "./html.js";
 import { number, percent, seconds } from "./format.js";
-import { live, mission } from "./flight_state.js";
+import { live, mission, timeline } from "./flight_state.js";
 
 export function TopBar() {
   return html`<header class="top">
@@ -27,7 +27,7 @@ function State() {
   const state = live("state").value ?? "–";
   const since = live("entered_at").value;
   const now = live("now").value;
-  const reason = [live("reason").value, live("note").value].filter(Boolean).join("; ");
+  const reason = [live("reason").value || lastReason(state, now), live("note").value].filter(Boolean).join("; ");
   return html`<div class="state" data-tick=${live("tick").value}>
     <div>
       <strong class="cut" title=${state} id="state">${state}</strong>
@@ -35,6 +35,12 @@ function State() {
     </div>
     <span class="reason cut" title=${reason}>${reason}</span>
   </div>`;
+}
+
+/** After a jump in a recording the timeline knows how the state was reached. */
+function lastReason(state, now) {
+  const last = timeline.value.fired.findLast((it) => it.at <= now + 1e-6);
+  return last?.to === state ? last.reason : "";
 }
 
 /** A word and a value; `tone` "good", "warn" or "bad" adds a sign besides the colour. */
