@@ -258,8 +258,8 @@ def test_one_pilots_and_others_look_on(chromium, flight):
         pilot(".viewer button").click()
         pilot.until(lambda: flight.sent("pilot") == [{"do": "ask"}])
         flight.show(pilot={"you": True, "name": "pilot 2", "asked_by": "pilot 3", "silent_for": 0})
-        pilot.shows("dialog h2", "pilot 3 asks for control")
-        pilot("dialog").get_by_text("Hand over", exact=True).click()
+        pilot.shows(".takeover h2", "pilot 3 asks for control")
+        pilot(".takeover").get_by_text("Hand over", exact=True).click()
         pilot.until(lambda: flight.sent("pilot")[1:] == [{"do": "grant"}])
         pilot.page.reload()
         reload_shown(pilot, flight)  # the cookie is enough
@@ -349,11 +349,12 @@ def test_names_are_text_however_long(chromium):
         with served(flight) as address, opened(chromium, address.url, size) as tab:
             tab.shows("#state", long)
             tab.shows("h1 .title", HOSTILE)
-            tab.has("dialog[open]")
+            tab.has(".takeover")
             wide, room = tab.page.evaluate(
                 "() => [document.documentElement.scrollWidth, innerWidth]"
             )
             assert wide <= room
+            assert all(it[2] <= room for it in boxes(tab, "button, .cut"))
             assert tab("script").count() == 1
             assert tab("img[src='x']").count() == 0
             assert tab.page.evaluate("() => window.hit") is None

@@ -31,8 +31,8 @@ export function Page() {
     <${TopBar} />
     <${Banner} />
     ${wide.value ? html`<${Wide} source=${source} />` : html`<${Narrow} source=${source} />`}
-    ${Bar ? html`<${Bar} />` : html`<section class="bar"></section>`}
     ${source === "live" && html`<${PilotDialog} />`}
+    ${Bar ? html`<${Bar} />` : html`<section class="bar"></section>`}
   </div>`;
 }
 

@@ -97,7 +97,7 @@ function drawAxis(context, { end, x, height }) {
 
 function drawName(context, name, y) {
   context.fillStyle = colour("ink");
-  context.fillText(shortened(name, LETTERS), 4, y + LANE / 2);
+  context.fillText(shortened(name, LETTERS), 4, y + LANE / 2, NAMES - 8);
 }
 
 function drawState(context, { state, own, y, x, until, at, lit }) {
