@@ -7,7 +7,15 @@ from typing import Annotated
 
 import typer
 
-from missionkit.cli.command_options import Json, Plugins, Settings, System
+from missionkit.cli.command_options import (
+    Bind,
+    Certificate,
+    CertificateKey,
+    Json,
+    Plugins,
+    Settings,
+    System,
+)
 from missionkit.errors import UsageError
 
 
@@ -67,6 +75,9 @@ def run(
     folder: Annotated[
         Path | None, typer.Option("--in", hidden=True, help="folder of the run")
     ] = None,
+    bind: Bind = None,
+    tls_cert: Certificate = None,
+    tls_key: CertificateKey = None,
     fleet_place: Annotated[
         str | None, typer.Option(hidden=True, help="for `missionkit fleet`")
     ] = None,
@@ -80,6 +91,10 @@ def run(
             "--anyway", help="take off although a failsafe or the pre-flight report says no"
         ),
     ] = False,
+    page: Annotated[
+        bool,
+        typer.Option("--page", help="show the flight in a browser, where it can be piloted"),
+    ] = False,
     headless: Annotated[
         bool, typer.Option("--headless", help="no live view, only log lines")
     ] = False,
@@ -88,6 +103,7 @@ def run(
     """Fly a mission in the simulator; Ctrl-C lands."""
     from missionkit.cli import run_command as command  # noqa: PLC0415
     from missionkit.cli.run_options import RunOptions  # noqa: PLC0415
+    from missionkit.page.server.binding import binding  # noqa: PLC0415
     from missionkit.vehicle.link.traffic_link import FleetPlace  # noqa: PLC0415
 
     if mission is None and resume is None:
@@ -100,6 +116,8 @@ def run(
         raise UsageError("--camera needs --vehicle: the simulator draws what the camera sees")
     if system is not None and not over_mavlink:
         raise UsageError("--system needs --vehicle: the simulator has one vehicle")
+    if bind is not None and not page:
+        raise UsageError("--bind says where the page is served: add --page")
     if share and not over_mavlink:
         raise UsageError("--share needs --vehicle: the simulator has no autopilot to send to")
     order = RunOptions(
@@ -122,6 +140,7 @@ def run(
         gap=gap,
         force=force,
         anyway=anyway,
+        page=binding(bind, tls_cert, tls_key) if page else None,
         folder=folder,
         place=None if fleet_place is None else FleetPlace.read(fleet_place),
     )

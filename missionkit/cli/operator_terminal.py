@@ -17,6 +17,7 @@ from missionkit.engine.clock import stopwatch
 from missionkit.engine.flight_loop import Observer, Operator
 from missionkit.engine.planned_events import PlannedEvents, planned
 from missionkit.messages import CONTINUE, PAUSE, Observation, Record
+from missionkit.page.live.flight_page import FlightPage
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.record_sinks import (
     JOURNAL,
@@ -41,6 +42,7 @@ def cockpit(
     sinks: Sinks,
     truth: Callable[[], TrueState | None] = lambda: None,
     give_back: Callable[[], None] | None = None,
+    page: FlightPage | None = None,
 ) -> Iterator[tuple[Observer, ...]]:
     """Record and show a flight, and listen to the keys, while this context is open.
 
@@ -55,6 +57,7 @@ def cockpit(
         sinks: what is shown goes to one of them; take reports of what fails.
         truth: of a simulated vehicle.
         give_back: gives control back after a pilot's takeover.
+        page: of the flight, if it has one.
     """
     view = None
     events: dict[str, str] = {}
@@ -78,7 +81,7 @@ def cockpit(
         "keys": keys,
         "planned events": PlannedEvents(due, operator),
     }
-    safe = tuple(contained(what, call, sinks.reports) for what, call in observers.items())
+    watched = nullcontext() if page is None else page.observing(operator, sinks.reports, give_back)
     with (
         view or nullcontext(),
         closing(sinks),
@@ -86,8 +89,11 @@ def cockpit(
         closing(journaled.journal),
         keys,
         _giving_back(give_back),
+        watched as publisher,
     ):
-        yield safe
+        if publisher is not None:
+            observers["the page"] = publisher
+        yield tuple(contained(what, call, sinks.reports) for what, call in observers.items())
 
 
 class _KeyWatch:

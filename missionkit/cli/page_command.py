@@ -10,8 +10,8 @@ from pathlib import Path
 from missionkit.errors import ExitCode, printable
 from missionkit.page.recording.recorded_run import recorded_run
 from missionkit.page.recording.recording_source import RecordingSource
-from missionkit.page.server.origin_check import is_loopback
-from missionkit.page.server.serving import Binding, PageAddress, serve
+from missionkit.page.server.binding import Binding, PageAddress, is_loopback
+from missionkit.page.server.serving import serve
 from missionkit.page.server.sessions import Tokens
 
 

@@ -46,7 +46,7 @@ def page(
 ) -> None:
     """Show a recorded flight in a browser, to be played, searched and asked."""
     from missionkit.cli import page_command as command  # noqa: PLC0415
-    from missionkit.page.server.serving import binding  # noqa: PLC0415
+    from missionkit.page.server.binding import binding  # noqa: PLC0415
 
     where = binding(bind, tls_cert, tls_key)
     raise typer.Exit(command.page(run, where, tuple(plugin or ()), as_json=as_json))

@@ -13,14 +13,17 @@ from missionkit.cli.resume_rehearsal import RehearsalCheckpointWriter, Since, si
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
+from missionkit.cli.run_page import ended, page_of
 from missionkit.cli.run_result import summed_up
 from missionkit.engine.clock import Pace, RealTime, date
 from missionkit.engine.flight_loop import Operator
 from missionkit.errors import ExitCode
+from missionkit.page.facts.mission_facts import FlownMission
+from missionkit.page.live.flight_page import FlightPage
 from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import inline
 from missionkit.recorder.run_summary import Summary
-from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.scenery import Scenery, scenery_of
 from missionkit.rehearsal.rehearse import Again, rehearse
 from missionkit.rehearsal.robot_paths import with_paths
 from missionkit.rehearsal.stage import Stage, stage, world_of
@@ -49,7 +52,11 @@ def run_in_simulator(
         f"seed{order.seed}",
         lambda path, stamp: since(path, order.gap, stamp),
     ) as (folder, past):
-        return guarded(order, folder.path, partial(_flown, order, ready, folder, past))
+        scenery = scenery_of(ready.world, mission)
+        shown = FlownMission(mission, catalogue, ready.plan, scenery)
+        with page_of(order, shown, folder.path) as page:
+            flown = partial(_flown, order, ready, folder, past, page, scenery)
+            return guarded(order, folder.path, flown)
 
 
 def _staged(order: RunOptions, mission: Mission, catalogue: Catalogue) -> Stage:
@@ -60,9 +67,14 @@ def _staged(order: RunOptions, mission: Mission, catalogue: Catalogue) -> Stage:
 
 
 def _flown(
-    order: RunOptions, ready: Stage, folder: Folder, past: Since | None, operator: Operator
+    order: RunOptions,
+    ready: Stage,
+    folder: Folder,
+    past: Since | None,
+    page: FlightPage | None,
+    scenery: Scenery,
+    operator: Operator,
 ) -> Summary:
-    scenery = scenery_of(ready.world, ready.mission)
     sinks = inline()
     recorder = folder.recorder(
         ready.plan,
@@ -78,7 +90,14 @@ def _flown(
         folder.path, ready, recorder, folder.stamp, sinks.checkpoints, past
     )
     with cockpit(
-        order, operator, ready.mission, recorder, kept, sinks, lambda: ready.vehicle.truth
+        order,
+        operator,
+        ready.mission,
+        recorder,
+        kept,
+        sinks,
+        lambda: ready.vehicle.truth,
+        page=page,
     ) as observers:
         result = rehearse(
             ready,
@@ -92,6 +111,7 @@ def _flown(
         )
     landing_requested = operator.wants_down
     summary = summed_up(order, ready.mission, recorder, result, landing_requested=landing_requested)
+    ended(page, summary)
     scenery = with_paths(scenery, ready.vehicle)
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary

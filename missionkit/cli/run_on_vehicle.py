@@ -24,6 +24,7 @@ from missionkit.cli.operator_terminal import cockpit
 from missionkit.cli.run_errors import guarded
 from missionkit.cli.run_options import RunOptions
 from missionkit.cli.run_output import Folder, folder_of
+from missionkit.cli.run_page import ended, page_of
 from missionkit.engine.clock import date
 from missionkit.engine.flight_end import AT_REST
 from missionkit.engine.flight_loop import Operator, each_of
@@ -31,13 +32,14 @@ from missionkit.engine.mission_success import conditions
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.engine.resume.checkpoint_policy import now_and_then
 from missionkit.errors import ExitCode, UsageError
+from missionkit.page.facts.mission_facts import FlownMission
+from missionkit.page.live.flight_page import FlightPage
 from missionkit.recorder.geographic_messages import Georeference
 from missionkit.recorder.record_sinks import background
 from missionkit.recorder.run_summary import Summary, summarise
-from missionkit.recorder.scenery import scenery_of
+from missionkit.recorder.scenery import Scenery, scenery_of
 from missionkit.recorder.value_codec import is_plain
 from missionkit.rehearsal.stage import world_over_mavlink
-from missionkit.sim.world import World
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.link.traffic_link import TrafficLink
 
@@ -77,8 +79,11 @@ def run_on_vehicle(
         traffic=traffic,
     )
     with folder_of(order, mission, origins, "vehicle", before) as (folder, past):
-        flight = FlightResources(mission, world, plan, vehicle, folder, past)
-        return guarded(order, folder.path, partial(_flown_in_fleet, order, flight))
+        scenery = scenery_of(world, mission)
+        shown = FlownMission(mission, catalogue, plan, scenery)
+        with page_of(order, shown, folder.path) as page:
+            flight = FlightResources(mission, scenery, plan, vehicle, folder, past, page)
+            return guarded(order, folder.path, partial(_flown_in_fleet, order, flight))
 
 
 def _flown_in_fleet(order: RunOptions, ready: FlightResources, operator: Operator) -> Summary:
@@ -101,16 +106,17 @@ class FlightResources(NamedTuple):
     """Resources of one flight: what flies it, and the folder it is recorded into."""
 
     mission: Mission
-    world: World
+    scenery: Scenery
     plan: PreparedMission
     vehicle: MavsdkVehicle
     folder: Folder
     past: Before | None  # what it resumes from
+    page: FlightPage | None
 
 
 def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Summary:
-    mission, world, plan, vehicle, folder, past = ready
-    scenery, speed = scenery_of(world, mission), order.speed or 1.0
+    mission, scenery, plan, vehicle, folder, past, page = ready
+    speed = order.speed or 1.0
     sinks = background()
     recorder = folder.recorder(
         plan, scenery, past, sinks.record, Georeference(lambda: vehicle.observer.origin, date)
@@ -121,7 +127,9 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
     kept = folder.journal(plan, past, sinks.journal, str(order.vehicle))
     log = FlightLog(plan.chart, None if past is None else past.track)
     back = vehicle.resume_control
-    with cockpit(order, operator, mission, recorder, kept, sinks, give_back=back) as observers:
+    with cockpit(
+        order, operator, mission, recorder, kept, sinks, give_back=back, page=page
+    ) as observers:
         flown = fly_vehicle(
             kept.plan,
             vehicle,
@@ -148,5 +156,6 @@ def _flown(order: RunOptions, ready: FlightResources, operator: Operator) -> Sum
         parameters=mission.params,
         record_hash=recorder.close(),
     )
+    ended(page, summary)
     folder.finish(summary, recorder.track, scenery, sinks.reports, save.forget)
     return summary

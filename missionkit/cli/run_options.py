@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from missionkit.page.server.binding import Binding
     from missionkit.vehicle.link.traffic_link import FleetPlace
 
 DEFAULT_GAP = 1.0  # s
@@ -35,3 +36,4 @@ class RunOptions(NamedTuple):
     folder: Path | None = None  # of the run, made already; one under `out` if absent
     place: FleetPlace | None = None  # in the fleet that it flies in
     anyway: bool = False  # takes off although a failsafe or the pre-flight report says no
+    page: Binding | None = None  # where the flight's page is served; None: it has none

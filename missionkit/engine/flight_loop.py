@@ -17,7 +17,14 @@ from missionkit.engine.run_lifecycle import Lifecycle
 from missionkit.engine.tick import Ticked, tick
 from missionkit.engine.timed_containment import TimedContainment
 from missionkit.errors import UsageError
-from missionkit.messages import Cycle, Observation, Record, is_event
+from missionkit.messages import (
+    RETURN_HOME,
+    Cycle,
+    Observation,
+    OperatorReport,
+    Record,
+    is_event,
+)
 from missionkit.plugin_containment import Interrupted, described, marking_interrupts
 from missionkit.ports import Vehicle
 
@@ -45,16 +52,21 @@ def each_of(*keepers: Keeper) -> Keeper:
 
 
 class Operator:
-    """Requests of the operator: landing and events."""
+    """Requests of the operator: landing, the way home, and events."""
 
     def __init__(self) -> None:
         self.wants_down = False
         self.wants_out = False  # stop at the next tick, and leave the vehicle holding
+        self.present: Callable[[], OperatorReport] | None = None  # of the page, if there is one
         self._events: list[str] = []
 
     def land(self) -> None:
         """Request a landing, now."""
         self.wants_down = True
+
+    def home(self) -> None:
+        """Request the way home: the chart's first state of kind return, from wherever it flies."""
+        self._events.append(RETURN_HOME)
 
     def send(self, event: str) -> None:
         """Send an event to the chart, which handles it at the next tick.
@@ -162,7 +174,7 @@ async def fly(
             if believe_stopwatch:
                 observation = replace(observation, cycle=cycle)
             events += operator.take() + _pressing(life, operator, late=now >= time_limit)
-            observation = _with_events(observation, events)
+            observation = _with_operator(observation, events, operator.present)
             done = tick(plan, memory, observation, contain, stopwatch)
             memory = done.memory
             await vehicle.send(done.command)
@@ -219,7 +231,14 @@ def _pressing(life: Lifecycle, operator: Operator, *, late: bool) -> tuple[str, 
     return (ABORT,) if life.state == "aborting" else ()
 
 
-def _with_events(observation: Observation, events: tuple[str, ...]) -> Observation:
+def _with_operator(
+    observation: Observation,
+    events: tuple[str, ...],
+    present: Callable[[], OperatorReport] | None,
+) -> Observation:
+    """Return an observation with what the operator sent, and what is known of them."""
+    if present is not None:
+        observation = replace(observation, operator=present())
     return replace(observation, events=observation.events + events) if events else observation
 
 

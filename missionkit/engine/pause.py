@@ -15,7 +15,7 @@ from missionkit.chart.semantics.configuration import configuration
 from missionkit.engine.control_law import ControlLaw
 from missionkit.engine.flight_history import failsafe_of
 from missionkit.engine.flight_state import BehaviorState
-from missionkit.messages import CONTINUE, PAUSE, Estimate, Mode
+from missionkit.messages import CONTINUE, PAUSE, RETURN_HOME, Estimate, Mode
 
 BY_OPERATOR = f"paused by the operator: {CONTINUE!r} lets it continue"
 BY_PILOT = "paused while missionkit is not in control"
@@ -29,7 +29,7 @@ def asked(paused: bool, events: Iterable[str]) -> bool:  # noqa: FBT001 - the st
         events: in the order they came.
     """
     for event in events:
-        if event in {PAUSE, CONTINUE}:
+        if event in {PAUSE, CONTINUE, RETURN_HOME}:
             paused = event == PAUSE
     return paused
 

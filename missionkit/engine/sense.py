@@ -163,6 +163,7 @@ def _estimate(
         failing=acting.failing,
         traffic=seen.traffic,
         gimbal=senses.gimbal,
+        operator_silence=None if seen.operator is None else seen.operator.silent_for,
         state=chart.state,
         entered_at=chart.entered_at,
         done=acting.done,

@@ -114,6 +114,8 @@ def tick(
         + _warnings(senses, memory.senses),
         estimate=seen,
         done=step.done,
+        paused=paused,
+        actions=() if observation.operator is None else observation.operator.actions,
     )
     following = FlightMemory(observation.now, senses, chart, acting, paused)
     took = (t1 - t0, t2 - t1, t3 - t2)

@@ -24,6 +24,7 @@ GUARDS = {  # the name that mission files use -> the class; imported when a miss
     "mdp_policy": "missionkit.guards.mdp_policy.MdpPolicy",
     "near_goal": "missionkit.guards.distances.NearGoal",
     "obstacle_robot_near": "missionkit.guards.obstacle_robots.ObstacleRobotNear",
+    "operator_silent": "missionkit.guards.operator_silence.OperatorSilent",
     "plugin_failed": "missionkit.guards.plugin_failure.PluginFailed",
     "ready": "missionkit.guards.readiness.Ready",
     "separation_below": "missionkit.guards.separation.SeparationBelow",

@@ -31,6 +31,7 @@ from missionkit.messages.events import (
     MARKER_DUPLICATED,
     MARKER_UPSIDE_DOWN,
     PAUSE,
+    RETURN_HOME,
     is_event,
 )
 from missionkit.messages.gimbal import GimbalAim, GimbalAngles, GimbalReading
@@ -56,6 +57,7 @@ from missionkit.messages.observation import (
     VehicleStatus,
 )
 from missionkit.messages.occupancy import Occupancy, Spot
+from missionkit.messages.operator import OperatorAction, OperatorReport
 from missionkit.messages.record import Fired, Record
 from missionkit.messages.tracked_names import TRACKED, names_a_track, track_name
 from missionkit.messages.traffic import OtherVehicle, TrafficReport
@@ -80,6 +82,7 @@ __all__ = [
     "MARKER_UPSIDE_DOWN",
     "NO_CYCLE",
     "PAUSE",
+    "RETURN_HOME",
     "TRACKED",
     "Action",
     "AnchorRange",
@@ -119,6 +122,8 @@ __all__ = [
     "Mode",
     "Observation",
     "Occupancy",
+    "OperatorAction",
+    "OperatorReport",
     "OpticalFlow",
     "OtherVehicle",
     "Points",

@@ -7,6 +7,9 @@ import re
 ABORT = "operator: land"
 """Event of a landing that the operator orders; not a name that a chart can match."""
 
+RETURN_HOME = "operator: return"
+"""Event of a return that the operator orders; not a name that a chart can match."""
+
 CONTROL_RESUMED = "control_resumed"
 """The event when a person, by a key, has let missionkit command again."""
 

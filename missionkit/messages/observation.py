@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from missionkit.geometry import Quat, Vec3
 from missionkit.messages.gimbal import GimbalAngles, GimbalReading
+from missionkit.messages.operator import OperatorReport
 from missionkit.messages.traffic import OtherVehicle
 from missionkit.messages.vision import BoxDetection
 
@@ -185,3 +186,4 @@ class Observation:
     in_control: bool = True  # no: a pilot commands, or the autopilot by itself
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record
     gimbal: GimbalReading | None = None
+    operator: OperatorReport | None = None  # the pilot at the page; None: there is no page

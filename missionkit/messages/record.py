@@ -7,6 +7,7 @@ from typing import NamedTuple
 from missionkit.messages.command import Command, Mode
 from missionkit.messages.estimate import Estimate
 from missionkit.messages.observation import NO_CYCLE, Cycle
+from missionkit.messages.operator import OperatorAction
 from missionkit.messages.verdict import Verdict
 
 LOG_PREFIX = "log "  # begins an output that a `log:` action wrote
@@ -43,4 +44,6 @@ class Record(NamedTuple):
     problems: tuple[str, ...]  # invariant violations, contained plug-in errors
     estimate: Estimate
     done: bool = False  # the behaviour of `state` says that it has finished
+    paused: bool = False  # by the operator
+    actions: tuple[OperatorAction, ...] = ()  # of people at the page, since the last tick
     cycle: Cycle = NO_CYCLE  # wall time of this tick, as the shell measured it

@@ -220,6 +220,9 @@ class FlightRecorder:
         self._log(record, before, at, stamp)
 
     def _log(self, record: Record, before: Seen, at: int, stamp: str) -> None:
+        for action in record.actions:
+            said = message_encoding.log(stamp, LEVEL_INFO, action.said())
+            self._channels.publish("/log", at, said)
         for fired in record.fired:
             line = f"{fired.source} -> {fired.to}: {fired.reason}"
             self._channels.publish("/log", at, message_encoding.log(stamp, LEVEL_INFO, line))

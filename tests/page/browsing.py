@@ -12,8 +12,9 @@ from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
+from missionkit.page.server.binding import Binding, PageAddress, address_of, listening
 from missionkit.page.server.page_source import PageSource
-from missionkit.page.server.serving import Binding, PageAddress, address_of, listening, server_of
+from missionkit.page.server.serving import server_of
 from missionkit.page.server.sessions import Tokens
 
 TIMEOUT = 30.0  # s

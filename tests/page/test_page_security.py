@@ -6,8 +6,8 @@ from websockets.exceptions import InvalidStatus
 
 from missionkit.errors import UsageError
 from missionkit.page.recording.recording_source import RecordingSource
+from missionkit.page.server.binding import binding
 from missionkit.page.server.origin_check import Addresses
-from missionkit.page.server.serving import binding
 from missionkit.page.server.sessions import Tokens
 
 

@@ -94,6 +94,7 @@ class _Compiler:
             failsafes=failsafes,
             slots=tuple(self.asker.slots),  # all guards are compiled by now
             land=land,
+            home=self.firsts.get("return", ""),
             variables=self.mission.variables,
             watch=watch,
             configurations={},

@@ -236,6 +236,7 @@ class Chart:
     failsafes: tuple[CompiledTransition, ...]
     slots: tuple[GuardMemory, ...]
     land: str  # the state an operator's abort leads to
+    home: str  # the state an operator's return leads to; "": it has none
     variables: Mapping[str, Variable]
     watch: Watch
     configurations: dict[tuple[str, ...], Configuration]  # memo of `configuration.configuration`

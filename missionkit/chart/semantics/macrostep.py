@@ -29,12 +29,13 @@ from missionkit.chart.semantics.compiled_chart import (
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.guard_evaluation import evaluated
 from missionkit.chart.semantics.time_tolerance import EPSILON
-from missionkit.messages import ABORT, Action, Fired, Verdict
+from missionkit.messages import ABORT, RETURN_HOME, Action, Fired, Verdict
 
 MOST_MICROSTEPS = 1000  # microsteps in one tick: more is a chart that does not come to rest
 WATCHED_FROM = 16  # microsteps after which a tick is watched for going round in a circle
 ERROR = "error.execution"
 _new = tuple.__new__  # quicker than the class's own
+ORDERS = frozenset((ABORT, RETURN_HOME))  # of the operator: no event of the chart
 
 
 class Macrostep:
@@ -54,7 +55,7 @@ class Macrostep:
         self.now = question.seen.now
         self.first_answers = question.answers
         self.internal: list[str] = []
-        self.external: list[str] = [each for each in question.seen.events if each != ABORT]
+        self.external: list[str] = [each for each in question.seen.events if each not in ORDERS]
         self.here = configuration(chart, memory.active)
         self.fired: list[Fired] = []
         self.moves: list[entry_exit_sets.Move] = []

@@ -25,7 +25,7 @@ from missionkit.chart.semantics.guard_evaluation import evaluated, ready
 from missionkit.chart.semantics.macrostep import Macrostep
 from missionkit.chart.semantics.requirement_watch import overdue, verdict, watched
 from missionkit.chart.semantics.time_tolerance import EPSILON
-from missionkit.messages import ABORT, Estimate, Verdict
+from missionkit.messages import ABORT, RETURN_HOME, Estimate, Verdict
 from missionkit.number_text import beside
 from missionkit.plugin_containment import Containment
 
@@ -121,13 +121,16 @@ def _forced(
     *,
     flying: bool,
 ) -> CompiledTransition | None:
-    """Return what goes before all else: the pilot, a failsafe, the end of the chart in the air."""
+    """Return what goes before all else: the operator, a failsafe, the chart's end in the air."""
     seen = question.seen
     failsafe = None
     if flying:
         failsafe = _failsafe(chart, memory, here, question, held)
     if seen.events and ABORT in seen.events and chart.land and here.safety < SAFETY["land"]:
         return CompiledTransition(-1, (chart.land,), ABORT)
+    wanted = flying and chart.home and here.safety < SAFETY["return"]
+    if wanted and RETURN_HOME in seen.events:
+        return CompiledTransition(-1, (chart.home,), RETURN_HOME)
     if failsafe is None and memory.ended and chart.land and _in_air(seen):
         return CompiledTransition(-1, (chart.land,), "the chart has ended in the air")
     return failsafe

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.messages import Observation, Record
+from missionkit.page.facts.battery_trend import BatteryTrend
 from missionkit.page.facts.chart_ids import FiredIds
 from missionkit.page.facts.guard_facts import HeldGuards, needed
 from missionkit.page.facts.tick_facts import Followed, fired_facts, tick_facts
@@ -20,6 +21,7 @@ class FlightFollower:
 
     def __init__(self, chart: Chart) -> None:
         self._held = HeldGuards()
+        self._battery = BatteryTrend(chart)
         self._need = needed(chart)
         self._ids = FiredIds(chart)
         self._reason = ""
@@ -34,6 +36,7 @@ class FlightFollower:
             tick: its number.
         """
         self._held.follow(record)
+        self._battery.follow(record)
         fired = [fired_facts(it, record.now, tick, self._ids) for it in record.fired]
         if record.fired:
             self._reason = record.fired[-1].reason
@@ -41,13 +44,15 @@ class FlightFollower:
         self._before = record.now
         return fired, [{"at": it.at, "says": it.says, "times": it.times} for it in new]
 
-    def followed(self, tick: int) -> Followed:
+    def followed(self, tick: int, record: Record) -> Followed:
         """Return what is remembered.
 
         Args:
             tick: number of the tick that was followed last.
+            record: of that tick.
         """
-        return Followed(tick, self._reason, self._held.since, self._need)
+        battery = self._battery.facts(record)
+        return Followed(tick, self._reason, self._held.since, self._need, battery)
 
     def facts(self, record: Record, seen: Observation, tick: int) -> dict[str, object]:
         """Return what the page shows of the tick that was followed last.
@@ -57,4 +62,4 @@ class FlightFollower:
             seen: its observation.
             tick: its number.
         """
-        return tick_facts(record, seen, self.followed(tick))
+        return tick_facts(record, seen, self.followed(tick, record))

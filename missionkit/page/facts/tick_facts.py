@@ -23,6 +23,7 @@ class Followed(NamedTuple):
     reason: str  # of the last transition
     guards_since: Mapping[str, float]  # s
     guards_need: Mapping[tuple[str | None, str], float]  # s
+    battery: Mapping[str, object] | None
 
 
 def tick_facts(record: Record, seen: Observation, known: Followed) -> dict[str, object]:
@@ -59,7 +60,7 @@ def tick_facts(record: Record, seen: Observation, known: Followed) -> dict[str, 
         "home": vector(est.home),
         "targets": [_target(it, now) for name, it in est.targets.items() if name != TRACKED],
         "obstacles": _obstacles(record),
-        "battery": None if est.battery is None else {"charge": number(est.battery.charge)},
+        "battery": known.battery,
         "link_age": None if est.status is None else round(max(0.0, now - est.status.at), 3),
         "cycle_ms": round(1000.0 * (record.cycle.total or seen.cycle.total), 3),
         "guards": guard_rows(record, known.guards_since, known.guards_need),

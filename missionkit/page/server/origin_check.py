@@ -7,12 +7,13 @@ must come from a page of this server.
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Mapping
 from typing import NamedTuple
 
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from missionkit.page.server.binding import is_loopback
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'; "
@@ -54,14 +55,6 @@ class Addresses(NamedTuple):
     def origins(self) -> frozenset[str]:
         """The origins of its pages."""
         return frozenset(f"{self.scheme}://{host}" for host in self.hosts)
-
-
-def is_loopback(host: str) -> bool:
-    """Say whether an address can be reached from this computer alone."""
-    try:
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:  # a name
-        return False
 
 
 class OriginCheck:
