@@ -118,15 +118,18 @@ class Flight:
 
 
 def flown(compiled: Chart, every: Sequence[Seen]) -> Flown:
-    """Fly a chart; return the states entered, the transitions taken, and whether it rested."""
+    """Fly a chart, up to a tick that does not come to rest; return what it did."""
     flight = Flight(compiled)
     entered, taken = set(flight.memory.active), set()
+    rested = True
     for seen in every:
         flight.now += TICK
         decision = flight.tick(seen)
         entered.update(*(move.active for move in decision.moves))
         taken.update(fired.reason.partition(",")[0] for fired in decision.fired)
-    rested = not any("come to rest" in it for it in flight.contain.take())
+        rested = not any("come to rest" in it for it in flight.contain.take())
+        if not rested:  # nor will most ticks after it, each of which takes a thousand steps
+            break
     return Flown(entered, taken, rested, *flight.judged())
 
 
