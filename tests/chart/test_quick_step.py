@@ -89,14 +89,16 @@ class Writer:
 
     def transition(self) -> Data:
         chosen: Data = {"to": self.pick.choice(STATES)}
-        form = self.pick.choice(("when", "when", "when", "after", "for", "event", "do"))
+        form = self.pick.choice(("when", "when", "when", "after", "for", "event", "event", "do"))
         if form == "after":
             return chosen | {"after": self.pick.choice((0.3, 1.0))}
         chosen["when"] = self.guard()
         if form == "for":
             chosen["for"] = 0.15
         elif form == "event":
-            chosen["event"] = self.pick.choice(("a", "late"))
+            chosen["event"] = self.pick.choice(("a", "late", ["a.b", "b"], "*"))
+            if self.pick.random() < 0.6:
+                del chosen["when"]
         elif form == "do" and not self.plain:
             acts = [
                 {"assign": {"n": {"add": 1}}},
@@ -188,12 +190,19 @@ class Sky:
             battery=battery if pick.random() < 0.95 else None,
             status=status if pick.random() < 0.95 else None,
             targets={"pole": pole} if pick.random() < 0.95 else {},
-            events=(pick.choice(("a", "b", "abort")),) if pick.random() < 0.1 else (),
+            events=self.events(),
             failing=("x",) if pick.random() < 0.03 else (),
             done=pick.random() < 0.2,
             goal=goal if pick.random() < 0.8 else None,
             **stands,
         )
+
+    def events(self) -> tuple[str, ...]:
+        """Events of one tick: none, one or several, heard or not; seldom an abort."""
+        if self.pick.random() < 0.6:
+            return ()
+        some = self.pick.choices(("a", "a.b", "late", "b"), k=self.pick.randint(1, 3))
+        return (*some, "abort") if self.pick.random() < 0.03 else tuple(some)
 
 
 def compared(seed: int, ticks: int) -> int:

@@ -180,9 +180,11 @@ class TimedTransition(NamedTuple):
     wait: float  # s
 
 
-# a transition without an event: itself, its guard, the name of the answer if the guard is asked
+# a transition: itself, its guard, the name of the answer if the guard is asked
 # directly, the wait (s), the source, the time (s) that the guard must have held
 Lead = tuple["CompiledTransition", "GuardFunction | None", str, float, str, float]
+# the transitions that wait for an event, and whether one of them has no guard
+Hearing = tuple[tuple[Lead, ...], bool]
 # where a transition leads that does nothing else: the move, the configuration there, the target and
 # the outputs as the record has them, whether the guards there must be asked too
 Crossing = tuple[Any, "Configuration", str, tuple[str, ...], bool]
@@ -203,6 +205,7 @@ class Configuration:
     simple: tuple[GuardRow, ...] | None  # all that is asked; None: that needs more
     simple_in_air: tuple[GuardRow, ...] | None  # the same where failsafes act
     crossings: dict[int, Crossing]  # memo of `quick_step`: where transitions lead
+    hears: dict[str, Hearing]  # memo of `heard_events.hearing`
     ways: tuple[
         tuple[TimedTransition, ...], ...
     ]  # without an event, for each atomic state, inner first

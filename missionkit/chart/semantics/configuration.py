@@ -61,8 +61,9 @@ def _stance(chart: Chart, active: tuple[str, ...]) -> Configuration:
         simple=guards if alone else None,
         simple_in_air=(*danger, *guards) if alone and safe else None,
         crossings={},
+        hears={},
         ways=tuple([tuple([way for way in each if not way.transition.events]) for each in ways]),
-        leads=tuple([_lead(way) for each in ways for way in each if not way.transition.events]),
+        leads=tuple([lead(way) for each in ways for way in each if not way.transition.events]),
         heard=tuple([tuple([way for way in each if way.transition.events]) for each in ways]),
         soonest=min([way.wait for way in every if not way.transition.events], default=inf),
         promising=promising,
@@ -109,7 +110,8 @@ def _asks(
     return list(direct.values()), plain
 
 
-def _lead(way: TimedTransition) -> Lead:
+def lead(way: TimedTransition) -> Lead:
+    """Return a transition as the quick step takes it."""
     transition, wait = way
     name = "" if transition.guard is None else transition.guard.name
     return transition, transition.ask, name, wait, transition.source, transition.hold

@@ -1,26 +1,29 @@
 """The same step by a short cut, for ticks at which nothing unusual happens: nearly all of them.
 
 The guards of a configuration stand in one row and are asked in one loop. As soon as something is
-unusual, the general step takes over: an event, a failsafe or a broken invariant, a guard that
-fails or answers oddly, outputs, a second transition in the same tick.
+unusual, the general step takes over: the pilot's abort, a delayed event that is due, a failsafe or
+a broken invariant, a guard that fails or answers oddly, outputs, a second transition in the same
+tick. An event leads on like a guard that holds, once nothing without an event is ready.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from missionkit.chart.semantics import entry_exit_sets
-from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, begin
+from missionkit.chart.semantics.chart_memory import ChartMemory, Decision, DelayedEvent, begin
 from missionkit.chart.semantics.compiled_chart import (
     Chart,
     CompiledTransition,
     Configuration,
     Crossing,
     GuardContext,
+    Lead,
 )
 from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.guard_evaluation import ready
 from missionkit.chart.semantics.guard_rows import Answers, asked, none_holds
+from missionkit.chart.semantics.heard_events import heard, hearing, leads_on
 from missionkit.chart.semantics.macrostep import Macrostep
 from missionkit.chart.semantics.step import (
     acts,
@@ -31,7 +34,7 @@ from missionkit.chart.semantics.step import (
     watched_end,
 )
 from missionkit.chart.semantics.time_tolerance import EPSILON
-from missionkit.messages import Estimate, Fired
+from missionkit.messages import ABORT, Estimate, Fired
 from missionkit.plugin_containment import Containment
 
 __all__ = ["begin", "decide"]
@@ -55,13 +58,14 @@ def decide(
     active, entered, windows, variables, _, _, held, violated, started, ended, delayed, _ = known
     here = chart.configurations.get(active) or configuration(chart, active)
     flying = acts(seen, here)
-    usual = started and not (seen.events or delayed or violated or ended)
+    pressing = (seen.events or delayed) and _pressing(seen, delayed)
+    usual = started and not (pressing or violated or ended)
     simple = here.simple_in_air if flying else here.simple
     outcome: Outcome | None = None
     if usual and simple is not None and not held:
         answers: Answers = {}
         holding = asked(simple, seen, answers)
-        if holding == "" and not (here.timers and _due(here, entered, seen.now)):
+        if holding == "" and not _called(here, entered, seen):
             return memory, _new(Decision, (answers, (), (), False, (), ()))
         if holding is not None and not (flying and holding in here.alarms):
             outcome = _moved(chart, memory, here, seen, answers)
@@ -90,7 +94,7 @@ def _in_context(
         return None
     memory = _remembering(chart, memory, here, question, holding=bool(holding))
     outcome: Outcome | None = memory, _new(Decision, (answers, (), (), False, (), ()))
-    if holding or _due(here, memory.entered, seen.now):
+    if holding or _called(here, memory.entered, seen):
         outcome = _moved(chart, memory, here, seen, answers, question)
     memory, decision = outcome or Macrostep(chart, memory, question, ()).run(None, rested=False)
     if not chart.watch.requirements:
@@ -113,6 +117,18 @@ def _remembering(
     return _new(ChartMemory, (active, entered, windows, variables, pilot, history, held, *rest))
 
 
+def _pressing(seen: Estimate, delayed: Sequence[DelayedEvent]) -> bool:
+    """Say whether the pilot aborts, or a delayed event is due."""
+    return ABORT in seen.events or (bool(delayed) and delayed[0].due <= seen.now + EPSILON)
+
+
+def _called(here: Configuration, entered: Mapping[str, float], seen: Estimate) -> bool:
+    """Say whether a transition without a guard may be ready."""
+    if here.timers and _due(here, entered, seen.now):
+        return True
+    return bool(seen.events) and leads_on(here, seen.events)
+
+
 def _due(here: Configuration, entered: Mapping[str, float], now: float) -> bool:
     """Say whether a transition without a guard is ready."""
     return any(now - entered[source] >= wait for wait, source in here.timers)
@@ -128,15 +144,17 @@ def _moved(
 ) -> Outcome | None:
     """Take the first transition that is ready, if that is all that happens; None: it is not."""
     now = seen.now
-    way = _first(here, memory, now, answers, question)
+    way, events = _chosen(here, memory, seen, answers, question)
     if way is None:
         return memory, _new(Decision, (answers, (), (), False, (), ()))
     crossing = here.crossings.get(way.number) or _crossing(chart, memory, here, way)
     if crossing is None:
         return None
     move, there, to, outputs, restless = crossing
+    if events and heard(there, events):
+        return None
     known = memory[:]
-    before, was_entered, windows, variables, pilot, history, held, violated, *_, monitors = known
+    before, was_entered, windows, variables, pilot, history, held, violated, *more = known
     active = move.active
     entered = dict.fromkeys(active, now)
     for name in move.kept:
@@ -157,10 +175,7 @@ def _moved(
             history,
             held,
             violated,
-            True,
-            False,
-            (),
-            monitors,
+            *more,
         ),
     )
     fresh = commands != pilot or (pilot or before[-1]) in move.exited
@@ -171,8 +186,24 @@ def _moved(
     return after, _new(Decision, (answers, (fired,), (move,), fresh, (), ()))
 
 
-def _first(
+def _chosen(
     here: Configuration,
+    memory: ChartMemory,
+    seen: Estimate,
+    answers: Answers,
+    question: GuardContext | None,
+) -> tuple[CompiledTransition | None, tuple[str, ...]]:
+    """Return the first transition that is ready, without an event or with one, and those left."""
+    events = seen.events
+    way = _first(here.leads, memory, seen.now, answers, question)
+    while way is None and events:
+        way = _first(hearing(here, events[0])[0], memory, seen.now, answers, question)
+        events = events[1:]
+    return way, events
+
+
+def _first(
+    leads: Iterable[Lead],
     memory: ChartMemory,
     now: float,
     answers: Answers,
@@ -180,7 +211,7 @@ def _first(
 ) -> CompiledTransition | None:
     """Return the first transition that is ready."""
     entered = memory.entered
-    for way, ask, name, wait, source, hold in here.leads:
+    for way, ask, name, wait, source, hold in leads:
         if ask is not None:
             verdict = answers[name] if name or question is None else ask(question)
             if verdict[0] is not True:
