@@ -24,7 +24,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
@@ -126,19 +126,41 @@ def is_plain(value: Any) -> bool:
 
 def _plain(value: Any) -> Any:
     kind: Any = type(value)
-    write = WRITERS.get(kind)
-    if write is not None:
-        return write(value)
-    if isinstance(value, Enum):
-        return {_name_of(kind): _plain(value.value)}
-    if isinstance(value, tuple):
-        return {_name_of(kind): [_plain(part) for part in value]}
-    if is_dataclass(value):
-        return {_name_of(kind): [_plain(getattr(value, part.name)) for part in fields(value)]}
-    if isinstance(value, Mapping):  # read-only ones too
-        return _dict(value)
-    if isinstance(value, np.generic):
-        return _array(np.asarray(value))
+    return _writer_of(kind)(value)
+
+
+def _parts(values: Iterable[Any]) -> list[Any]:
+    """Return the parts of a value; most are text, None or a float, which no writer changes."""
+    return [
+        part
+        if (kind := type(part)) in UNCHANGED or (kind is float and math.isfinite(part))
+        else _plain(part)
+        for part in values
+    ]
+
+
+@lru_cache(512)
+def _writer_of(kind: Any) -> Callable[[Any], Any]:
+    """Return what makes JSON data of the values of a class.
+
+    Raises:
+        NotPlainError: nothing does.
+    """
+    if kind in WRITERS:
+        return WRITERS[kind]
+    if issubclass(kind, Enum):
+        name = _name_of(kind)
+        return lambda value: {name: _plain(value.value)}
+    if issubclass(kind, tuple):
+        name = _name_of(kind)
+        return lambda value: {name: _parts(value)}
+    if is_dataclass(kind):
+        name, own = _name_of(kind), tuple(part.name for part in fields(kind))
+        return lambda value: {name: _parts([getattr(value, part) for part in own])}
+    if issubclass(kind, Mapping):  # read-only ones too
+        return _dict
+    if issubclass(kind, np.generic):
+        return lambda value: _array(np.asarray(value))
     raise NotPlainError(f"{kind.__module__}.{kind.__qualname__}")
 
 
@@ -155,11 +177,11 @@ def _float(value: float) -> Any:
 
 
 def _tuple(value: tuple[Any, ...]) -> Any:
-    return [_plain(part) for part in value]
+    return _parts(value)
 
 
 def _list(value: list[Any]) -> Any:
-    return {"list": [_plain(part) for part in value]}
+    return {"list": _parts(value)}
 
 
 def _dict(value: Mapping[Any, Any]) -> Any:
@@ -175,14 +197,20 @@ def _bytes(value: bytes) -> Any:
 
 
 def _array(value: np.ndarray[Any, Any]) -> Any:
-    dtype = value.dtype.newbyteorder("<").str
-    if not DTYPE.fullmatch(dtype):
-        raise NotPlainError(f"an array of {value.dtype}")
-    data = value.astype(dtype, order="C").tobytes()
+    dtype, native = _dtype_of(value.dtype)
+    data = value.tobytes() if native else value.astype(dtype).tobytes()
     return {"array": [dtype, list(value.shape), base64.b64encode(data).decode("ascii")]}
 
 
-@lru_cache(512)
+@lru_cache(64)
+def _dtype_of(dtype: np.dtype[Any]) -> tuple[str, bool]:
+    """Return how a little-endian array of a dtype is named, and whether it is one already."""
+    little = dtype.newbyteorder("<")
+    if not DTYPE.fullmatch(little.str):
+        raise NotPlainError(f"an array of {dtype}")
+    return little.str, little == dtype
+
+
 def _name_of(kind: Any) -> str:
     name = f"{kind.__module__}:{kind.__qualname__}"
     if _class_of(name) is not kind:
@@ -190,6 +218,7 @@ def _name_of(kind: Any) -> str:
     return name
 
 
+UNCHANGED = frozenset((type(None), bool, str))
 WRITERS: Mapping[type, Callable[[Any], Any]] = {
     type(None): _itself,
     bool: _itself,
