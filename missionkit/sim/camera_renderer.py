@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from missionkit.geometry import Transform, Vec3, rotate, to_matrix, vec
+from missionkit.geometry import Transform, Vec3, cross, rotate, to_matrix, vec
 from missionkit.messages import CameraModel, Image
 from missionkit.sim import ground_drawing, lens_model
 from missionkit.sim.occlusion import OcclusionScene
@@ -117,8 +117,8 @@ class Renderer:
             focus: (3,), m, camera frame, the point.
         """
         body, mount = placed
-        moving = velocity + rotate(body.rotation, np.cross(rates, mount.translation))
+        moving = velocity + rotate(body.rotation, cross(rates, mount.translation))
         turning = to_matrix(mount.rotation).T @ rates
-        drift = -(view.turn @ moving) - np.cross(turning, focus)
+        drift = -(view.turn @ moving) - cross(turning, focus)
         focal = np.array([self._camera.matrix[0, 0], self._camera.matrix[1, 1]])
         return np.asarray(focal * (drift[:2] - focus[:2] / focus[2] * drift[2]) / focus[2])

@@ -24,10 +24,13 @@ from missionkit.sim.texture_patches import (
     patches_of,
     warp,
 )
+from missionkit.units import Spot
 
 COARSE_TEXEL, FINE_TEXEL = 0.04, 0.005  # m, texels of the two ground textures
 HAZE = 150  # grey level at the horizon
 LOWEST_EYE = 0.03  # m, the eye is never drawn lower than this
+
+Homography = list[list[float]]  # (3, 3), canvas to east, north and depth, m
 
 
 class Sheet(NamedTuple):
@@ -93,8 +96,8 @@ def paint(canvas: Image, view: CanvasView, layers: tuple[Band, ...]) -> None:
     canvas[:] = HAZE
     _paint_sky(canvas, clip(whole, (-g).tolist()), g)
     eye_height = max(LOWEST_EYE, -float(view.eye[2]))
-    ground = np.stack([*(view.eye[i] * g + eye_height * rays[i] for i in (1, 0)), g])
-    depths = [0.0, *(_depth(band.reach, eye_height, rays) for band in layers)]
+    ground = np.stack([*(view.eye[i] * g + eye_height * rays[i] for i in (1, 0)), g]).tolist()
+    depths = [0.0, *_depths(layers, eye_height, rays)]
     left = clip(whole, [*g[:2].tolist(), float(g[2]) - eye_height / depths[-1]])
     for band, near in zip(reversed(layers), reversed(depths[:-1]), strict=True):
         if len(left) < 3:
@@ -114,23 +117,28 @@ def _paint_sky(canvas: Image, polygon: Polygon, g: Vec3) -> None:
         patch.lay(drawn)
 
 
-def _depth(reach: float, height: float, rays: Mat) -> float:
-    """Return the camera depth (m) at which a pixel covers `reach` of ground (m).
+def _depths(layers: tuple[Band, ...], height: float, rays: Mat) -> list[float]:
+    """Return the camera depths (m) at which a pixel covers the `reach` of each band.
 
     A pixel covers z/f across and z² c/(f h) along the line of sight, c = f |∇g|; what counts is
     the geometric mean of the two, or z/f when that is longer.
     """
     focal = 1.0 / float(np.linalg.norm(rays[:, 0]))
     steepness = max(1e-6, focal * math.hypot(rays[2, 0], rays[2, 1]))
-    across = reach * focal
-    return min(across, math.cbrt(across**2 * height / steepness))
+    across = [band.reach * focal for band in layers]
+    return [min(it, math.cbrt(it**2 * height / steepness)) for it in across]
 
 
-def _paint_band(canvas: Image, polygon: Polygon, ground: Mat, band: Band) -> None:
+def _paint_band(canvas: Image, polygon: Polygon, ground: Homography, band: Band) -> None:
     if len(polygon) < 3:
         return
-    corners = np.column_stack([np.array(polygon), np.ones(len(polygon))]) @ ground.T
-    low = (corners[:, :2] / corners[:, 2:]).min(axis=0)
+    (a, b, c), (d, e, f), (g, h, i) = ground
+    depths = [g * x + h * y + i for x, y in polygon]
+    corners = list(zip(polygon, depths, strict=True))
+    low = (
+        min((a * x + b * y + c) / z for (x, y), z in corners),
+        min((d * x + e * y + f) / z for (x, y), z in corners),
+    )
     sheets = [(s.image, _placed(ground, low, s), s.how) for s in (band.sheet, band.detail) if s]
     for patch in patches_of(canvas, polygon):
         drawn, *details = [warp(image, back, patch, 128, how=how) for image, back, how in sheets]
@@ -139,12 +147,12 @@ def _paint_band(canvas: Image, polygon: Polygon, ground: Mat, band: Band) -> Non
         cv2.copyTo(drawn, patch.mask, patch.target)
 
 
-def _placed(ground: Mat, low: Vec3, sheet: Sheet) -> Mat:
+def _placed(ground: Homography, low: Spot, sheet: Sheet) -> Mat:
     """Return canvas to unit square for a sheet laid out from east and north `low` (m)."""
     period = sheet.texel * sheet.tile
     rows, columns = sheet.image.shape
-    east, north = (math.floor(at / period) * period for at in low.tolist())
-    (a, b, c), (d, e, f), (g, h, i) = ground.tolist()
+    east, north = (math.floor(at / period) * period for at in low)
+    (a, b, c), (d, e, f), (g, h, i) = ground
     width, height = sheet.texel * columns, sheet.texel * rows
     across = [(a - east * g) / width, (b - east * h) / width, (c - east * i) / width]
     down = [(d - north * g) / height, (e - north * h) / height, (f - north * i) / height]

@@ -141,7 +141,8 @@ def paint(canvas: Image, view: CanvasView, face: Face) -> None:
     polygon = outline(view, face.hull)
     if len(polygon) < 3:
         return
-    frame = np.column_stack([face.across, face.down, face.origin - view.eye])
+    frame = np.empty((3, 3))
+    frame[:, 0], frame[:, 1], frame[:, 2] = face.across, face.down, face.origin - view.eye
     forward = view.projection @ frame
     if abs(np.linalg.det(forward)) < 1e-9:
         return

@@ -28,17 +28,19 @@ def clip(polygon: Polygon, line: Sequence[float]) -> Polygon:
 
     Source: Sutherland and Hodgman, 1974.
     """
-    kept: Polygon = []
     a, b, c = line
     sides = [a * x + b * y + c for x, y in polygon]
-    for i, (p, side) in enumerate(zip(polygon, sides, strict=True)):
-        before = sides[i - 1]
+    if not polygon or min(sides) >= 0:
+        return polygon
+    kept: Polygon = []
+    q, before = polygon[-1], sides[-1]
+    for p, side in zip(polygon, sides, strict=True):
         if (before < 0) != (side < 0):
             t = before / (before - side)
-            q = polygon[i - 1]
             kept.append((q[0] + t * (p[0] - q[0]), q[1] + t * (p[1] - q[1])))
         if side >= 0:
             kept.append(p)
+        q, before = p, side
     return kept
 
 
@@ -114,8 +116,12 @@ def _patch(canvas: Image, sixteenths: npt.NDArray[np.int32], rectangle: Rectangl
 
 def area_of(polygon: Polygon) -> float:
     """Return the area (px²) of a polygon."""
-    before = zip(polygon[-1:] + polygon, polygon, strict=False)
-    return 0.5 * abs(sum(p[0] * q[1] - q[0] * p[1] for p, q in before))
+    twice = 0.0
+    a, b = polygon[-1] if polygon else (0.0, 0.0)
+    for x, y in polygon:
+        twice += a * y - x * b
+        a, b = x, y
+    return 0.5 * abs(twice)
 
 
 def warp(
@@ -131,15 +137,10 @@ def warp(
         factor: of oversampling.
         how: interpolation, as OpenCV names it.
     """
-    rows, columns = texture.shape
-    texels = np.array([[columns, 0.0, -0.5], [0.0, rows, -0.5], [0.0, 0.0, 1.0]]) @ back
-    shift = 0.5 / factor - 0.5
-    texels[:, 2] += (patch.x + shift) * texels[:, 0] + (patch.y + shift) * texels[:, 1]
-    texels[:, :2] /= factor
     height, width = patch.target.shape
     drawn = cv2.warpPerspective(
         texture,
-        texels,
+        _texels(texture, back, patch, factor),
         (width * factor, height * factor),
         flags=how | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_CONSTANT,
@@ -148,3 +149,19 @@ def warp(
     if factor > 1:
         drawn = cv2.resize(drawn, (width, height), interpolation=cv2.INTER_AREA)
     return np.asarray(drawn, np.uint8)
+
+
+def _texels(texture: Image, back: Mat, patch: Patch, factor: int) -> Mat:
+    """Return the homography from (sub)pixels of a patch to texels."""
+    rows, columns = texture.shape
+    across, down, depth = back.tolist()
+    shift = 0.5 / factor - 0.5
+    x, y = patch.x + shift, patch.y + shift
+    texels = []
+    for a, b, c in (
+        [columns * p - 0.5 * w for p, w in zip(across, depth, strict=True)],
+        [rows * p - 0.5 * w for p, w in zip(down, depth, strict=True)],
+        depth,
+    ):
+        texels.append((a / factor, b / factor, c + (x * a + y * b)))
+    return np.array(texels)
