@@ -164,6 +164,7 @@ def _estimate(
         traffic=seen.traffic,
         gimbal=senses.gimbal,
         operator_silence=None if seen.operator is None else seen.operator.silent_for,
+        utc=seen.utc,
         state=chart.state,
         entered_at=chart.entered_at,
         done=acting.done,

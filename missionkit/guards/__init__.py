@@ -35,6 +35,7 @@ GUARDS = {  # the name that mission files use -> the class; imported when a miss
     "target_seen": "missionkit.guards.target_visibility.TargetSeen",
     "targets_in_view": "missionkit.guards.tracked_targets.TargetsInView",
     "tick_overrun": "missionkit.guards.tick_timing.TickOverrun",
+    "time_of_day": "missionkit.guards.time_of_day.TimeOfDay",
     "time_to_reversal": "missionkit.guards.tracked_targets.TimeToReversal",
     "visited": "missionkit.guards.visits.Visited",
     "wind_above": "missionkit.guards.wind_speed.WindAbove",

@@ -96,6 +96,7 @@ class Estimate(NamedTuple):
     traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
     gimbal: GimbalReading | None = None  # the newest, fresh or not
     operator_silence: float | None = None  # s, of the pilot at the page; None: nobody was there
+    utc: float | None = None  # s since 1970; None: not known
     # where the chart stands, as of the last tick:
     state: str = ""
     entered_at: float = 0.0  # s

@@ -187,3 +187,4 @@ class Observation:
     problems: tuple[str, ...] = ()  # input that could not be used, and why; for the record
     gimbal: GimbalReading | None = None
     operator: OperatorReport | None = None  # the pilot at the page; None: there is no page
+    utc: float | None = None  # s since 1970, of `now`; None: not known

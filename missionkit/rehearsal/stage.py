@@ -95,4 +95,5 @@ def stage(
         north, east = world.start
         raise UsageError(f"world {world.world!r}: it starts at ({north:g}, {east:g}), {wrong}")
     vehicle = simulated(world, mission.camera, seed, faults)
+    vehicle.began = mission.settings.utc
     return Stage(mission, prepare(mission, catalogue), world, vehicle)

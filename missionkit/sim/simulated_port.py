@@ -16,9 +16,11 @@ class SimulatedPort(ABC):
 
     Attributes:
         track: its true states so far.
+        began: s since 1970, of time 0; None: it has no date.
     """
 
     track: TrueTrack
+    began: float | None = None
     _injected: InjectedFaults
 
     @abstractmethod
@@ -28,6 +30,10 @@ class SimulatedPort(ABC):
     @abstractmethod
     def apply(self, command: Command) -> None:
         """Send a command."""
+
+    def utc(self, now: float) -> float | None:
+        """Return a mission time (s) in s since 1970; None: it has no date."""
+        return None if self.began is None else self.began + now
 
     @property
     def truth(self) -> TrueState:

@@ -204,6 +204,7 @@ class SimulatedVehicle(SimulatedPort):
             range=box.range,
             external_pose=None if self._outside is None else self._outside.deliver(self.now),
             gimbal=self._gimbal_reading(),
+            utc=self.utc(until),
         )
 
     @property

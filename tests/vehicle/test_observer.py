@@ -155,3 +155,15 @@ def test_flow_and_range_are_seen(listening, flow):
         seen = listening.see(DISTANCE_SENSOR=DOWN, HIGHRES_IMU=HIGHRES, **flow)
     np.testing.assert_allclose(seen.flow.flow, FLOW)
     assert seen.range.distance == pytest.approx(1.53)
+
+
+def test_the_date_is_known_once_the_vehicle_has_it_and_runs_on(listening):
+    moved = {"x": 0.0, "y": 0.0, "z": 0.0, "vx": 0.0, "vy": 0.0, "vz": 0.0}
+    local = {"LOCAL_POSITION_NED": {**moved, "time_boot_ms": 5000}}
+    unset = {"time_unix_usec": 0, "time_boot_ms": 5000}
+    assert listening.see(**local, SYSTEM_TIME=unset).utc is None
+    dated = listening.see(SYSTEM_TIME={**unset, "time_unix_usec": 1_780_000_000_000_000})
+    assert dated.utc == pytest.approx(1_780_000_000.0 + 0.05, abs=0.06)
+    assert listening.see().utc == pytest.approx(dated.utc + 0.05)
+    listening.observer.forget()
+    assert listening.see(SYSTEM_TIME=unset).utc is None

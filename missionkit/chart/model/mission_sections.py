@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from missionkit.chart.model.model_base import MissionPart, StateName, TargetName
 from missionkit.chart.text.located_data import LocatedList, LocatedTable
@@ -58,11 +59,46 @@ class TargetPlace(MissionPart):
     )
 
 
+def seconds_since_1970(text: str) -> float:
+    """Return a date with its time and zone in s since 1970.
+
+    >>> seconds_since_1970("1970-01-02T01:00:00+01:00")
+    86400.0
+
+    Raises:
+        ValueError: it is none, or without a zone.
+    """
+    expected = "expected a date with time and zone, such as 2026-06-01T08:00:00Z"
+    try:
+        date = datetime.fromisoformat(text)
+    except ValueError as error:
+        raise ValueError(f"{expected}, got {text!r}") from error
+    if date.tzinfo is None:
+        raise ValueError(f"{expected}: {text!r} has no zone")
+    return date.timestamp()
+
+
 class Settings(MissionPart):
     """How the mission is run."""
 
     rate: Hertz = Field(default=20.0, ge=5, le=100, description="ticks per second")
     time_limit: Seconds = Field(default=1800.0, gt=0, description="the mission lands after this")
+    date: str | None = Field(
+        default=None,
+        description="when a simulated flight starts, as 2026-06-01T08:00:00Z; else it has no date",
+    )
+
+    @field_validator("date")
+    @classmethod
+    def _a_date(cls, text: str | None) -> str | None:
+        if text is not None:
+            seconds_since_1970(text)
+        return text
+
+    @property
+    def utc(self) -> float | None:
+        """When a simulated flight starts (s since 1970); None: it has no date."""
+        return None if self.date is None else seconds_since_1970(self.date)
 
 
 class Success(MissionPart):

@@ -150,6 +150,7 @@ class FreeFlyer(SimulatedPort):
             cycle=self._cycle,
             ranges=tuple(box.ranges),
             features=tuple(box.features),
+            utc=self.utc(now),
         )
 
     def _fly(self, stop: int) -> None:

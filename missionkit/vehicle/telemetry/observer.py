@@ -33,6 +33,8 @@ from missionkit.vehicle.telemetry.range_sensors import RangeSensors
 from missionkit.vehicle.telemetry.status_text import event_of
 
 COMPLETION_AGE = 1.0  # s; older attitude or speed is not used to complete another reading
+DATE_AGE = 5.0  # s, wall; an older message about the date was looked at before
+DATED = 1.5e9  # s since 1970: a clock that reads less was never set
 RARELY = 0.1  # s between two readings of magnetometer and barometer, as the filter wants them
 
 
@@ -93,6 +95,7 @@ class Observer:
         self._packs = batteries.NO_PACKS
         self._fixed_at = -math.inf  # s, of the first receiver's last fix
         self._reported: set[str] = set()
+        self._dated: float | None = None  # s since 1970, of mission time 0
 
     @property
     def start(self) -> Vec3 | None:
@@ -155,6 +158,7 @@ class Observer:
         if self._forget.is_set():
             self._forget.clear()
             self._arrivals.forget()
+            self._dated = None
         self._arrivals.collect()
         self._find_origin()
         moved, sentences = self._frames.seen(armed=bool(self._state.armed))
@@ -175,6 +179,7 @@ class Observer:
             range=reach,
             problems=(*sentences, *self._news_of_problems()),
             gimbal=self.gimbal.read(now),
+            utc=self._utc(now),
         )
 
     def mission_time(self, message: Message) -> float | None:
@@ -242,6 +247,15 @@ class Observer:
         new = tuple(each for each in problems if each not in self._reported)
         self._reported.update(new)
         return new
+
+    def _utc(self, now: float) -> float | None:
+        """Return the date (s since 1970) by SYSTEM_TIME; None: the vehicle has not said it."""
+        message = self._cache.latest("SYSTEM_TIME", DATE_AGE)
+        at = None if message is None else self.mission_time(message)
+        date = 0.0 if message is None else 1e-6 * float(message["time_unix_usec"])
+        if at is not None and date > DATED:
+            self._dated = date - at
+        return None if self._dated is None else self._dated + now
 
     def _status(self, now: float) -> VehicleStatus | None:
         heard, state = self._clock.at(self._state.heard), self._state
