@@ -7,7 +7,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from missionkit.api.journal_recording import SIMULATOR, JournaledFlight, journaled
+from missionkit.api.journal_recording import JournaledFlight, journaled
 from missionkit.api.run_origin import Origin, forget_origin
 from missionkit.api.vehicle_checkpoints import VehicleCheckpointWriter
 from missionkit.engine.flight_loop import Keeper, Observer, keep_nothing
@@ -15,6 +15,7 @@ from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import UsageError
 from missionkit.messages import Observation, Record
 from missionkit.recorder import flight_track as tracks
+from missionkit.recorder.flight_journal import SIMULATOR
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.geographic_messages import Georeference

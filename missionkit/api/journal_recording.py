@@ -12,14 +12,13 @@ from missionkit.messages import Observation, Record
 from missionkit.perception.vision_recording import RecordedVision
 from missionkit.recorder.flight_journal import (
     JOURNAL_FILE,
+    SIMULATOR,
     VERSION,
     FlightJournal,
     JournalHead,
 )
 from missionkit.recorder.record_sinks import Sink
 from missionkit.recorder.run_folder import free_name
-
-SIMULATOR = "simulator"
 
 
 class JournaledFlight(NamedTuple):

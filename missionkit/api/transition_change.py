@@ -52,6 +52,7 @@ class ChangedNumber(NamedTuple):
         changed: value with which the transition is taken.
         file: name of the file, as the journal holds it.
         line: of the guard, transition, failsafe or state that it belongs to.
+        column: likewise.
     """
 
     where: str
@@ -60,6 +61,7 @@ class ChangedNumber(NamedTuple):
     changed: float
     file: str
     line: int
+    column: int
 
 
 class SmallestChange(NamedTuple):
@@ -230,6 +232,7 @@ def _described(case: _Case, changes: Changes) -> SmallestChange:
             value,
             Path(number.place.file).name,
             number.place.line,
+            number.place.column,
         )
         for number, value in changes
     )

@@ -174,13 +174,29 @@ def _prepared(question: Question, journal: Journal, prepared: Prepared) -> Prepa
 
 
 def _prepare(question: Question, journal: Journal, folder: Path) -> PreparedAnswer:
+    mission = mission_asked(question, journal, folder)
+    plan = prepare(mission.model, mission.catalogue)
+    if question.mission is None:
+        return PreparedAnswer(plan, ())
+    return PreparedAnswer(plan, tuple(_notes(journal, folder, mission, question.plugins)))
+
+
+def mission_asked(question: Question, journal: Journal, folder: Path) -> LoadedMission:
+    """Return the mission that a flight is asked with.
+
+    Args:
+        question: what is asked.
+        journal: of the flight.
+        folder: empty; the files of the flight are written there, if it is its own mission.
+
+    Raises:
+        FileError: the mission has errors.
+        UsageError: values that come from the flight do not fit it.
+    """
     path, settings, files = question
     if path is None:
-        mission = mission_flown(journal, folder, files, settings)
-        return PreparedAnswer(prepare(mission.model, mission.catalogue), ())
-    mission = _other(journal, path, settings, files)
-    plan = prepare(mission.model, mission.catalogue)
-    return PreparedAnswer(plan, tuple(_notes(journal, folder, mission, files)))
+        return mission_flown(journal, folder, files, settings)
+    return _other(journal, path, settings, files)
 
 
 def _other(
@@ -222,11 +238,11 @@ def _notes(
 
 
 def _differs(one: Mission, other: Mission, name: str) -> bool:
-    return bool(_without_places(getattr(one, name)) != _without_places(getattr(other, name)))
+    return bool(plain_section(getattr(one, name)) != plain_section(getattr(other, name)))
 
 
-def _without_places(value: object) -> object:
+def plain_section(value: object) -> object:
     """Return a section of a mission without where in its file it stands."""
     if isinstance(value, Use):
         return value.kind, value.plugin
-    return tuple(map(_without_places, value)) if isinstance(value, tuple) else value
+    return tuple(map(plain_section, value)) if isinstance(value, tuple) else value

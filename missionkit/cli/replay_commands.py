@@ -15,6 +15,7 @@ from missionkit.cli.command_options import (
     Plugins,
     Settings,
 )
+from missionkit.errors import UsageError
 
 RunFolder = Annotated[Path, typer.Argument(help="folder of a run, or a journal", metavar="RUN")]
 
@@ -61,16 +62,28 @@ def what_if(
         typer.Option(metavar="MISSION.yaml", help="the other mission; the one flown if absent"),
     ] = None,
     settings: Settings = None,
+    sweep: Annotated[
+        str | None,
+        typer.Option(metavar="NAME=LOW:HIGH", help="find the values at which decisions change"),
+    ] = None,
     plugin: Plugins = None,
     *,
+    fork: Annotated[
+        bool, typer.Option("--fork", help="fly on in the simulator from the first difference")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Say what another mission, or other parameters, would have decided in recorded flights."""
-    from missionkit.cli import what_if_command as command  # noqa: PLC0415
+    from missionkit.cli import fork_command, sweep_command, what_if_command  # noqa: PLC0415
 
     changed = tuple(settings or ())
     files = tuple(plugin or ())
-    raise typer.Exit(command.what_if(runs, mission, changed, files, as_json=as_json))
+    if sweep is not None:
+        if mission is not None or fork:
+            raise UsageError("--sweep asks the mission that was flown: leave --mission, --fork out")
+        raise typer.Exit(sweep_command.swept(runs, sweep, changed, files, as_json=as_json))
+    asked = fork_command.flown_on if fork else what_if_command.what_if
+    raise typer.Exit(asked(runs, mission, changed, files, as_json=as_json))
 
 
 def why(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol, TypeVar
 
 from missionkit.api.flight_log import with_reports
-from missionkit.api.journal_recording import SIMULATOR, JournaledFlight, journaled
+from missionkit.api.journal_recording import JournaledFlight, journaled
 from missionkit.api.run_origin import (
     Origin,
     Origins,
@@ -23,6 +23,7 @@ from missionkit.cli.run_result import numbers
 from missionkit.engine.prepared_mission import PreparedMission
 from missionkit.errors import printable
 from missionkit.recorder.checkpoint import Loaded
+from missionkit.recorder.flight_journal import SIMULATOR
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.flight_track import FlightTrack
 from missionkit.recorder.geographic_messages import Georeference

@@ -38,8 +38,7 @@ def what_if(
         FileError: the mission has errors.
         UsageError: nothing was changed, or there is no journal.
     """
-    if mission is None and not settings:
-        raise UsageError("say what is to be different: --mission FILE or --set NAME=VALUE")
+    require_change(mission, settings)
     question = Question(mission, overrides(settings), tuple(plugins))
     runs, copies = without_copies(runs_in(folders))
     answers = what_if_each(runs, question, processes=min(PROCESSES, os.cpu_count() or 1))
@@ -55,14 +54,24 @@ def what_if(
     return ExitCode.BAD_FILE if wrong else ended
 
 
+def require_change(mission: Path | None, settings: Sequence[str]) -> None:
+    """Refuse a comparison in which nothing is different.
+
+    Raises:
+        UsageError: neither a mission nor a parameter is given.
+    """
+    if mission is None and not settings:
+        raise UsageError("say what is to be different: --mission FILE or --set NAME=VALUE")
+
+
 def _show(found: Sequence[WhatIf], *, as_json: bool) -> None:
     if as_json:
-        print(json.dumps([_plain(it) for it in found], indent=2))  # noqa: T201
+        print(json.dumps([plain_table(it) for it in found], indent=2))  # noqa: T201
     else:
         for it in found:
             for line in _lines(it):
-                _say(line)
-        _say(_count(found))
+                say(line)
+        say(_count(found))
 
 
 def _count(found: Sequence[WhatIf]) -> str:
@@ -82,13 +91,14 @@ def _lines(it: WhatIf) -> Iterator[str]:
         if not row.evidence and not marked:
             marked = True
             yield f"  from {it.table.parted:.2f} s the vehicle would have flown differently:"
-        yield f"  {_row(row)}" if row.evidence else f"  ? {_row(row)}"
+        yield f"  {row_text(row)}" if row.evidence else f"  ? {row_text(row)}"
     if it.table.parted is not None and not marked:
         yield f"  from {it.table.parted:.2f} s the vehicle would have flown differently"
     yield from (f"  {note}" for note in it.notes)
 
 
-def _row(row: ComparedTransition) -> str:
+def row_text(row: ComparedTransition) -> str:
+    """Return one transition in flight and now, for people."""
     taken = row.now or row.flown
     assert taken is not None  # noqa: S101 - a row has one of them
     times = f"{_at(row.flown)} flown, {_at(row.now)} now"
@@ -99,7 +109,8 @@ def _at(taken: Taken | None) -> str:
     return "not" if taken is None else f"{taken.at:.2f} s"
 
 
-def _plain(it: WhatIf) -> dict[str, object]:
+def plain_table(it: WhatIf) -> dict[str, object]:
+    """Return an answer as JSON has it."""
     return {
         "journal": str(it.journal),
         "parted": it.table.parted,
@@ -117,5 +128,6 @@ def _plain(it: WhatIf) -> dict[str, object]:
     }
 
 
-def _say(text: str) -> None:
+def say(text: str) -> None:
+    """Print a line."""
     print(printable(text))  # noqa: T201

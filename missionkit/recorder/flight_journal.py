@@ -28,6 +28,7 @@ from missionkit.recorder.record_sinks import Job, Sink
 JOURNAL_FILE = "journal.mcap"
 ORIGIN, TICK, MEMORY, CLASS = "/origin", "/tick", "/memory", "/class"
 VERSION = 1  # grows when what is written below changes
+SIMULATOR = "simulator"  # the vehicle of a rehearsal
 MEMORY_PERIOD = 5.0 - 1e-6  # s between two memories; a replay of 5 s is quick, a memory is large
 FLUSH_TICKS = 2
 CHUNK_BYTES = 1 << 20  # more than waits between two flushes
@@ -38,7 +39,7 @@ class JournalHead(NamedTuple):
 
     version: int
     origin: Any  # the run's order, and the text of every file it stands on
-    vehicle: str  # "simulator", or the address
+    vehicle: str  # `SIMULATOR`, or the address
     begins: bool  # the first tick is that of the mission, not of a resumed part
     arm_anyway: bool
 

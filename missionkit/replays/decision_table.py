@@ -80,15 +80,30 @@ def compared(ticks: Iterable[ReplayedTick]) -> DecisionTable:
     until = 0.0
     for tick in ticks:
         until = tick.now
-        flown += _taken(tick.now, tick.flown.fired)
-        now += _taken(tick.now, tick.replayed.fired)
+        flown += taken_at(tick.now, tick.flown.fired)
+        now += taken_at(tick.now, tick.replayed.fired)
         if parted is None and not same(tick.flown.command, tick.replayed.command):
             parted = tick.now
+    return tabulated(flown, now, parted, until)
+
+
+def tabulated(
+    flown: Sequence[Taken], now: Sequence[Taken], parted: float | None, until: float
+) -> DecisionTable:
+    """Return transitions of a flight beside those that were taken now, by time.
+
+    Args:
+        flown: transitions of the flight.
+        now: those of the other mission.
+        parted: s, when the first command differed; None: none did.
+        until: s, the last tick.
+    """
     rows = [_row(was, is_now, parted) for was, is_now in _pairs(flown, now)]
     return DecisionTable(tuple(sorted(rows, key=lambda row: row.at)), parted, until)
 
 
-def _taken(at: float, fired: Sequence[Fired]) -> list[Taken]:
+def taken_at(at: float, fired: Sequence[Fired]) -> list[Taken]:
+    """Return the transitions of one tick (s)."""
     return [Taken(at, it.source, it.to, it.reason) for it in fired]
 
 

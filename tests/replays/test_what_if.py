@@ -2,17 +2,21 @@
 
 import json
 import shutil
+from itertools import pairwise
 
 import pytest
 from replays.conftest import LOOK, WORLD
 
 import missionkit
+from missionkit.api import fork
 from missionkit.api import what_if as api
 from missionkit.api.what_if import Question, what_if_each
 from missionkit.cli.app import app
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import UsageError
-from missionkit.recorder.journal_reader import tick_of
+from missionkit.recorder.journal_reader import read_journal, tick_of
+from missionkit.replays import decision_sweep
+from missionkit.replays.decision_sweep import AS_FLOWN, DecisionAt, swept
 from missionkit.replays.decision_table import Change
 
 SEEN = "{use: aruco_confidence, target: pad, window: 10, enter: 0.7, exit: 0.5}"
@@ -185,3 +189,66 @@ def test_mistakes_are_a_sentence(run, arguments, why, capsys):
 def test_a_folder_without_flights_is_refused(tmp_path):
     with pytest.raises(UsageError, match=r"it holds no journal\.mcap"):
         missionkit.what_if(tmp_path, settings={"height": 3.0})
+
+
+def test_a_fork_repeats_the_rehearsal_and_flies_on_from_the_first_difference(run, edited, capsys):
+    path = edited(("after: 20", "after: 0.2"))
+    parted = missionkit.what_if(run, path).table.parted
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run), "--mission", str(path), "--fork", "--json"])
+    assert ended.value.code == 1
+    (told,) = json.loads(capsys.readouterr().out)
+    assert (told["exact"], told["parted"], told["notes"]) == (True, parted, [])
+    assert [row["change"] for row in told["transitions"]] == ["same", "earlier"]
+    assert all(row["evidence"] for row in told["transitions"])
+
+
+def test_a_flight_over_mavlink_is_not_forked(run, monkeypatch):
+    real = read_journal(run / "journal.mcap")
+    real = real._replace(head=real.head._replace(vehicle="udp://:14540"))
+    monkeypatch.setattr(fork, "read_journal", lambda _: real)
+    with pytest.raises(UsageError, match="flown at udp://:14540: only a rehearsal"):
+        fork.fork(run, settings={"height": 2.3})
+
+
+def decision(value):
+    """Return what a flight decides that lands earlier below 0.3 and not at all above 0.712."""
+    if value < 0.3:
+        return DecisionAt("a -> b earlier", value)
+    return DecisionAt(AS_FLOWN) if value < 0.712 else DecisionAt("a -> b missing", 5.0)
+
+
+def test_a_sweep_finds_where_the_decision_changes():
+    parts = swept(decision, 0.0, 1.0)
+    assert [it.says for it in parts] == ["a -> b earlier", AS_FLOWN, "a -> b missing"]
+    for (below, above), edge in zip(pairwise(parts), (0.3, 0.712), strict=True):
+        assert below.high < edge <= above.low <= below.high + 1.1e-3
+    assert (parts[0].first, parts[0].last) == (0.0, parts[0].high)
+    counts = swept(lambda value: decision(value / 100), 0, 100, whole=True)
+    assert [(it.low, it.high) for it in counts] == [(0, 29), (30, 71), (72, 100)]
+
+
+def test_a_sweep_asks_the_flight(run, capsys, monkeypatch):
+    monkeypatch.setattr(decision_sweep, "SPLITS", 2)
+    monkeypatch.setattr(decision_sweep, "KNOWN_TO", 0.5)
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run), "--sweep", "height=2.2:2.4"])
+    assert ended.value.code == 1
+    printed = capsys.readouterr().out
+    assert "2.2 to 2.2: as flown" in printed
+    assert "2.3 to 2.4: another command" in printed
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("height", "--sweep height: expected NAME=LOW:HIGH"),
+        ("hight=1:2", "hight: no such parameter; did you mean 'height'"),
+        ("height=3:2", "the range is empty"),
+    ],
+)
+def test_a_sweep_that_cannot_be_asked_is_a_sentence(run, text, why, capsys):
+    with pytest.raises(SystemExit) as ended:
+        app(["what-if", str(run), "--sweep", text])
+    assert ended.value.code == 2
+    assert why in capsys.readouterr().err
