@@ -1,15 +1,16 @@
 """Khatib's artificial potential field, as P1 section 4 has it.
 
     U_att(p) = k/2 |p - goal|²
-    U_rep(p) = Σ_i H(r - d_i) (1/d_i - 1/r)²,   d_i = |p - p_i| - body
+    U_rep(p) = Σ_i w_i H(r - d_i) (1/d_i - 1/r)²,   d_i = |p - p_i| - body
 
     v_att = -∇U_att = k (goal - p)
     v_rep = -½ diag(η_xy, η_xy, η_z) ∇U_rep
-          = + Σ_i diag(η) H(r - d_i) (1/d_i - 1/r) (1/d_i²) (p - p_i) / |p - p_i|
+          = + Σ_i w_i diag(η) H(r - d_i) (1/d_i - 1/r) (1/d_i²) (p - p_i) / |p - p_i|
 
 P1's sign is corrected (it attracts as printed) and the 2 of the derivative is folded into η
 (correction P1.1). With `body` = 0 this is P1's (1/d - 1/r)(1/d³)(p - p_i); otherwise d is measured
-to the vehicle's surface. η multiplies each axis, so only an isotropic η is a gradient field.
+to the vehicle's surface. P1's η_i of an obstacle is w_i η. η
+multiplies each axis, so only an isotropic η is a gradient field.
 
 Source: O. Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", 1986.
 """
@@ -25,6 +26,7 @@ from missionkit.messages import Points
 LEAST_DISTANCE = 0.05  # m; distances are not taken to be shorter, since v_rep grows without bound
 
 Distances = npt.NDArray[np.float64]  # (N,), m
+Weights = npt.NDArray[np.float64] | float  # (N,), 1
 
 
 def attractive_potential(p: Vec3, goal: Vec3, k: float) -> float:
@@ -53,7 +55,9 @@ def attraction(p: Vec3, goal: Vec3, k: float) -> Vec3:
     return k * (goal - p)
 
 
-def repulsive_potential(p: Vec3, points: Points, radius: float, body: float = 0.0) -> float:
+def repulsive_potential(
+    p: Vec3, points: Points, radius: float, body: float = 0.0, weights: Weights = 1.0
+) -> float:
     """Return U_rep at `p` for unit gain, summed over the points (N, 3), m, within `radius`.
 
     Args:
@@ -61,13 +65,14 @@ def repulsive_potential(p: Vec3, points: Points, radius: float, body: float = 0.
         points: (N, 3), m, obstacles.
         radius: influence radius r, m, from the surface of the vehicle.
         body: radius of the vehicle, m.
+        weights: (N,), of the points.
 
     Returns:
         1/m².
     """
     distance = np.maximum(np.linalg.norm(p - points, axis=1) - body, LEAST_DISTANCE)
-    near = distance[distance < radius]
-    return float(np.sum((1.0 / near - 1.0 / radius) ** 2))
+    closeness = np.maximum(1.0 / distance - 1.0 / radius, 0.0)
+    return float(np.sum(weights * closeness**2))
 
 
 def strengths(surface: Distances, radius: float) -> Distances:
@@ -76,7 +81,14 @@ def strengths(surface: Distances, radius: float) -> Distances:
     return np.maximum(closeness - 1.0 / radius, 0.0) * closeness * closeness
 
 
-def repulsion(p: Vec3, points: Points, radius: float, gain: Vec3, body: float = 0.0) -> Vec3:
+def repulsion(
+    p: Vec3,
+    points: Points,
+    radius: float,
+    gain: Vec3,
+    body: float = 0.0,
+    weights: Weights = 1.0,
+) -> Vec3:
     """Return v_rep (3,), m/s, as P1 sums it over all points.
 
     Args:
@@ -85,20 +97,26 @@ def repulsion(p: Vec3, points: Points, radius: float, gain: Vec3, body: float = 
         radius: influence radius r (m).
         gain: (3,) diagonal of η (m⁴/s).
         body: radius of the vehicle (m).
+        weights: (N,), of the points.
     """
     away = p - points
     distance = np.maximum(np.linalg.norm(away, axis=1), LEAST_DISTANCE)
-    total: Vec3 = gain * ((strengths(distance - body, radius) / distance) @ away)
+    total: Vec3 = gain * ((weights * strengths(distance - body, radius) / distance) @ away)
     return total
 
 
 def mean_repulsion(
-    away: Points, distance: Distances, radius: float, gain: Vec3, body: float
+    away: Points,
+    distance: Distances,
+    radius: float,
+    gain: Vec3,
+    body: float,
+    weights: Weights = 1.0,
 ) -> Vec3:
     """Return v_rep (3,), m/s, as the mean over all points, weighted by strength.
 
     A scan sees one surface as many points, so P1's sum grows with the resolution of the sensor.
-    With s_i the strength of point i and n_i the direction from it, here
+    With s_i the strength of point i times its weight and n_i the direction from it, here
 
         v_rep = diag(η) max(s) Σ s_i n_i / Σ s_i.
 
@@ -110,8 +128,9 @@ def mean_repulsion(
         radius: influence radius r (m).
         gain: (3,) diagonal of η (m⁴/s).
         body: radius of the vehicle (m).
+        weights: (N,), of the points.
     """
-    strength = strengths(distance - body, radius)
+    strength = weights * strengths(distance - body, radius)
     strongest = strength[strength.argmax()]
     if strongest == 0.0:
         return np.zeros(3)

@@ -25,6 +25,7 @@ from missionkit.planning.obstacle_braking import (
     stopping_distance,
     within_sight,
 )
+from missionkit.planning.obstacle_weights import ObstacleWeight, factors_at
 from missionkit.planning.scan_memory import FieldMemory, finite, nearby
 from missionkit.plugin import Plugin
 from missionkit.units import Degrees, Metres, MetresPerSecond, MetresPerSecond2, Number, Seconds
@@ -58,6 +59,10 @@ class PotentialField(Plugin):
     obstacle at `escape_speed`, `keep` away from it; after `longest` any free way to the goal ends
     it, since an estimate that jumped may never come nearer than where it began.
 
+    `weights`, `[{polygon: [[n, e], ...], factor: 3}]`, multiply the gains for what stands inside
+    a polygon (P1's η_i), such as people or a mast with guys: they repel harder, though at most with
+    `top_speed` and within `radius`. Braking is that of any obstacle.
+
     `sight` is how far obstacles are seen; by default as far as the scanner says. A scanner that
     was received and falls silent leaves the vehicle blind: it holds.
     """
@@ -82,6 +87,9 @@ class PotentialField(Plugin):
     escape_speed: MetresPerSecond = Field(default=3.0, gt=0)
     max_age: Seconds = 0.5
     sight: Metres | None = Field(default=None, gt=0)
+    weights: tuple[ObstacleWeight, ...] = Field(
+        default=(), description="obstacles that repel more than others, by where they stand"
+    )
 
     def begin(self) -> FieldMemory:
         """Return the memory at the start: nothing seen."""
@@ -112,7 +120,7 @@ class PotentialField(Plugin):
         distance = _length(goal - seen.position)
         fade = min(1.0, distance / self.radius)
         slowed = braked(seeing, seen.velocity, around, self.stopping)
-        push = slowed + fade * self.repulsion(around) - wanted
+        push = slowed + fade * self.repulsion(around, memory.points) - wanted
         hindered = _length(push) > 0.3 * _length(wanted) > DIRECTIONLESS_SPEED
         how = self._escape
         progress = progressed(memory.progress, seen, goal, around, how, hindered=hindered)
@@ -123,10 +131,17 @@ class PotentialField(Plugin):
             return np.zeros(3), memory
         return push, memory._replace(progress=progress)
 
-    def repulsion(self, around: NearbyObstacles) -> Vec3:
-        """Return v_rep (3,), m/s, NED, normalised and clamped as the class describes."""
+    def repulsion(self, around: NearbyObstacles, points: Points | None = None) -> Vec3:
+        """Return v_rep (3,), m/s, NED, normalised and clamped as the class describes.
+
+        Args:
+            around: from each obstacle point to the vehicle.
+            points: (N, 3), m, NED, the same points, which `weights` apply to.
+        """
+        weights = 1.0 if points is None else self._factors(points)
+        distance = np.sqrt(around.squared)
         mean = firas.mean_repulsion(
-            around.away, np.sqrt(around.squared), self.radius, self._gain, self.body_radius
+            around.away, distance, self.radius, self._gain, self.body_radius, weights
         )
         size = _length(mean)
         return mean * (self.top_speed / size) if size > self.top_speed else mean
@@ -146,8 +161,11 @@ class PotentialField(Plugin):
         return firas.attractive_potential(
             position, goal, self.attraction_gain
         ) + self.gain_xy * firas.repulsive_potential(
-            position, points, self.radius, self.body_radius
+            position, points, self.radius, self.body_radius, self._factors(points)
         )
+
+    def _factors(self, points: Points) -> firas.Weights:
+        return factors_at(points, self.weights) if self.weights else 1.0
 
     def noted(self, memory: FieldMemory, seen: Estimate) -> FieldMemory:
         """Return the memory with the scan of this tick, if there is a new one."""

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from missionkit.geometry import norm, vec
 from missionkit.planning.boundary_following import BoundaryProgress
+from missionkit.planning.obstacle_weights import ObstacleWeight, factors_at
 from missionkit.planning.potential_field import BLIND_SPEED, PotentialField
 from missionkit.planning.scan_memory import FieldMemory
 
@@ -162,3 +163,23 @@ def test_repulsion_is_clamped(points):
     seen = estimate(0.0, np.zeros(3), np.zeros(3), np.array(points))
     push, _ = FIELD.step(FIELD.begin(), seen, GOAL, np.zeros(3))
     assert norm(push) <= FIELD.top_speed + 1e-9
+
+
+def test_an_obstacle_that_weighs_more_is_passed_farther_away_and_others_are_not():
+    trees = (Cylinder(20, 1.9, 0.6), Cylinder(30, 60.0, 0.6))
+    here = {"polygon": ((18, 0.5), (22, 0.5), (22, 3.5), (18, 3.5)), "factor": 6.0}
+    there = {**here, "polygon": ((28, 58), (32, 58), (32, 62), (28, 62))}
+    usual, heavy, elsewhere = (
+        fly(PotentialField(weights=weights), trees, GOAL) for weights in ((), (here,), (there,))
+    )
+    assert heavy.clearance > usual.clearance + 0.2
+    assert heavy.arrived < 30.0
+    assert elsewhere.clearance == usual.clearance
+
+
+def test_the_largest_weight_of_overlapping_polygons_counts():
+    square = ((0, 0), (4, 0), (4, 4), (0, 4))
+    weights = [ObstacleWeight(polygon=square, factor=0.5)]
+    weights.append(ObstacleWeight(polygon=tuple((n + 2, e) for n, e in square), factor=3.0))
+    points = np.array([[1.0, 1.0, 0.0], [3.0, 1.0, -2.0], [5.0, 3.0, 0.0], [9.0, 1.0, 0.0]])
+    assert factors_at(points, weights).tolist() == [0.5, 3.0, 3.0, 1.0]

@@ -23,11 +23,12 @@ def test_attraction_is_minus_the_gradient():
     np.testing.assert_allclose(firas.attraction(P, goal, 0.7), expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("weights", [1.0, np.linspace(0.2, 5.0, len(POINTS))])
 @pytest.mark.parametrize("body", [0.0, 0.35])
 @pytest.mark.parametrize("gain", [vec(1, 1, 1), vec(1.5, 1.5, 0.5)])
-def test_repulsion_is_minus_half_the_gradient_per_axis(gain, body):
-    gradient = slope(lambda p: firas.repulsive_potential(p, POINTS, 3.0, body), P)
-    got = firas.repulsion(P, POINTS, 3.0, gain, body)
+def test_repulsion_is_minus_half_the_gradient_per_axis(gain, body, weights):
+    gradient = slope(lambda p: firas.repulsive_potential(p, POINTS, 3.0, body, weights), P)
+    got = firas.repulsion(P, POINTS, 3.0, gain, body, weights)
     np.testing.assert_allclose(got, -0.5 * gain * gradient, rtol=1e-4, atol=1e-5)
 
 
@@ -44,9 +45,9 @@ def test_nothing_beyond_the_influence_radius():
     assert not firas.repulsion(vec(0, 0, 0), vec(3.01, 0, 0)[None], 3.0, vec(1, 1, 1)).any()
 
 
-def mean(points, gain=(1.0, 1.0, 1.0)):
-    away = P - points
-    return firas.mean_repulsion(away, np.linalg.norm(away, axis=1), 3.0, np.array(gain), 0.0)
+def mean(points, gain=(1.0, 1.0, 1.0), weights=1.0):
+    away, gain = P - points, np.array(gain)
+    return firas.mean_repulsion(away, np.linalg.norm(away, axis=1), 3.0, gain, 0.0, weights)
 
 
 def test_mean_of_one_point_is_p1s():
@@ -60,6 +61,16 @@ def test_mean_does_not_depend_on_how_finely_a_wall_is_seen():
 
     np.testing.assert_allclose(mean(wall(81)), mean(wall(801)), rtol=0.02, atol=1e-3)
     assert norm(mean(np.repeat(POINTS, 5, axis=0)) - mean(POINTS)) < 1e-12
+
+
+def test_the_mean_of_one_heavy_point_is_p1s_with_its_own_gain():
+    one = POINTS[:1]
+    np.testing.assert_allclose(mean(one, weights=3.0), firas.repulsion(P, one, 3.0, vec(3, 3, 3)))
+
+
+def test_the_heavier_of_two_pushes_wins():
+    both = np.array([P + vec(1, 0, 0), P - vec(1, 0, 0)])
+    assert mean(both, weights=np.array([4.0, 1.0]))[0] < -0.1
 
 
 def test_equal_pushes_cancel():
