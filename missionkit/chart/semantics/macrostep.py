@@ -7,7 +7,6 @@ mainEventLoop, selectTransitions, microstep.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from missionkit.chart.semantics import entry_exit_sets
 from missionkit.chart.semantics.actions_and_events import (
@@ -162,10 +161,8 @@ class Macrostep:
         outputs_text += self._entered(move)
         self.stale = True
         if outputs_text:
-            opening = CompiledTransition(
-                -1, (self.chart.initial,), "start", source=self.memory.state
-            )
-            self.fired.append(self._explained(opening, outputs_text))
+            opening = CompiledTransition(-1, (self.chart.initial,), "start")
+            self.fired.append(self._explained(opening, outputs_text, self.memory.state))
 
     def _selected(
         self, ways: tuple[tuple[TimedTransition, ...], ...], event: str | None
@@ -237,8 +234,7 @@ class Macrostep:
             outputs_text = [text for block in blocks for text in self._carried_out(block)]
             outputs_text += self._entered(move)
         for way in chosen:
-            shown = way if way.source != ROOT_STATE else replace(way, source=source)
-            self.fired.append(self._explained(shown, outputs_text))
+            self.fired.append(self._explained(way, outputs_text, way.source or source))
             outputs_text = []
         self.stale = True
         return not move.kept and self.here.soonest > 0.0 and not move.ended
@@ -321,12 +317,15 @@ class Macrostep:
         self.memory = self.memory._replace(delayed=delayed)
         return wrong
 
-    def _explained(self, way: CompiledTransition, outputs_text: Sequence[str]) -> Fired:
+    def _explained(
+        self, way: CompiledTransition, outputs_text: Sequence[str], source: str
+    ) -> Fired:
+        """Return the record of a transition; one of the root is shown with the state it left."""
         verdicts: tuple[tuple[str, Verdict], ...] = ()
         if way.reads:
             now, first = self.question.answers, self.first_answers
             answers = now if all(name in now for name in way.reads) else first | now
             verdicts = tuple([(name, answers[name]) for name in way.reads if name in answers])
-        to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or way.source
+        to = way.to[0] if len(way.to) == 1 else ", ".join(way.to) or source
         outputs = (self.here.mode_text, *outputs_text)
-        return _new(Fired, (way.source, to, way.text, verdicts, outputs))
+        return _new(Fired, (source, to, way.text, verdicts, outputs))

@@ -33,6 +33,7 @@ from missionkit.messages.region import Boxes
 from missionkit.plugin_containment import Containment
 
 MOST_TICKS = 25_000  # ticks tried in one chart
+TICKS_EACH = 25  # for each state, in a chart that is larger than that
 MOST_AGES = 6  # intervals of the clocks kept apart, for one situation of the chart
 MOST_INTERVALS = 400_000  # of quantities, worked out on the way
 MOST_EVENTS = 2  # from outside in one tick, where their order can matter
@@ -316,13 +317,15 @@ def _period(steps: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
     return tuple([number for step in steps[-back:-1] or steps[-1:] for number in step])
 
 
-def explore(chart: ExploredChart, most: int = MOST_TICKS) -> Exploration:
+def explore(chart: ExploredChart, most: int | None = None) -> Exploration:
     """Return everything that a chart can do; independent regions are explored apart.
 
     Args:
         chart: to explore.
-        most: ticks to try.
+        most: ticks to try; None: as many as the size of the chart warrants.
     """
+    if most is None:
+        most = max(MOST_TICKS, TICKS_EACH * len(chart.tree.states))
     apart = independent(chart)
     if apart is None:
         return Search(chart, most).run()
