@@ -184,7 +184,8 @@ class FlightJournal:
 
 def rows(observation: Observation) -> npt.NDArray[np.float64]:
     """Return the inertial samples as one array (N, 7): a twentieth of the text."""
-    return np.array([(it.at, *it.accel, *it.gyro) for it in observation.imu]).reshape(-1, 7)
+    samples = [(it.at, *it.accel.tolist(), *it.gyro.tolist()) for it in observation.imu]
+    return np.array(samples).reshape(-1, 7)
 
 
 def without_samples(observation: Observation) -> Observation:

@@ -7,7 +7,8 @@ import pytest
 
 from missionkit.estimation.error_state_ekf import replay_buffer, state_layout
 from missionkit.estimation.error_state_ekf.measurement_log import row
-from missionkit.geometry import GRAVITY, vec
+from missionkit.frames import Timed, interpolate
+from missionkit.geometry import GRAVITY, Transform, vec
 
 NOISE = np.square([0.02, 0.0015, 3e-4, 2e-5, 0.01, 2.0, 0.5])
 GATES = np.array([0.0, 15.1, 18.4, 21.1])
@@ -123,3 +124,16 @@ def test_poses_in_between(flight):
     assert replay_buffer.pose_at(past, 0.3) is None
     assert replay_buffer.pose_at(past, b[0] + 0.01) is not None
     assert replay_buffer.pose_at(past, b[0] + 0.1) is None
+
+
+def test_the_pose_between_two_rows_is_that_of_the_frame_tree_to_the_bit():
+    rng = np.random.default_rng(3)
+    turns = rng.normal(size=(20, 4))
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    track = np.column_stack([0.01 * np.arange(20), rng.normal(size=(20, 3)), turns])
+    poses = [Timed(it[0], Transform(it[4:8], it[1:4])) for it in track]
+    for at in rng.uniform(0.0, 0.19, 50):
+        pose = replay_buffer.pose_in(track, at)
+        expected = interpolate(poses, at)
+        assert pose.rotation.tobytes() == expected.rotation.tobytes()
+        assert pose.translation.tobytes() == expected.translation.tobytes()

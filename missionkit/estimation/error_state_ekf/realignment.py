@@ -36,8 +36,11 @@ REALIGNED_TILT_SD = 0.2
 
 def gap(samples: Mat, last: Vec3) -> float:
     """Return how long (s) before the first of the samples (n, 7) that is newer `last` (7,) is."""
-    times = samples[:, 0][np.isfinite(samples).all(axis=1) & (samples[:, 0] > last[0])]
-    return float(times[0] - last[0]) if len(times) else 0.0
+    since = float(last[0])
+    for row in samples.tolist():
+        if row[0] > since and all(map(math.isfinite, row)):
+            return float(row[0] - since)
+    return 0.0
 
 
 def begun(

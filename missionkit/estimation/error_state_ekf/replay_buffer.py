@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from missionkit.estimation.error_state_ekf import replay, state_layout
-from missionkit.frames import Timed, between
+from missionkit.estimation.linear_algebra import conjugate, exp, log, multiply, normalised
+from missionkit.frames import Timed
 from missionkit.geometry import Mat, Transform, Vec3
+from missionkit.jit import compiled
 
 EXTRAPOLATION = 0.02
 """How far past the newest pose one is extrapolated (s), about a sample."""
@@ -143,7 +145,28 @@ def pose_in(track: Mat, at: float) -> Transform | None:
     if len(track) < 2 or not track[0, 0] <= at <= track[-1, 0] + EXTRAPOLATION:
         return None
     i = min(max(int(track[:, 0].searchsorted(at)), 1), len(track) - 1)
-    return between(timed(track[i - 1]), timed(track[i]), at)
+    pose = between(track[i - 1], track[i], at)
+    return Transform(pose[3:7], pose[0:3])
+
+
+@compiled
+def between(before: Vec3, after: Vec3, at: float) -> Vec3:
+    """Return p and q (7,) between two rows (8,) of the track, as `frames.between` does.
+
+    Args:
+        before: s, p, q.
+        after: s, p, q, later.
+        at: s; beyond the two it is extrapolated.
+    """
+    share = (at - before[0]) / (after[0] - before[0])
+    turn = log(multiply(conjugate(before[4:8]), after[4:8]))
+    q = normalised(multiply(before[4:8], exp(share * turn)))
+    pose = np.empty(7)
+    for i in range(3):
+        pose[i] = before[1 + i] + share * (after[1 + i] - before[1 + i])
+    for i in range(4):
+        pose[3 + i] = q[i]
+    return pose
 
 
 def timed(pose: Vec3) -> Timed:
