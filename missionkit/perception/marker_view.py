@@ -13,6 +13,7 @@ from missionkit.perception.aruco import Aruco
 from missionkit.units import Point
 
 CORNERS = ((-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5))  # of a marker: right, up
+HEADINGS = 16  # that are tried
 
 
 def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float = 0.0) -> str:
@@ -54,6 +55,40 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float 
         bound = getattr(marker, limit)
         return f"the marker covers {area:.0f} px², beyond its {limit!r} of {bound:g} px²"
     return ""
+
+
+def seen_below(camera: CameraModel, marker: Aruco, height: float) -> bool:
+    """Say whether a camera sees a marker that lies face up, from above its target's middle.
+
+    It does if the whole marker is in the picture for some heading, and as large as its detector
+    wants it; the lens does not distort.
+
+    Args:
+        camera: on a body that is level.
+        marker: lies on the ground.
+        height: m, of the vehicle above the target.
+    """
+    return any(
+        _whole(camera, marker, height, 2.0 * math.pi * n / HEADINGS) for n in range(HEADINGS)
+    )
+
+
+def _whole(camera: CameraModel, marker: Aruco, height: float, heading: float) -> bool:
+    across, along, above = marker.offset
+    c, s = math.cos(heading), math.sin(heading)
+    body = [
+        np.array((c * y + s * x, c * x - s * y, height - above))
+        for x, y in ((across + i * marker.size, along + j * marker.size) for i, j in CORNERS)
+    ]
+    back = conjugate(camera.mount.rotation)
+    seen = [rotate(back, it - camera.mount.translation) for it in body]
+    if any(float(it[2]) <= 0.0 for it in seen):
+        return False
+    pixels = np.array([(camera.matrix @ it / it[2])[:2] for it in seen])
+    size = np.array([camera.width - 1, camera.height - 1])
+    if (pixels < 0.0).any() or (pixels > size).any():
+        return False
+    return marker.min_area <= abs(polygons.area([(x, y) for x, y in pixels.tolist()]))
 
 
 def _extent(pixels: Mat) -> int:

@@ -105,7 +105,7 @@ class FlightRecorder:
         self._hash = ""
         self._closed = False
         self._photos = folder / "photos.csv"
-        self._taken = 0
+        self._taken = photo_log.last_number(self._photos)
 
     def __enter__(self) -> Self:
         return self

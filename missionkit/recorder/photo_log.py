@@ -49,5 +49,14 @@ def _row(record: Record, origin: Origin | None, began: float | None, number: int
 def append(path: Path, text: list[str]) -> None:
     """Write rows at the end of a log, its header first."""
     new = not path.exists()
+    torn = not new and not path.read_bytes().endswith(b"\n")  # killed while it wrote
     with path.open("a", encoding="utf-8") as file:
-        file.writelines([HEADER, *text] if new else text)
+        file.writelines([HEADER, *text] if new else ["\n" * torn, *text])
+
+
+def last_number(path: Path) -> int:
+    """Return the number of the last photo of a log that is continued, 0 if there is none."""
+    if not path.exists():
+        return 0
+    cells = (line.split(",", 1)[0] for line in path.read_text("utf-8", "replace").splitlines())
+    return max((int(it) for it in cells if it.isdecimal()), default=0)

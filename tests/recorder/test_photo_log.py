@@ -11,6 +11,7 @@ from rehearsed import flown
 from missionkit.chart.load import parse
 from missionkit.chart.plugin_catalogue import builtin
 from missionkit.geodesy import Origin
+from missionkit.recorder import photo_log
 from missionkit.recorder.flight_recorder import FlightRecorder
 from missionkit.recorder.geographic_messages import Georeference
 from missionkit.rehearsal.stage import stage
@@ -64,3 +65,18 @@ def test_each_photo_has_its_row_and_the_simulator_its_devices(tmp_path):
         at = truth[np.argmin(np.abs(truth[:, 0] - now)), 1:4]
         assert np.linalg.norm(at - told) < 2.5  # by satellites
         assert row["utc"].startswith("2023-11-14T22:13:2")
+
+
+@pytest.mark.parametrize("torn", ["", "4,12.3"])
+def test_a_resumed_flight_counts_on(tmp_path, torn):
+    path = tmp_path / "photos.csv"
+    assert photo_log.last_number(path) == 0
+    photo_log.append(path, [f"{n},1.0\n" for n in (1, 2, 3)])
+    with path.open("a") as file:
+        file.write(torn)
+    number = photo_log.last_number(path)
+    assert number == (4 if torn else 3)
+    photo_log.append(path, [f"{number + 1},2.0\n"])
+    with path.open() as file:
+        numbers = [int(row["photo"]) for row in csv.DictReader(file)]
+    assert numbers == [1, 2, 3, *([4] if torn else []), number + 1]

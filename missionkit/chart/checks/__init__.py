@@ -60,6 +60,7 @@ CHECKS: tuple[Callable[[AnalysedChart], Iterator[Problem]], ...] = (
     geofence_violations.problems_of,
     standoffs.problems_of,
     markers_in_view.problems_of,
+    markers_in_view.dark_landings,
     control_gains.problems_of,
     success_conditions.problems_of,
     unused_parameters.problems_of,

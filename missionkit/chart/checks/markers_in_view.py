@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from missionkit.behaviors.land_on import LandOn
 from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.checks.standoffs import body_radius, reach_of
 from missionkit.errors import Level, Place, Problem
 from missionkit.perception.aruco import Aruco
-from missionkit.perception.marker_view import unseen
+from missionkit.perception.marker_view import seen_below, unseen
+
+LANDS = frozenset(("all", "descend"))  # phases of `land_on` that come down
+HIGHEST = 10.0  # m, up to which a marker is looked for
 
 
 def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
@@ -38,6 +42,41 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
                 what = f"state {name!r}: at [{', '.join(f'{it:g}' for it in point)}] from"
                 yield _problem(state.behavior.place, f"{what} {reach.target!r} {why[0]}", level)
                 break
+
+
+def dark_landings(chart: AnalysedChart) -> Iterator[Problem]:
+    """Yield each `land_on` that loses its last marker higher than it counts on.
+
+    The vehicle is taken to be level and over the middle of the pad, the lens to be free of
+    distortion. Pads are judged of which every marker is one that lies face up.
+    """
+    mission = chart.mission
+    if mission.camera.use == "none" or mission.camera.gimbal is not None:
+        return
+    camera = mission.camera.model()
+    for name, state, _ in chart.tree.states.values():
+        use = state.behavior
+        if use is None or not isinstance(use.plugin, LandOn) or use.plugin.phase not in LANDS:
+            continue
+        dark, target = use.plugin.dark, use.plugin.target
+        mine = [
+            it.plugin for it in mission.perception if getattr(it.plugin, "target", "") == target
+        ]
+        markers = [it for it in mine if isinstance(it, Aruco) and not it.upright]
+        if not markers or len(markers) < len(mine):
+            continue
+        heights = (dark + 0.02 * n for n in range(round(HIGHEST / 0.02)))
+        lowest = next((h for h in heights if any(seen_below(camera, m, h) for m in markers)), None)
+        if lowest is None or lowest <= dark + 0.02:
+            continue
+        yield Problem(
+            use.place,
+            f"state {name!r}: below {lowest:.2f} m the camera sees no marker of {target!r} wholly, "
+            f"but the pad may be out of view only below 'dark', {dark:g} m: the vehicle turns back",
+            Level.WARNING,
+            "marker-out-of-view",
+            f"dark: {lowest:.2f}, or a smaller marker in the middle of the pad",
+        )
 
 
 def _problem(place: Place, says: str, level: Level) -> Problem:
