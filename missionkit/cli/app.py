@@ -29,6 +29,7 @@ _COMMANDS = {  # in the order of `--help`
     "report": "missionkit.cli.campaign_commands.report",
     "replay": "missionkit.cli.replay_commands.replay",
     "page": "missionkit.cli.replay_commands.page",
+    "play": "missionkit.cli.replay_commands.play",
     "what-if": "missionkit.cli.replay_commands.what_if",
     "why": "missionkit.cli.replay_commands.why",
     "export": "missionkit.cli.interchange_commands.export",

@@ -12,6 +12,7 @@ from missionkit.cli.command_options import (
     Certificate,
     CertificateKey,
     Json,
+    MissionFile,
     Plugins,
     Settings,
 )
@@ -51,6 +52,25 @@ def page(
 
     where = binding(bind, tls_cert, tls_key)
     raise typer.Exit(command.page(run, where, tuple(plugin or ()), as_json=as_json))
+
+
+def play(
+    mission: MissionFile,
+    bind: Bind = None,
+    tls_cert: Certificate = None,
+    tls_key: CertificateKey = None,
+    settings: Settings = None,
+    plugin: Plugins = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """Play with a chart in a browser: set what its guards read, and see what it does."""
+    from missionkit.cli import page_command as command  # noqa: PLC0415
+    from missionkit.page.server.binding import binding  # noqa: PLC0415
+
+    where = binding(bind, tls_cert, tls_key)
+    files = tuple(plugin or ())
+    raise typer.Exit(command.play(mission, where, settings or (), files, as_json=as_json))
 
 
 def what_if(

@@ -93,11 +93,23 @@ class Live:
         self.kinds: list[str] = []
 
     def next(self) -> dict[str, Any]:
-        message = json.loads(self.socket.recv(timeout=TIMEOUT))
+        return self._take(self.socket.recv(timeout=TIMEOUT))
+
+    def _take(self, text: Any) -> dict[str, Any]:
+        message = json.loads(text)
         self.kinds.append(message.pop("t"))
         self.fired += message.pop("fired", [])
         self.now = {**(self.now if self.kinds[-1] == "delta" else {}), **message}
         return self.now
+
+    def catch_up(self) -> None:
+        """Read what has arrived already."""
+        waiting = True
+        while waiting:
+            try:
+                self._take(self.socket.recv(timeout=0.01))
+            except TimeoutError:
+                waiting = False
 
     def until(self, wanted: Any) -> dict[str, Any]:
         """Return the first state that is wanted."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.messages import Observation, Record
 from missionkit.page.facts.battery_trend import BatteryTrend
@@ -54,7 +56,7 @@ class FlightFollower:
         battery = self._battery.facts(record)
         return Followed(tick, self._reason, self._held.since, self._need, battery)
 
-    def facts(self, record: Record, seen: Observation, tick: int) -> dict[str, object]:
+    def facts(self, record: Record, seen: Observation, tick: int) -> dict[str, Any]:
         """Return what the page shows of the tick that was followed last.
 
         Args:

@@ -47,6 +47,7 @@ class LiveSource(PageSource):
         self._images: dict[int, bytes] = {}
         self._board = Board()
         self._seen: deque[tuple[int, float]] = deque(maxlen=SEEN_KEPT)  # number, s
+        self._told_at = -math.inf  # s, of the wall: when the flight was last heard of
         self._offered: list[Mapping[str, Any]] = []
         self._sent: dict[str, tuple[float, dict[str, Any]]] = {}
         self._ids: set[str] = set()
@@ -83,7 +84,7 @@ class LiveSource(PageSource):
 
     def _take(self, facts: dict[str, Any]) -> None:
         if "now" in facts:
-            now = facts["now"]
+            now, self._told_at = facts["now"], stopwatch()
             self._timeline.stands(now, facts["state"])
             self._timeline.required(now, facts["requirements"])
             self._series.add(now, facts["guards"])
@@ -93,8 +94,12 @@ class LiveSource(PageSource):
         self._offered = facts.get("offered", self._offered)
         if "actions" in facts:
             facts["actions"] = self._merged(facts["actions"])
-        self._board.post({"playback": None, "play": None, **facts})
-        self._seen.append((self._board.sequence, stopwatch()))
+        self._post({"playback": None, "play": None, **facts})
+
+    def _post(self, facts: Mapping[str, object]) -> None:
+        """Show browsers what is new, and note when: an action says what it was taken in view of."""
+        self._board.post(facts)
+        self._seen.append((self._board.sequence, self._told_at))
 
     def _merged(self, taken: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Return the last actions, those too that the flight has not answered yet."""
@@ -153,7 +158,7 @@ class LiveSource(PageSource):
         self._link.send(
             {"kind": "pilot", "what": what, "who": session.name, "address": session.address}
         )
-        self._board.post({})
+        self._post({})
 
     def _act(self, body: Mapping[str, Any], session: Session) -> Mapping[str, object]:
         if session is not self.seat.pilot:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from typing_extensions import override
 
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart, NotedMoves
 from missionkit.chart.checks.exploration.leaf_compiler import LeafCompiler
-from missionkit.chart.checks.guard_regions import RegionReader
+from missionkit.chart.checks.guard_regions import GuardRegion, RegionReader
+from missionkit.chart.checks.guarded_transitions import AnalysedChart
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.semantics.chart_compiler import compile_with
 from missionkit.chart.semantics.compiled_chart import (
@@ -37,6 +38,13 @@ class World:
     broken: bool = False  # the invariants of the kinds of state do not hold
 
 
+class PointGuard(NamedTuple):
+    """A guard that reads quantities."""
+
+    truth: GuardRegion
+    measured: Quantity | None  # whose value is that of its verdict
+
+
 def flown_chart(chart: ExploredChart, world: World) -> tuple[Chart, NotedMoves]:
     """Return a chart as the engine compiles it, but for leaf guards, which look at `world`.
 
@@ -44,12 +52,22 @@ def flown_chart(chart: ExploredChart, world: World) -> tuple[Chart, NotedMoves]:
         chart: that was explored.
         world: what the guards see; it is changed from tick to tick.
     """
-    mission = chart.analysed.mission
-    asker = _PointCompiler(dict(mission.guards), chart.analysed.reader, world)
-    compiled = compile_with(asker, mission, chart.tree.catalogue)
-    states = {name: _state(state, world) for name, state in compiled.states.items()}
+    flown, _ = point_chart(chart.analysed, world)
     moves = NotedMoves()
-    return replace(compiled, states=states, moves=moves), moves
+    return replace(flown, moves=moves), moves
+
+
+def point_chart(chart: AnalysedChart, world: World) -> tuple[Chart, Mapping[str, PointGuard]]:
+    """Return the same for any chart, and its leaf guards by name.
+
+    Args:
+        chart: its contracts are carried out.
+        world: what the guards see; it is changed from tick to tick.
+    """
+    asker = _PointCompiler(dict(chart.mission.guards), chart.reader, world)
+    compiled = compile_with(asker, chart.mission, chart.tree.catalogue)
+    states = {name: _state(state, world) for name, state in compiled.states.items()}
+    return replace(compiled, states=states), asker.leaves
 
 
 def _state(state: CompiledState, world: World) -> CompiledState:
@@ -67,6 +85,7 @@ class _PointCompiler(LeafCompiler):
     def __init__(self, named: dict[str, ex.Expression], reader: RegionReader, world: World) -> None:
         super().__init__(named)
         self._reader, self._world = reader, world
+        self.leaves: dict[str, PointGuard] = {}
 
     @override
     def _latch(self, name: str, latch: ex.Hysteresis) -> GuardFunction:
@@ -78,6 +97,7 @@ class _PointCompiler(LeafCompiler):
     def _leaf(self, name: str, guard: ex.Expression) -> GuardFunction:
         truth, world = self._reader.truth(guard), self._world
         measured = self._reader.measured(guard)
+        self.leaves[name] = PointGuard(truth, measured)
 
         def ask(question: GuardContext) -> Verdict:
             point = as_seen(world.point, question.seen)

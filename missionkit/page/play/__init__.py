@@ -1,0 +1,1 @@
+"""A chart that is played with: every quantity that its guards read is set by hand."""
