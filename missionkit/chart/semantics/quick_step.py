@@ -24,7 +24,7 @@ from missionkit.chart.semantics.configuration import configuration
 from missionkit.chart.semantics.guard_evaluation import ready
 from missionkit.chart.semantics.guard_rows import Answers, asked, none_holds
 from missionkit.chart.semantics.heard_events import heard, hearing, leads_on
-from missionkit.chart.semantics.macrostep import Macrostep
+from missionkit.chart.semantics.macrostep import ORDERS, Macrostep
 from missionkit.chart.semantics.step import (
     acts,
     advance,
@@ -34,7 +34,7 @@ from missionkit.chart.semantics.step import (
     watched_end,
 )
 from missionkit.chart.semantics.time_tolerance import EPSILON
-from missionkit.messages import ABORT, Estimate, Fired
+from missionkit.messages import Estimate, Fired
 from missionkit.plugin_containment import Containment
 
 __all__ = ["begin", "decide"]
@@ -119,7 +119,8 @@ def _remembering(
 
 def _pressing(seen: Estimate, delayed: Sequence[DelayedEvent]) -> bool:
     """Say whether the pilot aborts, or a delayed event is due."""
-    return ABORT in seen.events or (bool(delayed) and delayed[0].due <= seen.now + EPSILON)
+    ordered = not ORDERS.isdisjoint(seen.events)
+    return ordered or (bool(delayed) and delayed[0].due <= seen.now + EPSILON)
 
 
 def _called(here: Configuration, entered: Mapping[str, float], seen: Estimate) -> bool:
