@@ -61,7 +61,8 @@ def import_file(wanted: ImportOptions) -> ExitCode:
     try:
         text = _converted(raw, kind, wanted, ledger)
     except ForeignFileError as error:
-        tell(ledger)
+        if ledger.entries or ledger.added:
+            tell(ledger)
         raise UsageError(f"{wanted.file}: {error}") from error
     tell(ledger)
     if wanted.strict and (refused := ledger.counts()["refused"]):

@@ -33,6 +33,7 @@ from missionkit.positions import FARTHEST
 
 SPEED = 5.0  # m/s, where a file has none
 LOWEST_TAKE_OFF = 2.0  # m
+HIGHEST = 10_000.0  # m above home
 NO_HEIGHT = "it has no height: --height 30 says how high to fly, in metres above home"
 TERRAIN = (
     "its height is above the terrain, which a mission does not know: --flat-ground takes the "
@@ -92,6 +93,8 @@ class _Fit(NamedTuple):
             raise _MisfitError(
                 f"it is {height:.1f} m above home: a mission flies above its take-off point"
             )
+        if height > HIGHEST:
+            raise _MisfitError(f"it is {height:,.0f} m above home: at most {HIGHEST:,.0f} m")
         return height
 
     def place(self, place: Place, item: int) -> Place:
@@ -112,7 +115,10 @@ class _Fit(NamedTuple):
             _MisfitError: it has none, or lies too far away.
         """
         self.near(place.spot)
-        return Place(*place.spot, *self.height(place.height, place.reference, item))
+        height, reference = self.height(place.height, place.reference, item)
+        if abs(height) > HIGHEST:
+            raise _MisfitError(f"it looks at a height of {height:,.0f} m: at most {HIGHEST:,.0f} m")
+        return Place(*place.spot, height, reference)
 
     def near(self, *spots: LatLon) -> None:
         """Require places to be within reach of home.

@@ -5,6 +5,7 @@ https://docs.qgroundcontrol.com/master/en/qgc-dev-guide/file_formats/plan.html
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -32,7 +33,7 @@ def read_plan(data: Any, ledger: Ledger) -> Plan:
         ForeignFileError: it is no plan.
     """
     mission = section(data, "mission")
-    home = _home(mission.get("plannedHomePosition"))
+    home = _home(mission.get("plannedHomePosition"), ledger)
     reader = ItemReader(ledger, zero_yaw_is_free=mission.get("firmwareType") == ARDUPILOT)
     for count, item in enumerate(listed(mission, "items"), 1):
         _item(reader, item, count)
@@ -42,12 +43,18 @@ def read_plan(data: Any, ledger: Ledger) -> Plan:
     return Plan(home, tuple(reader.actions), shapes.fence(ledger), rally)
 
 
-def _home(row: object) -> Home | None:
-    found = spot(row)
-    if found is None or not isinstance(row, list) or len(row) < 3 or found == (0.0, 0.0):
+def _home(row: object, ledger: Ledger) -> Home | None:
+    """Return the home of the plan; None: it has none, or one that the ledger refuses."""
+    if row is None:
         return None
-    alt = number(row[2])
-    return None if alt is None else Home(*found, metres(alt))
+    found = spot(row)
+    alt = number(row[2]) if isinstance(row, list) and len(row) > 2 else None
+    if found is not None and alt is not None and found != (0.0, 0.0):
+        return Home(*found, metres(alt))
+    entry = ledger.open("plannedHomePosition", "home")
+    given = json.dumps(row)[:40]
+    ledger.refuse(entry, f"{given} is not [latitude, longitude, altitude] of a place on the earth")
+    return None
 
 
 def _item(reader: ItemReader, item: object, count: int) -> None:

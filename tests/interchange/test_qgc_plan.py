@@ -7,6 +7,8 @@ import math
 import pytest
 from plans import FLAT, HOME, imported, item, mission_of, qgc, survey_item, way
 
+from missionkit.cli.import_command import ImportOptions, import_file
+from missionkit.errors import UsageError
 from missionkit.interchange.ledger import Outcome
 from missionkit.interchange.plan_fitting import FitOptions
 
@@ -59,6 +61,7 @@ def test_terrain_that_the_plan_knows_is_flown_at_its_own_height():
         (way(47.399, 8.5456, 30, 1), "MAV_FRAME 1"),
         (way(40.0, 8.0, 30), "km from home"),
         (way(47.399, 8.5456, -3), "above home"),
+        (way(47.399, 8.5456, 1e9), "1,000,000,000 m above home: at most 10,000 m"),
         (item(177, 1, -1), "jump"),
         (item(31_014), "31014"),
         (item(93, -1, 12, 0, 0), "time of day"),
@@ -216,3 +219,23 @@ def test_without_home_and_above_sea_level_it_says_what_is_missing():
     raw = qgc([way(47.398, 8.5458, 25)], plannedHomePosition=None)
     _, ledger = imported(raw, FLAT)
     assert any("--home" in it for it in ledger.added)
+
+
+@pytest.mark.parametrize(
+    "home", [[91.0, 8.5, 488.0], [47.4, 8.5], "here", [0, 0, 0], [47.4, 8.5, 1e400]]
+)
+def test_a_home_that_is_none_has_its_line_in_the_ledger(home):
+    _, ledger = imported(qgc([UP, way(47.398, 8.5458, 25), RTL], plannedHomePosition=home), FLAT)
+    (refused,) = (it for it in ledger.entries if it.outcome is Outcome.REFUSED)
+    assert refused.item == "plannedHomePosition"
+    assert "not [latitude, longitude, altitude]" in refused.note
+    assert any("home, at the first place" in it for it in ledger.added)
+
+
+def test_a_file_that_cannot_be_read_at_all_gets_no_ledger(tmp_path, capsys):
+    file = tmp_path / "broken.plan"
+    file.write_text('{"fileType": "Plan", "mission": []}')
+    options = ImportOptions(file, None, None, None, None, None, "survey", False, False, False)
+    with pytest.raises(UsageError, match="'mission' is not a mapping"):
+        import_file(options)
+    assert capsys.readouterr().err == ""
