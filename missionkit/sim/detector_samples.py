@@ -23,6 +23,7 @@ TRAINING: Final = Domain(
     plates=(45.0, 215.0),
     light=(0.5, 1.4),
     shadow=(0.45, 0.9),
+    shadows=0.8,
     blur=(0.0, 1.0),
 )
 """What the shipped detectors are trained on."""

@@ -38,7 +38,7 @@ class Stage(NamedTuple):
 class StageGoal(NamedTuple):
     """When a stage is good enough."""
 
-    keep: float = 0.998  # least share of the positives that pass
+    keep: float = 0.9995  # least share of the positives that pass
     let_through: float = 0.4  # largest share of the negatives that do
     most_stumps: int = 40
 
