@@ -35,8 +35,8 @@ from missionkit.replays.smallest_change import (
     Changes,
     Trials,
     less,
-    smallest_pair,
-    smallest_single,
+    pair_changes,
+    single_changes,
 )
 from missionkit.replays.transition_conjuncts import conjuncts_in
 from missionkit.replays.transition_explanation import Explanation
@@ -166,8 +166,10 @@ def smallest_change(
         return NONE_FOUND
     case = _case(mission, journal, asked, how, flown())
     trials = Trials(case.takes, lambda changes: with_numbers(mission.model, changes) is not None)
-    found = smallest_single(singles, trials) or smallest_pair(pairs, trials)
-    return NONE_FOUND if found is None else _described(case, found)
+    found = single_changes(singles, trials) or pair_changes(pairs, trials)
+    if not found:
+        return NONE_FOUND
+    return _described(case, next((it for it in found if not _refused(case, it)), found[0]))
 
 
 def _numbers(
@@ -215,7 +217,7 @@ def _described(case: _Case, changes: Changes) -> SmallestChange:
     assert changed is not None  # noqa: S101 - it was judged
     found = case.judged(changed)
     assert found is not None  # noqa: S101 - likewise
-    wrong = _refused(changed, case.mission)
+    wrong = _refused(case, changes)
     verified = not wrong and _replays(case, changed, found) and _no_less(case, changes)
     words = " and ".join(
         f"{number.where} {value:g} instead of {number.value:g} (line {number.place.line})"
@@ -239,9 +241,12 @@ def _described(case: _Case, changes: Changes) -> SmallestChange:
     return SmallestChange(text, verified, numbers, found.now, found.number)
 
 
-def _refused(changed: Mission, mission: LoadedMission) -> str:
+def _refused(case: _Case, changes: Changes) -> str:
+    """Return what the checks before flight refuse in the changed mission; "": nothing."""
+    changed = with_numbers(case.mission.model, changes)
+    assert changed is not None  # noqa: S101 - it was judged
     try:
-        refuse(changed, mission.catalogue)
+        refuse(changed, case.mission.catalogue)
     except FileError as error:
         return error.problems[0].message
     return ""

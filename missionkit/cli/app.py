@@ -32,6 +32,7 @@ _COMMANDS = {  # in the order of `--help`
     "play": "missionkit.cli.replay_commands.play",
     "what-if": "missionkit.cli.replay_commands.what_if",
     "why": "missionkit.cli.replay_commands.why",
+    "runs": "missionkit.cli.replay_commands.runs",
     "export": "missionkit.cli.interchange_commands.export",
     "log": "missionkit.cli.interchange_commands.log",
     "import": "missionkit.cli.interchange_commands.import_",

@@ -129,3 +129,38 @@ def why(
     files = tuple(plugin or ())
     code = command.why(run, transition, moment, files, changes=changes, as_json=as_json)
     raise typer.Exit(code)
+
+
+def runs(
+    folder: Annotated[
+        Path, typer.Argument(help="folder of runs, or a run", metavar="[FOLDER]")
+    ] = Path("runs"),
+    search: Annotated[
+        str, typer.Option(metavar="WORDS", help="only runs in which all these words stand")
+    ] = "",
+    tag: Annotated[
+        list[str] | None, typer.Option(metavar="TAG", help="only runs with this tag")
+    ] = None,
+    outcome: Annotated[
+        str, typer.Option(metavar="OUTCOME", help="success, ended_safely, crash or unknown")
+    ] = "",
+    add_tag: Annotated[
+        list[str] | None, typer.Option(metavar="TAG", help="give this tag to the runs listed")
+    ] = None,
+    remove_tag: Annotated[
+        list[str] | None, typer.Option(metavar="TAG", help="take it from them")
+    ] = None,
+    compare: Annotated[
+        Path | None, typer.Option(metavar="RUN", help="compare the run FOLDER with this one")
+    ] = None,
+    *,
+    as_json: Json = False,
+) -> None:
+    """List recorded runs: outcome, duration, mission and tags; search, tag and compare them."""
+    from missionkit.cli import runs_command as command  # noqa: PLC0415
+
+    if compare is not None:
+        raise typer.Exit(command.compare(folder, compare, as_json=as_json))
+    wanted = command.Wanted(search, tuple(tag or ()), outcome)
+    retag = command.Retag(tuple(add_tag or ()), tuple(remove_tag or ()))
+    raise typer.Exit(command.runs(folder, wanted, retag, as_json=as_json))

@@ -51,8 +51,8 @@ class Bracket(NamedTuple):
     enough: float
 
 
-def smallest_single(numbers: Sequence[MissionNumber], trials: Trials) -> Changes | None:
-    """Return the change of one number that is the smallest in proportion; None: none does it.
+def single_changes(numbers: Sequence[MissionNumber], trials: Trials) -> list[Changes]:
+    """Return the smallest change of each number that does it alone, the smallest of all first.
 
     Args:
         numbers: that may be changed.
@@ -63,13 +63,13 @@ def smallest_single(numbers: Sequence[MissionNumber], trials: Trials) -> Changes
         for number in numbers
         if (value := _smallest(number, (), trials)) is not None
     ]
-    return min(found, key=_size, default=None)
+    return sorted(found, key=_size)
 
 
-def smallest_pair(
+def pair_changes(
     pairs: Sequence[tuple[MissionNumber, MissionNumber]], trials: Trials
-) -> Changes | None:
-    """Return the changes of two numbers of which neither can be smaller; None: no pair does it.
+) -> list[Changes]:
+    """Return changes of two numbers of which neither can be smaller, the smallest of all first.
 
     Args:
         pairs: of numbers none of which does it alone.
@@ -84,7 +84,7 @@ def smallest_pair(
             second = _smallest(other, ((one, first),), trials)
             if second is not None:
                 found.append(((one, first), (other, second)))
-    return min(found, key=_size, default=None)
+    return sorted(found, key=_size)
 
 
 def less(changes: Changes, index: int = 0) -> Changes:
