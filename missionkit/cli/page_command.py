@@ -37,7 +37,7 @@ def page(run: Path, where: Binding, plugins: Sequence[Path], *, as_json: bool) -
     found = recorded_run(run, plugins)
     tokens = None if is_loopback(where.host) else Tokens.fresh()
     with closing(found.images):
-        source = RecordingSource(found)
+        source = RecordingSource(found, plugins)
         serve(source, where, tokens, lambda address: announce(address, as_json=as_json))
     return ExitCode.SUCCESS
 

@@ -41,7 +41,7 @@ def page_of(order: RunOptions, mission: FlownMission, folder: Path) -> Iterator[
         return
     kept = folder / PAGE_FILE
     where, tokens = _remembered(kept, order.page)
-    with flight_page(mission, where, tokens, order.sitl) as page:
+    with flight_page(mission, where, tokens, folder, order.plugins, order.sitl) as page:
         _remember(kept, page.address)
         _announce(page.address)
         yield page

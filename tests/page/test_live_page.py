@@ -89,7 +89,7 @@ def shown(mission):
 @pytest.fixture
 def page(tmp_path):
     mission = loaded(tmp_path, WAIT)
-    with flight_page(shown(mission), Binding(port=0), Tokens.fresh()) as it:
+    with flight_page(shown(mission), Binding(port=0), Tokens.fresh(), tmp_path / "run") as it:
         yield it
 
 
@@ -185,7 +185,7 @@ def test_the_record_is_the_same_whatever_becomes_of_the_page(tmp_path, monkeypat
 
     monkeypatch.setattr(pages, "_started", remembered)
     for sort in ("stopped", "killed"):
-        with flight_page(shown(mission), Binding(port=0), Tokens.fresh()) as page:
+        with flight_page(shown(mission), Binding(port=0), Tokens.fresh(), tmp_path / sort) as page:
             browser = entered(page, page.address.tokens.view)
             with browser.live():  # and never read but for the handshake
                 if sort == "stopped":  # the link fills up

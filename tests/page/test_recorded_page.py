@@ -88,6 +88,23 @@ def test_a_guard_has_its_curve(browser):
     assert (status, json.loads(data)) == (400, {"error": "since must be a number"})
 
 
+def test_a_transition_says_why_and_other_values_what_they_would_have_changed(browser):
+    (fired,) = browser.get("/api/timeline")["fired"]
+    answer = browser.get(f"/api/why?transition={fired['id']}&at={fired['at']}")
+    assert (answer["fired"], answer["at"]) == (True, pytest.approx(fired["at"]))
+    assert [it["guard"] for it in answer["conjuncts"]] == ["done"]
+    before = browser.get(f"/api/why?transition={fired['id']}&at=2.0")
+    assert not before["fired"]
+    assert "not taken up to 2.00 s" in before["text"]
+    assert browser.request("GET", "/api/why?transition=t99")[0] == 404
+    status, said = browser.post("/api/what-if", {"set": {"height": 3.0}, "from": None})
+    assert status == 200
+    assert said["rows"][0]["kind"] in {"later", "missing"}
+    assert said["evidence_until"] is not None
+    status, said = browser.post("/api/what-if", {"set": {"width": 3.0}})
+    assert (status, "width" in said["error"]) == (409, True)
+
+
 @pytest.mark.parametrize("what", ["action", "pilot", "play"])
 def test_a_recording_takes_no_orders(browser, what):
     status, said = browser.post(f"/api/{what}", {"action": "land"})

@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,7 +74,12 @@ class FlightPage:
 
 @contextmanager
 def flight_page(
-    mission: FlownMission, where: Binding, tokens: Tokens, dialect: str | None = None
+    mission: FlownMission,
+    where: Binding,
+    tokens: Tokens,
+    run: Path,
+    plugins: Sequence[Path] = (),
+    dialect: str | None = None,
 ) -> Iterator[FlightPage]:
     """Serve the page of a flight, by a process of its own, while this context is open.
 
@@ -82,6 +87,8 @@ def flight_page(
         mission: that is flown.
         where: the page is served.
         tokens: that open a session.
+        run: folder of the run, whose journal says why.
+        plugins: files that the flight uses.
         dialect: of the autopilot, if there is one.
 
     Raises:
@@ -94,6 +101,8 @@ def flight_page(
             "mission": facts,
             "chart": chart_picture(mission),
             "tokens": list(tokens),
+            "run": str(run.absolute()),
+            "plugins": [str(it.absolute()) for it in plugins],
             "binding": {"host": where.host, "port": where.port, "tls": tls},
         }
         json.dump(said, file)

@@ -11,6 +11,7 @@ from typing import Any
 from typing_extensions import override
 
 from missionkit.engine.clock import date, stopwatch
+from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.flown_track import FlownTrack
 from missionkit.page.facts.guard_series import SHOWN, GuardSeries
 from missionkit.page.facts.plain_values import text_of
@@ -20,6 +21,7 @@ from missionkit.page.live.pilot_seat import PilotSeat
 from missionkit.page.server.board import Board
 from missionkit.page.server.page_source import Feed, PageError, PageSource, StaticFacts
 from missionkit.page.server.sessions import Session
+from missionkit.page.server.why_desk import AskedWhy, WhyDesk
 
 OLDEST_PRESS, OLDEST_SEEN, AHEAD = 1.0, 2.0, 0.5  # s
 SHORTEST_HOLD, SHORTEST_DANGEROUS = 500.0, 1500.0  # ms
@@ -38,10 +40,14 @@ class LiveSource(PageSource):
     Args:
         static: mission and chart.
         link: to the flight.
+        why: says why transitions were taken or not.
         ended: is called once the flight has gone.
     """
 
-    def __init__(self, static: StaticFacts, link: MessageLink, ended: Callable[[], None]) -> None:
+    def __init__(
+        self, static: StaticFacts, link: MessageLink, why: WhyDesk, ended: Callable[[], None]
+    ) -> None:
+        self._why = why
         self._static, self._link, self._ended = static, link, ended
         self._timeline, self._track, self._series = Timeline(), FlownTrack(), GuardSeries(SHOWN)
         self._images: dict[int, bytes] = {}
@@ -133,6 +139,14 @@ class LiveSource(PageSource):
     @override
     def image(self, number: int) -> bytes | None:
         return self._images.get(number)
+
+    @override
+    async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
+        way = transition_of(self._static.mission, transition)
+        if way is None:
+            raise PageError("there is no such transition", 404)
+        source = way["source"] or state_at(self.timeline(), at)
+        return await self._why.answer(AskedWhy(source, way["to"], way["text"], at))
 
     @override
     def feed(self, session: Session) -> Feed:

@@ -20,6 +20,7 @@ from missionkit.page.server.binding import Binding
 from missionkit.page.server.page_source import StaticFacts
 from missionkit.page.server.serving import server_of
 from missionkit.page.server.sessions import Tokens
+from missionkit.page.server.why_desk import WhyDesk
 
 LAST_WORDS = 1.0  # s in which browsers learn how the flight ended
 NICENESS = 5  # the flight goes first
@@ -39,13 +40,15 @@ def run(link: MessageLink, bound: socket.socket, said: dict[str, object]) -> Non
     tokens = Tokens(*said["tokens"])  # type: ignore[misc]
     static = StaticFacts(said["mission"], str(said["chart"]))  # type: ignore[arg-type]
 
+    why = WhyDesk(Path(str(said["run"])), [Path(it) for it in said["plugins"]], growing=True)  # type: ignore[attr-defined]
+
     async def serving() -> None:
         loop = asyncio.get_running_loop()
 
         def ended() -> None:
             loop.call_later(LAST_WORDS, lambda: setattr(server, "should_exit", True))
 
-        source = LiveSource(static, link, ended)
+        source = LiveSource(static, link, why, ended)
         server = server_of(source, where, bound, tokens)
         source.attach(loop)
         await server.serve(sockets=[bound])

@@ -66,6 +66,12 @@ class PlaySource(PageSource):
         return None
 
     @override
+    async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
+        raise PageError(
+            "there is no journal of a chart that is played with: look at its guards", 409
+        )
+
+    @override
     def feed(self, session: Session) -> Feed:
         return PlayFeed(self._board)
 

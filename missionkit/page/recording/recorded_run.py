@@ -41,7 +41,7 @@ class RecordedRun(NamedTuple):
     series: GuardSeries
     images: RecordedImages
     track: FlownTrack
-    folder: Path
+    path: Path  # folder of the run, or its journal
 
     @property
     def end(self) -> float:
@@ -76,7 +76,7 @@ def recorded_run(run: Path, plugins: Sequence[Path] = ()) -> RecordedRun:
                 place = json.loads(data)["pose"]["position"]
                 track.add(at * 1e-9, [place["x"], place["y"], place["z"]])
     overview.finish()
-    return RecordedRun(mission, found, timeline, series, images, track, folder)
+    return RecordedRun(mission, found, timeline, series, images, track, run)
 
 
 def _mission(journal: Journal, plugins: Sequence[Path]) -> FlownMission:

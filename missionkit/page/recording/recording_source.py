@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import asyncio
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from typing_extensions import override
 
+from missionkit.errors import MissionkitError
+from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.mission_facts import chart_picture, mission_facts
 from missionkit.page.recording.playback import Playback
 from missionkit.page.recording.recorded_run import RecordedRun
+from missionkit.page.recording.what_if_answer import what_if_answer
 from missionkit.page.server.page_source import PageError, PageSource, StaticFacts
 from missionkit.page.server.sessions import Session
+from missionkit.page.server.why_desk import AskedWhy, WhyDesk
 from missionkit.version import __version__
 
 
@@ -22,11 +28,14 @@ class RecordingSource(PageSource):
 
     Args:
         run: that was recorded.
+        plugins: files that the flight used.
     """
 
-    def __init__(self, run: RecordedRun) -> None:
+    def __init__(self, run: RecordedRun, plugins: Sequence[Path] = ()) -> None:
         self._run = run
+        self._plugins = plugins
         self._working = ThreadPoolExecutor(1, "replay")
+        self._why = WhyDesk(run.path, plugins, growing=False)
 
     @cached_property
     def _facts(self) -> StaticFacts:
@@ -59,6 +68,14 @@ class RecordingSource(PageSource):
         return self._run.images.jpeg(number)
 
     @override
+    async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
+        way = transition_of(self._facts.mission, transition)
+        if way is None:
+            raise PageError("there is no such transition", 404)
+        source = way["source"] or state_at(self.timeline(), at)
+        return await self._why.answer(AskedWhy(source, way["to"], way["text"], at))
+
+    @override
     def feed(self, session: Session) -> Playback:
         """Return what one browser is shown."""
         return Playback(self._run, self._working)
@@ -68,4 +85,12 @@ class RecordingSource(PageSource):
         self, what: str, body: Mapping[str, Any], session: Session
     ) -> Mapping[str, object]:
         """Refuse: a flight that is over cannot be changed."""
-        raise PageError(f"this is a recording: it knows no {what}", 409)
+        if what != "what-if":
+            raise PageError(f"this is a recording: it knows no {what}", 409)
+        loop, run = asyncio.get_running_loop(), self._run.path
+        try:
+            return await loop.run_in_executor(
+                self._working, what_if_answer, run, body, self._plugins
+            )
+        except MissionkitError as error:
+            raise PageError(str(error), 409) from error

@@ -61,6 +61,7 @@ class PageServer:
             Route("/api/timeline", entered(self._timeline)),
             Route("/api/series", entered(self._series)),
             Route("/api/track", entered(self._track)),
+            Route("/api/why", entered(self._why)),
             *(
                 Route(f"/api/{what}", entered(posted(what)), methods=["POST"])
                 for what in ("action", "pilot", "play", "what-if")
@@ -150,6 +151,11 @@ class PageServer:
 
     async def _track(self, _: Request, __: Session) -> Response:
         return JSONResponse(self._source.track())
+
+    async def _why(self, request: Request, _: Session) -> Response:
+        given = request.query_params
+        at = _number(given["at"], "at") if given.get("at") else None
+        return JSONResponse(await self._source.why(given.get("transition", ""), at))
 
     def _posted(self, what: str) -> Answer:
         async def answer(request: Request, session: Session) -> Response:

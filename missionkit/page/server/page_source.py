@@ -57,6 +57,17 @@ class PageSource(Protocol):
     def image(self, number: int) -> bytes | None:
         """Return a camera image (JPEG) by its number."""
 
+    async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
+        """Return why a transition was taken or not.
+
+        Args:
+            transition: its id.
+            at: s; None: now.
+
+        Raises:
+            PageError: that cannot be said.
+        """
+
     def feed(self, session: Session) -> Feed:
         """Return what one browser is shown."""
 
