@@ -34,6 +34,8 @@ import numpy as np
 
 PACKAGE_PREFIX = "missionkit."
 DTYPE = re.compile(r"[<|][biuf][1248]")
+# what `_plain` makes contains nothing twice: the encoder need not look for circles
+_encoded = json.JSONEncoder(check_circular=False, allow_nan=False, separators=(",", ":")).encode
 LARGE = 1 << 63  # integers from here on are written in hexadecimal
 CLASS_NAME = re.compile(r'"(missionkit\.[\w.]+:[\w.]+)":\[')
 Fields = tuple[str, ...]
@@ -56,7 +58,7 @@ def written(value: Any) -> str:
         NotPlainError: it holds something that is none of the above.
     """
     try:
-        return json.dumps(_plain(value), separators=(",", ":"), allow_nan=False)
+        return _encoded(_plain(value))
     except RecursionError as error:
         raise NotPlainError("a value that contains itself") from error
 
