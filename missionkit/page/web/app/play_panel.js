@@ -23,6 +23,7 @@ async function send(body) {
 export function PlayPanel() {
   const play = live("play").value;
   if (!play) return null;
+  const active = play.active_faults ?? [];
   return html`<section class="panel play-panel" aria-label="quantities">
     <h2>Quantities <small>what the guards read</small></h2>
     <ul class="rows" tabindex="0" aria-label="quantities">
@@ -31,7 +32,13 @@ export function PlayPanel() {
     ${!!play.faults.length &&
     html`<div class="faults" role="group" aria-label="faults">
       ${play.faults.map(
-        (name) => html`<button type="button" class="plain" onClick=${() => send({ fault: name })}>${name}</button>`,
+        (name) => html`<button
+          key=${name}
+          type="button"
+          class="plain"
+          aria-pressed=${active.includes(name) ? "true" : "false"}
+          onClick=${() => send({ fault: name })}
+        ><span class="cut">${name}</span></button>`,
       )}
     </div>`}
   </section>`;
@@ -40,26 +47,35 @@ export function PlayPanel() {
 function Quantity({ it }) {
   const known = it.known !== false;
   const set = (value) => send({ quantity: { [it.name]: value } });
-  const step = (it.max - it.min) / 200 || 0.01;
+  const step = it.whole ? 1 : (it.max - it.min) / 200 || 0.01;
   return html`<li class="quantity" data-quantity=${it.name}>
     <label>
       <span class="name cut">${it.name}</span>
-      <output>${known ? number(it.value, it.unit) : "unknown"}</output>
+      <output>${known ? wordOf(it) : "unknown"}</output>
       <input
         type="range"
         min=${it.min}
         max=${it.max}
         step=${step}
         value=${it.value ?? it.min}
+        list=${it.thresholds?.length ? `at ${it.name}` : undefined}
         disabled=${!known}
+        aria-valuetext=${wordOf(it)}
         onInput=${(event) => set(Number(event.target.value))}
       />
+      ${!!it.thresholds?.length &&
+      html`<datalist id=${`at ${it.name}`}>${it.thresholds.map((at) => html`<option value=${at} />`)}</datalist>`}
     </label>
     <label class="known">
       <input type="checkbox" checked=${known} onChange=${() => set(known ? null : (it.value ?? it.min))} />
       <span>known</span>
     </label>
   </li>`;
+}
+
+/** A value, or the word that stands for it. */
+function wordOf(it) {
+  return it.words?.length ? (it.words[Math.round(it.value)] ?? "–") : number(it.value, it.unit);
 }
 
 /** The bar of a play: time by hand, events, from the start again. */
