@@ -9,6 +9,7 @@ from contextlib import ExitStack
 import pytest
 from browsing import served
 from chromium import AXE, NARROW, WIDE, Tab, launched, needs_chromium, opened
+from played_chart import play_source
 from playwright.sync_api import Browser
 from scripted_flight import OFFERED, STATES, ScriptedFlight, chart, guard, mission
 
@@ -45,6 +46,15 @@ def boxes(tab: Tab, selector: str) -> list[list[float]]:
         .map(it => [it.left, it.top, it.right, it.bottom])""",
         selector,
     )
+
+
+def serious(tab: Tab) -> list[tuple[str, str]]:
+    """Return what axe finds that keeps people out."""
+    if not tab.page.evaluate("() => 'axe' in window"):
+        tab.page.add_script_tag(path=AXE)
+    found = tab.page.evaluate("() => axe.run({resultTypes: ['violations']})")["violations"]
+    bad = [it for it in found if it["impact"] in {"serious", "critical"}]
+    return [(it["id"], it["nodes"][0]["html"]) for it in bad]
 
 
 def overlaps(rows: list[list[float]]) -> list[tuple[int, int]]:
@@ -288,18 +298,13 @@ def test_it_is_accessible_and_fits(chromium, flight, size):
         opened(chromium, address.pilot, size, reduced_motion="reduce", bypass_csp=True) as tab,
     ):
         reload_shown(tab, flight) if size == WIDE else tab.has(".map")
-        tab.page.add_script_tag(path=AXE)
         tabs = tab("[role=tab]").count() or 1
         for at in range(tabs):
             if tabs > 1:
                 tab("[role=tab]").nth(at).click()
             for theme in ("light", "dark") if tabs == 1 else (("light", "dark")[at % 2],):
                 tab.page.emulate_media(color_scheme=theme, reduced_motion="reduce")
-                found = tab.page.evaluate("() => axe.run({resultTypes: ['violations']})")
-                serious = [
-                    it for it in found["violations"] if it["impact"] in {"serious", "critical"}
-                ]
-                assert [(it["id"], it["nodes"][0]["html"]) for it in serious] == []
+                assert serious(tab) == []
             small = [
                 it
                 for it in boxes(tab, "button, select, input:not([type=checkbox]), .known")
@@ -379,4 +384,32 @@ def test_a_recording_is_sought_stepped_and_played(chromium, recorded: RecordedRu
         tab(".speed select").select_option("20")
         tab("[aria-label='play']").click()
         tab.shows("#state", "land")
+        assert not tab.errors
+
+
+def test_a_chart_is_played_with(chromium, tmp_path):
+    with (
+        served(play_source(tmp_path)) as address,
+        opened(chromium, address.url, reduced_motion="reduce", bypass_csp=True) as tab,
+    ):
+        tab.shows("#state", "idle")
+        slider = "[data-quantity='done'] input[type=range]"
+        second = tab.page.get_by_text("+1 s", exact=True)
+        tab.page.get_by_text("+10 s", exact=True).click()  # the chart dwells in a state
+        tab.shows(".clock b", "0:10.05")
+        tab(slider).fill("1")
+        tab.shows("#state", "out")
+        tab.has("[data-state='out'].active")
+        tab(slider).fill("0")
+        tab("[data-quantity='battery'] .known input").uncheck()
+        tab.shows("[data-quantity='battery'] output", "unknown")
+        second.click()
+        tab("[data-quantity='battery'] .known input").check()
+        tab("[data-quantity='battery'] input[type=range]").fill("0.1")
+        second.click()
+        tab.shows("#state", "home")
+        assert serious(tab) == []
+        tab.page.get_by_text("Start again", exact=True).click()
+        tab.shows("#state", "idle")
+        tab.until(lambda: tab(".events li").count() == 0)
         assert not tab.errors

@@ -83,13 +83,16 @@ function hear(message) {
     const apart = Date.now() / 1000 - stampedAt;
     skew = skew === null ? apart : Math.min(skew + DRIFT / 20, apart);
   }
+  const before = live("now").peek();
   batch(() => {
     receive(message);
     connected.value = true;
     attempts = 0;
   });
   measureAge();
-  if (message.t === "snapshot") loadSoon();
+  const again = live("now").peek() < before || message.fired?.length > 1;
+  if (mission.value?.source === "play" && again) loadedAt = -Infinity; // more than a delta tells
+  if (message.t === "snapshot" || loadedAt === -Infinity) loadSoon();
 }
 
 let loadedAt = -Infinity;

@@ -39,8 +39,9 @@ export function Page() {
 function Wide({ source }) {
   return html`<main class=${`grid ${source ?? ""}`}>
     <div class="left">
-      <${MapPanel} />
-      ${source === "play" ? html`<${RequirementsPanel} />` : html`<${Seen} />`}
+      ${source === "play"
+        ? html`<${PlayPanel} /><${RequirementsPanel} />`
+        : html`<${MapPanel} /><${Seen} />`}
     </div>
     <${ChartPanel} />
     <${Side} source=${source} />
@@ -60,7 +61,6 @@ const side = signal("guards");
 
 /** Guards, and below another tab what is particular to the source. */
 function Side({ source }) {
-  if (source === "play") return html`<div class="side two"><${PlayPanel} /><${GuardsPanel} /></div>`;
   if (source !== "recording") return html`<div class="side"><${GuardsPanel} /></div>`;
   return html`<div class="side">
     <${Tabs} names=${["guards", "what if"]} chosen=${side} label="guards or what if" />
@@ -75,17 +75,19 @@ const PANELS = {
   camera: Seen,
   time: TimelinePanel,
   set: PlayPanel,
+  promises: RequirementsPanel,
   "what if": WhatIfPanel,
 };
 const TABS = {
   live: ["map", "chart", "guards", "camera", "time"],
   recording: ["map", "chart", "guards", "camera", "time", "what if"],
-  play: ["set", "chart", "guards", "map", "time"],
+  play: ["set", "chart", "guards", "promises", "time"],
 };
 const tab = signal("");
 
 function Narrow({ source }) {
-  const names = TABS[source] ?? TABS.live;
+  if (!source) return html`<main class="single"></main>`;
+  const names = TABS[source];
   if (!names.includes(tab.value)) tab.value = names[0];
   const Panel = PANELS[tab.value];
   return html`<main class="single">

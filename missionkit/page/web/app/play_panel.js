@@ -19,6 +19,21 @@ async function send(body) {
   }
 }
 
+let waiting = null; // the latest of what a dragged slider says, while an answer is awaited
+let busy = false;
+
+async function set(quantity) {
+  waiting = { ...waiting, ...quantity };
+  if (busy) return;
+  busy = true;
+  while (waiting) {
+    const next = waiting;
+    waiting = null;
+    await send({ quantity: next });
+  }
+  busy = false;
+}
+
 /** Sliders and faults. */
 export function PlayPanel() {
   const play = live("play").value;
@@ -46,7 +61,6 @@ export function PlayPanel() {
 
 function Quantity({ it }) {
   const known = it.known !== false;
-  const set = (value) => send({ quantity: { [it.name]: value } });
   const step = it.whole ? 1 : (it.max - it.min) / 200 || 0.01;
   return html`<li class="quantity" data-quantity=${it.name}>
     <label>
@@ -61,13 +75,13 @@ function Quantity({ it }) {
         list=${it.thresholds?.length ? `at ${it.name}` : undefined}
         disabled=${!known}
         aria-valuetext=${wordOf(it)}
-        onInput=${(event) => set(Number(event.target.value))}
+        onInput=${(event) => set({ [it.name]: Number(event.target.value) })}
       />
       ${!!it.thresholds?.length &&
       html`<datalist id=${`at ${it.name}`}>${it.thresholds.map((at) => html`<option value=${at} />`)}</datalist>`}
     </label>
     <label class="known">
-      <input type="checkbox" checked=${known} onChange=${() => set(known ? null : (it.value ?? it.min))} />
+      <input type="checkbox" checked=${known} onChange=${() => set({ [it.name]: known ? null : (it.value ?? it.min) })} />
       <span>known</span>
     </label>
   </li>`;
@@ -75,7 +89,9 @@ function Quantity({ it }) {
 
 /** A value, or the word that stands for it. */
 function wordOf(it) {
-  return it.words?.length ? (it.words[Math.round(it.value)] ?? "–") : number(it.value, it.unit);
+  if (it.words?.length) return it.words[Math.round(it.value)] ?? "–";
+  if (it.whole && it.max - it.min === 1) return it.value > it.min ? "yes" : "no";
+  return number(it.value, it.unit);
 }
 
 /** The bar of a play: time by hand, events, from the start again. */
