@@ -43,6 +43,11 @@ CertificateKey = Annotated[
     Path | None, typer.Option(metavar="FILE", help="key of the TLS certificate")
 ]
 
+Tiles = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="map tiles below the page's map, .mbtiles or .pmtiles"),
+]
+
 
 def reporting_errors(command: Callable[P, R]) -> Callable[P, R]:
     """Turn expected errors into a sentence on stderr and their exit code."""

@@ -15,6 +15,7 @@ from missionkit.cli.command_options import (
     Plugins,
     Settings,
     System,
+    Tiles,
 )
 from missionkit.errors import UsageError
 
@@ -78,6 +79,7 @@ def run(
     bind: Bind = None,
     tls_cert: Certificate = None,
     tls_key: CertificateKey = None,
+    tiles: Tiles = None,
     fleet_place: Annotated[
         str | None, typer.Option(hidden=True, help="for `missionkit fleet`")
     ] = None,
@@ -140,7 +142,7 @@ def run(
         gap=gap,
         force=force,
         anyway=anyway,
-        page=binding(bind, tls_cert, tls_key) if page else None,
+        page=binding(bind, tls_cert, tls_key, tiles) if page else None,
         folder=folder,
         place=None if fleet_place is None else FleetPlace.read(fleet_place),
     )

@@ -15,6 +15,7 @@ from missionkit.cli.command_options import (
     MissionFile,
     Plugins,
     Settings,
+    Tiles,
 )
 from missionkit.errors import UsageError
 
@@ -42,6 +43,7 @@ def page(
     bind: Bind = None,
     tls_cert: Certificate = None,
     tls_key: CertificateKey = None,
+    tiles: Tiles = None,
     plugin: Plugins = None,
     *,
     as_json: Json = False,
@@ -50,7 +52,7 @@ def page(
     from missionkit.cli import page_command as command  # noqa: PLC0415
     from missionkit.page.server.binding import binding  # noqa: PLC0415
 
-    where = binding(bind, tls_cert, tls_key)
+    where = binding(bind, tls_cert, tls_key, tiles)
     raise typer.Exit(command.page(run, where, tuple(plugin or ()), as_json=as_json))
 
 
@@ -59,6 +61,7 @@ def play(
     bind: Bind = None,
     tls_cert: Certificate = None,
     tls_key: CertificateKey = None,
+    tiles: Tiles = None,
     settings: Settings = None,
     plugin: Plugins = None,
     *,
@@ -68,7 +71,7 @@ def play(
     from missionkit.cli import page_command as command  # noqa: PLC0415
     from missionkit.page.server.binding import binding  # noqa: PLC0415
 
-    where = binding(bind, tls_cert, tls_key)
+    where = binding(bind, tls_cert, tls_key, tiles)
     files = tuple(plugin or ())
     raise typer.Exit(command.play(mission, where, settings or (), files, as_json=as_json))
 

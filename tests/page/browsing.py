@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
@@ -125,10 +126,13 @@ class Live:
 
 @contextmanager
 def served(
-    source: PageSource, tokens: Tokens | None = None, port: int = 0
+    source: PageSource,
+    tokens: Tokens | None = None,
+    port: int = 0,
+    tiles: Path | None = None,
 ) -> Iterator[PageAddress]:
     """Serve a page on this computer, on a free port if none is named."""
-    where = Binding(port=port)
+    where = Binding(port=port, tiles=tiles)
     with listening(where) as bound:
         server = server_of(source, where, bound, tokens)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [bound]}, daemon=True)

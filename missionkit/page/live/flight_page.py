@@ -20,6 +20,7 @@ from missionkit.page.live.flight_publisher import FlightPublisher
 from missionkit.page.live.message_link import MessageLink, pair
 from missionkit.page.server.binding import Binding, PageAddress, address_of, listening
 from missionkit.page.server.sessions import Tokens
+from missionkit.page.tiles.tile_file import tile_file
 from missionkit.recorder.record_sinks import Reports
 from missionkit.version import __version__
 
@@ -92,18 +93,21 @@ def flight_page(
         dialect: of the autopilot, if there is one.
 
     Raises:
-        UsageError: the address cannot be served.
+        UsageError: the address cannot be served, or the file of map tiles not be used.
     """
+    if where.tiles is not None:
+        tile_file(where.tiles)  # refused here, not in the server
     with listening(where) as bound, tempfile.TemporaryFile("w+", encoding="utf-8") as file:
         facts = {**mission_facts(mission, "live", __version__), "dialect": dialect}
-        tls = [None if it is None else str(it) for it in (where.certificate, where.key)]
+        files = (where.certificate, where.key, where.tiles)
+        *tls, tiles = (None if it is None else str(it.absolute()) for it in files)
         said = {
             "mission": facts,
             "chart": chart_picture(mission),
             "tokens": list(tokens),
             "run": str(run.absolute()),
             "plugins": [str(it.absolute()) for it in plugins],
-            "binding": {"host": where.host, "port": where.port, "tls": tls},
+            "binding": {"host": where.host, "port": where.port, "tls": tls, "tiles": tiles},
         }
         json.dump(said, file)
         file.seek(0)

@@ -36,7 +36,8 @@ def run(link: MessageLink, bound: socket.socket, said: dict[str, object]) -> Non
     """
     binding = dict(said["binding"])  # type: ignore[call-overload]
     certificate, key = (None if it is None else Path(it) for it in binding["tls"])
-    where = Binding(binding["host"], binding["port"], certificate, key)
+    tiles = None if binding["tiles"] is None else Path(binding["tiles"])
+    where = Binding(binding["host"], binding["port"], certificate, key, tiles)
     tokens = Tokens(*said["tokens"])  # type: ignore[misc]
     static = StaticFacts(said["mission"], str(said["chart"]))  # type: ignore[arg-type]
 

@@ -19,6 +19,7 @@ from missionkit.page.server.origin_check import Addresses, OriginCheck
 from missionkit.page.server.page_source import PageError, PageSource
 from missionkit.page.server.sessions import Role, Session, Sessions
 from missionkit.page.server.static_files import static_files
+from missionkit.page.tiles.tile_file import TileFile, facts_of
 
 LONGEST_BODY = 65536  # bytes
 MOST_SOCKETS = 32
@@ -34,13 +35,21 @@ class PageServer:
     Args:
         source: what the page is of.
         sessions: who may do what.
+        tiles: below the map, if there are any.
         cookie: name of the session's cookie.
         secure: the cookie goes over TLS alone.
     """
 
     def __init__(
-        self, source: PageSource, sessions: Sessions, *, cookie: str, secure: bool
+        self,
+        source: PageSource,
+        sessions: Sessions,
+        tiles: TileFile | None,
+        *,
+        cookie: str,
+        secure: bool,
     ) -> None:
+        self._tiles = tiles
         self._source = source
         self._sessions = sessions
         self._cookie = cookie
@@ -62,6 +71,7 @@ class PageServer:
             Route("/api/series", entered(self._series)),
             Route("/api/track", entered(self._track)),
             Route("/api/why", entered(self._why)),
+            Route("/api/tiles/{zoom:int}/{column:int}/{row:int}", entered(self._tile)),
             *(
                 Route(f"/api/{what}", entered(posted(what)), methods=["POST"])
                 for what in ("action", "pilot", "play", "what-if")
@@ -129,7 +139,7 @@ class PageServer:
         return answer
 
     async def _mission(self, _: Request, __: Session) -> Response:
-        return JSONResponse(self._source.facts().mission)
+        return JSONResponse({**self._source.facts().mission, "tiles": facts_of(self._tiles)})
 
     async def _chart(self, _: Request, __: Session) -> Response:
         return Response(self._source.facts().chart, media_type="image/svg+xml")
@@ -151,6 +161,16 @@ class PageServer:
 
     async def _track(self, _: Request, __: Session) -> Response:
         return JSONResponse(self._source.track())
+
+    async def _tile(self, request: Request, _: Session) -> Response:
+        zoom, column, row = (request.path_params[key] for key in ("zoom", "column", "row"))
+        tiles = self._tiles
+        fits = tiles is not None and tiles.min_zoom <= zoom <= tiles.max_zoom
+        inside = fits and max(column, row) < 1 << zoom
+        image = tiles.tile(zoom, column, row) if tiles is not None and inside else None
+        if tiles is None or image is None:
+            raise PageError("there is no such tile", 404)
+        return Response(image, media_type=f"image/{tiles.format.replace('jpg', 'jpeg')}")
 
     async def _why(self, request: Request, _: Session) -> Response:
         given = request.query_params
@@ -181,7 +201,11 @@ class PageServer:
 
 
 def application(
-    source: PageSource, sessions: Sessions, addresses: Addresses, cookie: str
+    source: PageSource,
+    sessions: Sessions,
+    addresses: Addresses,
+    cookie: str,
+    tiles: TileFile | None = None,
 ) -> ASGIApp:
     """Return the server as an ASGI application.
 
@@ -190,8 +214,9 @@ def application(
         sessions: who may do what.
         addresses: under which it is served.
         cookie: name of the session's cookie.
+        tiles: below the map, if there are any.
     """
-    server = PageServer(source, sessions, cookie=cookie, secure=addresses.scheme == "https")
+    server = PageServer(source, sessions, tiles, cookie=cookie, secure=addresses.scheme == "https")
     return OriginCheck(Starlette(routes=server.routes()), addresses)
 
 

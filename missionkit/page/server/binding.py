@@ -21,6 +21,7 @@ class Binding(NamedTuple):
     port: int | None = None  # None: the usual one, or any if that is taken
     certificate: Path | None = None
     key: Path | None = None
+    tiles: Path | None = None  # file of map tiles
 
     @property
     def secure(self) -> bool:
@@ -28,13 +29,19 @@ class Binding(NamedTuple):
         return self.certificate is not None
 
 
-def binding(text: str | None, certificate: Path | None = None, key: Path | None = None) -> Binding:
+def binding(
+    text: str | None,
+    certificate: Path | None = None,
+    key: Path | None = None,
+    tiles: Path | None = None,
+) -> Binding:
     """Read where to serve.
 
     Args:
         text: HOST:PORT, or HOST, or PORT; None: the usual address.
         certificate: file of the TLS certificate.
         key: file of its key.
+        tiles: file of map tiles.
 
     Raises:
         UsageError: it is not of that form, or others could reach the page without TLS.
@@ -55,7 +62,7 @@ def binding(text: str | None, certificate: Path | None = None, key: Path | None 
             f"{text}: others could read and change what passes: serve it over TLS, with --tls-cert "
             "and --tls-key, or on 127.0.0.1"
         )
-    return Binding(host, port, certificate, key)
+    return Binding(host, port, certificate, key, tiles)
 
 
 def _parsed(text: str | None) -> tuple[str, int | None]:

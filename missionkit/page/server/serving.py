@@ -13,6 +13,7 @@ from missionkit.page.server.binding import Binding, PageAddress, address_of, lis
 from missionkit.page.server.origin_check import Addresses
 from missionkit.page.server.page_source import PageSource
 from missionkit.page.server.sessions import Sessions, Tokens
+from missionkit.page.tiles.tile_file import tile_file
 
 
 def server_of(
@@ -25,10 +26,14 @@ def server_of(
         where: it is served.
         bound: the socket.
         tokens: that open a session; None: whoever reaches the page may do everything.
+
+    Raises:
+        UsageError: the file of map tiles cannot be used.
     """
     port = bound.getsockname()[1]
     addresses = Addresses.of(where.host, port, secure=where.secure)
-    app = application(source, Sessions(tokens), addresses, f"missionkit_{port}")
+    cookie, tiles = f"missionkit_{port}", None if where.tiles is None else tile_file(where.tiles)
+    app = application(source, Sessions(tokens), addresses, cookie, tiles)
     return uvicorn.Server(
         uvicorn.Config(
             app,

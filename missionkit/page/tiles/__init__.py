@@ -1,0 +1,1 @@
+"""Map tiles from a file: nothing is fetched from anywhere."""
