@@ -70,7 +70,7 @@ class Words(NamedTuple):
 
 
 ALL = Words(STATES, ("s1", "r1"), "n", ("e", "f"))
-ALL_OF_REGIONS = Words(("s1", "p0b", "p1b"), ("p0a", "p1a"), "n0", ("e0", "f1"))
+OF_OTHERS = {"asked": ("p0a", "p0b", "p1a", "p1b"), "variable": "n0", "events": ("e0", "f1")}
 
 
 class Seen(NamedTuple):
@@ -94,19 +94,21 @@ def chart(random: Random) -> str:
 
 def chart_of_regions(random: Random) -> str:
     """Return a random mission file with parallel regions, most of which are independent."""
-    stray = random.random() < 0.2  # a part may have to do with another
-    ends = SHAPES[-2:] if stray else SHAPES[-1:]
+    stray = random.random() < 0.3  # a part may have to do with another
+    ends = SHAPES[-2:] if random.random() < 0.1 else SHAPES[-1:]
     regions = [_region(number) for number in range(random.randint(2, 3))]
     shapes = (*OUTSIDE, *(shape for _, shapes in regions for shape in shapes), *ends)
     outer = tuple(name for name, depth, _ in shapes if depth == 1)
-    outside = Words(outer, ("s1",), "n", EVENTS, timed=stray, safe=("land", "s1"))
+    outside = Words(outer, ("s1",), "n", EVENTS, timed=False, safe=("land", "s1"))
     words = dict.fromkeys(outer, outside)
     for of_region, parts in regions:
         words |= {name: of_region for name, depth, _ in parts if depth == 3}
     of: dict[str, list[str]] = {name: [] for name, _, _ in shapes}
     for number in range(random.randint(6, 14)):
         name = random.choice((*words, *(it for it in words if it not in outer)))
-        known = ALL_OF_REGIONS if stray and random.random() < 0.1 else words[name]
+        known = words[name]
+        if stray and random.random() < 0.3:
+            known = known._replace(**OF_OTHERS)
         of[name].append(f"{_way(random, known)}, name: t{number}}}")
     variables = ("n", *(of_region.variable for of_region, _ in regions))
     lines = _head(random, random.choice(("s0", "both", "both")), variables, outside)
