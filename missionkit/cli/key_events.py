@@ -11,18 +11,15 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self, TextIO
 
-from missionkit.chart.model.actions import Raise
 from missionkit.chart.model.mission import Mission
-from missionkit.chart.model.traversal import actions_of
 from missionkit.engine.flight_loop import Operator
 from missionkit.messages import Observation, Record, is_event
-
-CHART_EVENTS = ("done.state.", "error.")  # what the chart says to itself
+from missionkit.page.live.offered_actions import CHART_EVENTS, raised_events
 
 
 def offered(mission: Mission) -> dict[str, str]:
     """Return the events a mission waits for and never raises itself, by key: 1 to 9."""
-    raised = {action.event for action in actions_of(mission) if isinstance(action, Raise)}
+    raised = raised_events(mission)
     waited: dict[str, None] = {}
     for _, state, _ in mission.walk():
         for transition in state.transitions:

@@ -17,6 +17,16 @@ def number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
+def given_number(value: object) -> float | None:
+    """Return a number that a browser has sent; None stands for everything else."""
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    try:
+        return number(float(value))
+    except OverflowError:  # an integer of hundreds of digits
+        return None
+
+
 def vector(values: Any) -> list[float] | None:
     """Return the numbers of an array; None if there is none, or one of them is not finite."""
     if values is None or not np.isfinite(values).all():

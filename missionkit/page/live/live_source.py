@@ -14,7 +14,7 @@ from missionkit.engine.clock import date, stopwatch
 from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.flown_track import FlownTrack
 from missionkit.page.facts.guard_series import SHOWN, GuardSeries
-from missionkit.page.facts.plain_values import text_of
+from missionkit.page.facts.plain_values import given_number, text_of
 from missionkit.page.facts.timeline import Timeline
 from missionkit.page.live.message_link import MessageLink
 from missionkit.page.live.pilot_seat import PilotSeat
@@ -214,8 +214,8 @@ class LiveSource(PageSource):
         raise PageError(f"{what or 'that'} is not possible now", 409)
 
     def _age(self, body: Mapping[str, Any]) -> float:
-        pressed = body.get("at_ms")
-        if not isinstance(pressed, int | float) or not math.isfinite(pressed):
+        pressed = given_number(body.get("at_ms"))
+        if pressed is None:
             raise PageError("at_ms: the time of the release by the server's clock, ms")
         return date() - pressed / 1000.0
 
@@ -227,8 +227,8 @@ class LiveSource(PageSource):
             raise PageError(f"{late}: press again", 409)
         if action["action"] == "hold":
             return
-        seen = dict(self._seen).get(body.get("seen"), -math.inf)  # type: ignore[arg-type]
-        if stopwatch() - seen > OLDEST_SEEN:
+        seen = [at for number, at in self._seen if number == body.get("seen")]
+        if not seen or stopwatch() - seen[-1] > OLDEST_SEEN:
             raise PageError(
                 f"what you saw is older than {OLDEST_SEEN:g} s: only hold is taken until the page "
                 "is up to date",
@@ -237,8 +237,8 @@ class LiveSource(PageSource):
 
     def _check_hold(self, body: Mapping[str, Any], offer: Mapping[str, Any]) -> None:
         least = SHORTEST_DANGEROUS if offer.get("dangerous") else SHORTEST_HOLD
-        held = body.get("held_ms")
-        if not isinstance(held, int | float) or not held >= least:
+        held = given_number(body.get("held_ms"))
+        if held is None or held < least:
             raise PageError(f"hold the button for {least / 1000:g} s to confirm", 409)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -13,6 +12,7 @@ from missionkit.messages import is_event
 from missionkit.page.facts.flight_follower import FlightFollower
 from missionkit.page.facts.guard_series import SHOWN, GuardSeries
 from missionkit.page.facts.mission_facts import FlownMission, chart_picture, mission_facts
+from missionkit.page.facts.plain_values import given_number
 from missionkit.page.facts.requirement_facts import requirement_rows
 from missionkit.page.facts.timeline import Timeline
 from missionkit.page.play.played_chart import PlayedChart
@@ -104,15 +104,14 @@ class PlaySource(PageSource):
     def _set(self, given: object) -> None:
         if not isinstance(given, dict):
             raise PageError("quantity: an object with names and values")
-        for name, value in given.items():
+        for name in given:
             if name not in self._played.sliders:
                 known = ", ".join(self._played.sliders)
                 raise PageError(f"quantity {name!r} is unknown; known: {known}")
-            number = isinstance(value, int | float) and math.isfinite(value)
-            if value is not None and not number:
+            if given[name] is not None and given_number(given[name]) is None:
                 raise PageError(f"quantity {name!r}: a number, or null if it is not known")
         for name, value in given.items():
-            self._played.set(name, value)
+            self._played.set(name, given_number(value))
         self._advance(1)
 
     def _lose(self, name: object) -> None:
@@ -128,9 +127,10 @@ class PlaySource(PageSource):
         self._advance(1, (str(event),))
 
     def _wait(self, seconds: object) -> None:
-        if not isinstance(seconds, int | float) or not 0.0 < seconds <= LONGEST_ADVANCE:
+        wanted = given_number(seconds)
+        if wanted is None or not 0.0 < wanted <= LONGEST_ADVANCE:
             raise PageError(f"advance: seconds, up to {LONGEST_ADVANCE:g}")
-        self._advance(max(1, round(seconds / self._played.period)))
+        self._advance(max(1, round(wanted / self._played.period)))
 
     def _advance(self, ticks: int, events: tuple[str, ...] = ()) -> None:
         """Let the chart tick; events come with the first tick."""

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from typing import Any
 
 from missionkit.engine.clock import date, stopwatch
 from missionkit.errors import MissionkitError
+from missionkit.page.facts.plain_values import given_number
 from missionkit.page.recording.recorded_run import RecordedRun
 from missionkit.page.recording.recorded_ticks import RecordedTicks
 from missionkit.page.server.board import Board
 
 PERIOD = 0.05  # s of the wall between two looks at the clock
-FASTEST = 50.0  # times real time
+SLOWEST, FASTEST = 0.05, 50.0  # times real time
 NOBODY = {"you": False, "name": None, "asked_by": None, "silent_for": None}
 
 
@@ -55,21 +55,25 @@ class Playback:
 
     def heard(self, message: Mapping[str, Any]) -> None:
         """Seek, play, pause or step."""
-        wanted = message.get("t")
-        if wanted == "seek" and _finite(message.get("at")):
-            self._at = min(max(float(message["at"]), self._begin), self._end)
+        wanted, at = message.get("t"), given_number(message.get("at"))
+        if wanted == "seek" and at is not None:
+            self._at = min(max(at, self._begin), self._end)
         elif wanted == "play":
-            speed = message.get("speed", 1.0)
-            self._speed = min(max(float(speed), 0.05), FASTEST) if _finite(speed) else 1.0
+            speed = given_number(message.get("speed"))
+            self._speed = 1.0 if speed is None else min(max(speed, SLOWEST), FASTEST)
             self._playing = True
             self._at = self._begin if self._at >= self._end else self._at
         elif wanted == "pause":
             self._playing = False
-        elif wanted == "step" and message.get("by") in {1, -1}:
-            self._playing = False
-            number = self._ticks.number_at(self._at) + int(message["by"])
-            self._at = self._ticks.times[min(max(number, 0), len(self._ticks.times) - 1)]
+        elif wanted == "step":
+            self._step(given_number(message.get("by")))
         self._wake.set()
+
+    def _step(self, by: float | None) -> None:
+        self._playing, times = False, self._ticks.times
+        if by in {1.0, -1.0} and times:
+            number = self._ticks.number_at(self._at) + int(by)
+            self._at = times[min(max(number, 0), len(times) - 1)]
 
     async def _move(self) -> None:
         """Show the tick of the time that it is, again and again."""
@@ -116,7 +120,3 @@ class Playback:
             "play": None,
             "ended": None,
         }
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value)
