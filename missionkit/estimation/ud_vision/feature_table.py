@@ -60,17 +60,14 @@ def warps(table: FeatureTable, slots: Slots, turn: Mat, arms: Mat, focal: Mat) -
         arms: (k, 3), m, NED, from the camera to them now.
         focal: (2,), px.
     """
-    inverse = turn.T
-    now = arms @ inverse.T  # in the camera's axes
-    centre = now[:, :2] / now[:, 2:]
-    before = np.einsum("kji,kj->ki", table.turns[slots], table.arms[slots])
-    middle = before[:, :2] / before[:, 2:]
-    out = np.empty((len(slots), 2, 2))
-    for column, step in enumerate(_CORNERS):
-        rays = np.column_stack((centre + step / focal, np.ones(len(slots)))) @ turn.T
-        moved = arms[:, 2:] / rays[:, 2:] * rays - arms  # along the ground
-        c = np.einsum("kji,kj->ki", table.turns[slots], table.arms[slots] + moved)
-        out[:, :, column] = focal * (c[:, :2] / c[:, 2:] - middle)
+    turns, before = table.turns[slots], table.arms[slots]
+    now = arms @ turn  # in the camera's axes
+    corners = now[:, :2] / now[:, 2:] + _CORNERS[:, None] / focal
+    rays = np.concatenate((corners, np.ones((2, len(slots), 1))), axis=2) @ turn.T
+    moved = before + arms[:, 2:] / rays[..., 2:] * rays - arms  # along the ground
+    c = (np.concatenate((before[None], moved))[..., None, :] @ turns)[..., 0, :]
+    seen = c[..., :2] / c[..., 2:]
+    out: Mat = (focal * (seen[1:] - seen[0])).transpose(1, 2, 0)
     return out
 
 
