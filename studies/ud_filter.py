@@ -68,8 +68,9 @@ written.
 
 {costs}
 
-The navigator's whole cycle (`python -m benchmarks features`: 20 features, 75 states, double precision)
-takes 0.8 to 1.0 ms of processor time in the median on a busy machine (load 10 to 16), 0.6 ms at best.
+The navigator's whole cycle (`python -m benchmarks features`: 20 features, 75 states, double
+precision) takes 0.8 to 1.0 ms of processor time in the median on a busy machine (load 10 to 16),
+0.6 ms at best.
 """
 
 
