@@ -88,3 +88,27 @@ def test_a_pad_that_stays_covered_is_given_up_and_it_goes_home():
     assert not flight.result.succeeded
     assert flight.result.grade.landed
     assert math.hypot(*flight.ready.vehicle.truth.position[:2]) < 2.0
+
+
+def by_autopilot(*faults, seed=1):
+    text = TEXT.replace("use: land_on, ", "use: land_on, by: autopilot, ")
+    assert text != TEXT
+    return landing(*faults, seed=seed, text=text)
+
+
+def test_the_simulated_autopilot_lands_on_the_pad_it_is_told_of():
+    flight = by_autopilot()
+    told = [r.command.landing_target for r in flight.records if r.command.landing_target]
+    assert len(told) > 40
+    assert flight.result.succeeded
+    assert missed(flight) < 0.3
+    modes = {r.estimate.status.mode for r in flight.records if r.estimate.status}
+    assert "precision_land" in modes
+
+
+def test_it_takes_over_when_the_pad_is_lost_and_lands_at_the_next_try():
+    flight = by_autopilot("marker_hidden@pad:6+4")
+    notes = [r.step_note for r in flight.records]
+    assert any("attempt 1 of 4 is over" in it for it in notes)
+    assert flight.result.succeeded
+    assert missed(flight) < 0.3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 from typing_extensions import override
 
 from missionkit.behaviors.pad_guidance import (
@@ -16,7 +16,16 @@ from missionkit.behaviors.pad_guidance import (
     view_of,
     would_miss,
 )
-from missionkit.messages import CameraModel, Estimate, Goal, Guidance, Step, Target
+from missionkit.messages import (
+    Action,
+    CameraModel,
+    Estimate,
+    Goal,
+    Guidance,
+    LandingTarget,
+    Step,
+    Target,
+)
 from missionkit.planning.pad_view import ViewCone, cone_below, deviation_height, entry_radius
 from missionkit.planning.rotor_power import RotorPower
 from missionkit.plugin import Behavior
@@ -75,6 +84,12 @@ class LandOn(Behavior):
     4. Done `hand_over` above a pad that stands still: the autopilot lands from there. With a pad
        that moves it flies on until the autopilot reports contact.
 
+    With `by: autopilot` the vehicle's own precision landing flies 2 and 4: once the pad is in view
+    and below, it gets LANDING_TARGET at every tick while the pad is in view (10 Hz or more with
+    `settings: {rate: 10}` or more), and is done when it stands disarmed. PX4 lands so in its mode
+    PRECLAND; ArduPilot in LAND, if its parameters PLND_ENABLED and PLND_TYPE are 1. Out of view for
+    `patience` above `dark`, missionkit takes over, climbs, and goes on as in 3.
+
     The other phases are the parts of P3's landing with little energy, for states of a chart. The
     path is planned once, on entry (`energy_optimal`: sideways as fast as allowed, down late, for
     the vehicle's `mass`, `drag` and `rotors`). Its level speed and its rate of descent are flown;
@@ -99,6 +114,9 @@ class LandOn(Behavior):
     target: str
     phase: Literal["all", "glide", "deviate", "descend"] = Field(
         default="all", description="part of the landing that the state flies"
+    )
+    by: Literal["missionkit", "autopilot"] = Field(
+        default="missionkit", description="who flies the last part, from where the pad is in view"
     )
     half_angle_deg: Degrees | None = Field(
         default=None, gt=0, lt=80, description="of the cone below in view; else by the camera"
@@ -130,6 +148,12 @@ class LandOn(Behavior):
         default=None, description="as in a world file; else 9-inch ones"
     )
 
+    @model_validator(mode="after")
+    def _whole_landing(self) -> Self:
+        if self.by == "autopilot" and self.phase != "all":
+            raise ValueError("'by: autopilot' belongs to the phase 'all'")
+        return self
+
     @override
     def begin(self, seen: Estimate) -> OnTheWay | None:
         target = seen.targets.get(self.target)
@@ -144,6 +168,8 @@ class LandOn(Behavior):
         if on is None:
             on = self._planned(seen, target)
         view = view_of(seen, target)
+        if self.by == "autopilot":
+            return self._by_autopilot(seen, target, view, on)
         if self._arrived(seen, view):
             goal = Goal(target.position, None, seen.now, self.target)
             return Step(done=True, goal=goal, note="handing over", memory=on, lands=True)
@@ -178,6 +204,36 @@ class LandOn(Behavior):
         elif view.height > self.dark and unseen_for > self.blind:
             floor, note = view.height, f"waiting for {self.target}"
         return self._towards(seen, target, view, on, floor, note)
+
+    def _by_autopilot(self, seen: Estimate, target: Target, view: PadView, on: OnTheWay) -> Step:
+        """Bring the vehicle over the pad, and let the autopilot land on what it is told of it."""
+        status = seen.status
+        goal = Goal(target.position, None, seen.now, self.target)
+        if on.down and status is not None and not status.in_air and not status.armed:
+            return Step(done=True, goal=goal, note="landed", memory=on, lands=True)
+        unseen_for = math.inf if target.seen_at is None else seen.now - target.seen_at
+        fresh = unseen_for <= self.blind
+        if not on.down:
+            over = view.level <= self.aside + view.height * math.tan(math.radians(self.centred_deg))
+            if not (fresh and over and on.aborts <= self.retries):
+                return self._looking(seen, target, view, on)
+            on = on._replace(down=True, waits_since=None, said=False, keep=0.0)
+        in_air = status is None or status.in_air
+        if in_air and view.height > self.dark and unseen_for > self.patience:
+            why = f"{self.target} out of sight for {unseen_for:.1f} s"
+            return self._aborted(seen, target, view, on, why)
+        told = None
+        if fresh:
+            told = LandingTarget(self.target, target.position - seen.position)
+        note = f"the autopilot lands on {self.target}"
+        return Step(
+            action=Action.PRECISION_LAND,
+            goal=goal,
+            note=note,
+            memory=on,
+            lands=True,
+            landing_target=told,
+        )
 
     def _centred(self, view: PadView, on: OnTheWay) -> bool:
         near = self.aside + view.height * math.tan(math.radians(self.centred_deg))

@@ -170,5 +170,7 @@ def _commanded(
 ) -> Controlled:
     if mode is Mode.NONE:
         command = Command(None, step.action, step.height, step.payload, orders=step.orders)
+        if step.action is Action.PRECISION_LAND:
+            command = command._replace(landing_target=step.landing_target)
         return Controlled(command, law.begin(), acting.avoidance)
     return law.command(acting, mode, step, seen, contain)

@@ -16,6 +16,7 @@ from missionkit.messages import (
     Goal,
     Guidance,
     HalfSpace,
+    LandingTarget,
     Step,
     is_event,
 )
@@ -42,6 +43,7 @@ def fault_of(answer: object) -> str:
         "orders": _orders(answer.orders),
         "chosen": _text_or_none(answer.chosen),
         "gimbal": _aims(answer.gimbal),
+        "landing_target": _pad(answer.landing_target),
     }
     wrong = [name for name, sound in parts.items() if not sound]
     return f"a Step with {wrong[0]} of a wrong type or not finite" if wrong else ""
@@ -101,6 +103,12 @@ def _aims(aim: object) -> bool:
         and _text_or_none(aim.target)
         and (aim.angles is None or all(it is not None and _number(it) for it in aim.angles))
     )
+
+
+def _pad(target: object) -> bool:
+    if not isinstance(target, LandingTarget):
+        return target is None
+    return isinstance(target.name, str) and _vector(target.offset)
 
 
 def _events(events: object) -> bool:

@@ -17,8 +17,16 @@ class Action(StrEnum):
     TAKE_OFF = "take_off"
     HOLD = "hold"
     LAND = "land"
+    PRECISION_LAND = "precision_land"  # the autopilot lands on `landing_target`, by its own rules
     RETURN = "return"  # the autopilot flies home and lands, by its own rules
     DISARM = "disarm"
+
+
+class LandingTarget(NamedTuple):
+    """The pad of a precision landing, as the autopilot is told of it at every tick."""
+
+    name: str  # of the target
+    offset: Vec3  # (3,), m, NED, from the vehicle
 
 
 class Setpoint(NamedTuple):
@@ -83,6 +91,7 @@ class Command(NamedTuple):
     own_velocity: Vec3 | None = None  # (3,), m/s, NED, estimated while a target is seen
     orders: tuple[DeviceOrder, ...] = ()  # each carried out once
     gimbal: GimbalAngles | None = None  # to turn it to; None: it stays as it is
+    landing_target: LandingTarget | None = None  # with PRECISION_LAND; None: out of sight
 
 
 class Mode(StrEnum):
@@ -134,3 +143,4 @@ class Step(NamedTuple):
     orders: tuple[DeviceOrder, ...] = ()  # for devices of the payload, each once
     chosen: str | None = None  # the tracked target that `tracked` stands for from now on
     gimbal: GimbalAim | None = None  # its aim from now on, in later states too
+    landing_target: LandingTarget | None = None  # with PRECISION_LAND; None: out of sight

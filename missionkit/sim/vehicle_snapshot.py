@@ -44,6 +44,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
         *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
         *("_flow", "_range", "_outside", "devices", "photos", "_gimbal"),
         *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_home", "_return"),
+        *("_precise", "_pad"),
     ),
     FreeFlyer: (
         *("payload", "_injected", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),

@@ -58,6 +58,7 @@ PX4_MODES = (
     FlightMode("MISSION", _px4(4, 4), FlightTask.MISSION, base=_SELF),
     FlightMode("RTL", _px4(4, 5), FlightTask.RETURN, arming=False, base=_SELF),
     FlightMode("LAND", _px4(4, 6), FlightTask.LAND, arming=False, base=_SELF, needs_position=False),
+    FlightMode("PRECLAND", _px4(4, 9), FlightTask.LAND, arming=False, base=_SELF),
     FlightMode("ORBIT", _px4(3, 1), FlightTask.HOLD, arming=False, base=_SELF),
 )
 

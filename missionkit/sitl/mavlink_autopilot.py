@@ -13,6 +13,7 @@ from missionkit.sitl import (
     autopilot_failsafes,
     command_protocol,
     gimbal_manager,
+    landing_target,
     setpoint_messages,
     status_messages,
     stream_scheduler,
@@ -260,4 +261,5 @@ SERVICES: dict[str, Service] = {
     "LOG_REQUEST_LIST": _no_logs,
     "SET_GPS_GLOBAL_ORIGIN": _origin,
     "AUTOPILOT_VERSION_REQUEST": _version,
+    "LANDING_TARGET": landing_target.hear,
 }

@@ -10,7 +10,7 @@ import math
 
 from missionkit.geometry import wrap
 from missionkit.messages import Action, Command
-from missionkit.sitl import mission_progress, return_home
+from missionkit.sitl import landing_target, mission_progress, return_home
 from missionkit.sitl.flight_modes import FlightTask
 from missionkit.sitl.flight_primitives import (
     act,
@@ -41,7 +41,7 @@ def _command(state: SitlState, dt: float) -> Command | None:
     if state.mode.does is FlightTask.RETURN:
         return return_home.steer(state)
     if state.mode.does is FlightTask.LAND:
-        return act(state, Action.LAND, "land")
+        return landing_target.steer(state)
     return _stay(state)
 
 

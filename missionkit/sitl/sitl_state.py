@@ -21,6 +21,7 @@ from missionkit.messages import (
     Scan,
 )
 from missionkit.sim.gimbal import SimulatedGimbal
+from missionkit.sim.pad_landing import PadTarget
 from missionkit.sitl.flight_modes import FlightMode, FlightTask, ModeTable
 from missionkit.sitl.geodetic import Earth
 from missionkit.sitl.parameter_protocol import Parameters
@@ -126,6 +127,7 @@ class SitlState:
     payload: str | None = None  # actuator that is on
     photos: int = 0  # taken
     devices: dict[str, float] = field(default_factory=dict)  # as ordered last
+    pad: PadTarget | None = None  # of LANDING_TARGET, in its own local frame
     gimbal_owner: Sender | None = None  # who has primary control of it
     height: float = 2.5  # m above home, of the next take-off
     grounded_at: float = 0.0

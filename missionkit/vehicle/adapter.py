@@ -328,9 +328,8 @@ class MavsdkVehicle:
             wanted=self._wanted,
             gimbal=self._gimbal,
         )
-        if self._share != SHARE_NOTHING:
-            start, stamp = (lambda: self.observer.start), self._clock.wall
-            self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
+        start, stamp = (lambda: self.observer.start), self._clock.wall
+        self._sharing = Sharing(self._share, link.send, start, stamp, dialect.target_frame)
         self._parts.start()
 
     def _be_guarded(self) -> None:

@@ -38,6 +38,8 @@ class Dialect(NamedTuple):
     hold: tuple[float, float, float]  # parameters of DO_SET_MODE
     offboard: tuple[float, float, float]
     land: tuple[float, float, float] | None  # None: NAV_LAND
+    precise: tuple[float, float, float]  # to land on LANDING_TARGET
+    precise_word: str  # name of the mode in which it does
     offboard_word: str  # name of the mode in which setpoints are obeyed
     hold_word: str  # name of the mode in which the vehicle holds
     warm: float  # s of setpoints before it enters that mode
@@ -112,6 +114,8 @@ PX4 = Dialect(
     hold=(1.0, 4.0, 3.0),
     offboard=(1.0, 6.0, 0.0),
     land=None,
+    precise=(1.0, 4.0, 9.0),
+    precise_word="precision_land",
     offboard_word="offboard",
     hold_word="hold",
     warm=1.0,
@@ -153,6 +157,8 @@ ARDUPILOT = Dialect(
     hold=(1.0, 4.0, 0.0),  # not BRAKE, which refuses to arm
     offboard=(1.0, 4.0, 0.0),
     land=(1.0, 9.0, 0.0),
+    precise=(1.0, 9.0, 0.0),  # with PLND_ENABLED
+    precise_word="land",
     offboard_word=GUIDED_MODE,
     hold_word=GUIDED_MODE,
     warm=0.0,

@@ -170,6 +170,7 @@ class ConnectedVehicle:
             Action.TAKE_OFF: mode == "take_off",
             Action.HOLD: mode == self.dialect.hold_word,
             Action.LAND: mode == "land",
+            Action.PRECISION_LAND: mode == self.dialect.precise_word,
             Action.RETURN: mode == "return",
             Action.DISARM: armed is False,
         }[action]
@@ -200,7 +201,8 @@ class ConnectedVehicle:
         if state.heard < self.streamer.woken + CATCH_UP_TIME:
             return False  # received messages may have waited while the process was stopped
         if dialect.early:
-            return state.mode != "land"  # ignored outside offboard, and needed to enter it
+            # ignored outside offboard, and needed to enter it
+            return state.mode not in {"land", "precision_land"}
         return state.mode == dialect.offboard_word and not self.phase.climbing
 
     def _pauses(self) -> bool:

@@ -9,7 +9,7 @@ from pymavlink import mavutil
 from vehicle.flying import free_port
 
 from missionkit.geometry import from_euler, vec
-from missionkit.messages import Estimate, Health, Target
+from missionkit.messages import Action, Command, Estimate, Health, LandingTarget, Target
 from missionkit.vehicle.adapter import MavsdkVehicle
 from missionkit.vehicle.autopilot_dialect import (
     ARDUPILOT,
@@ -29,6 +29,7 @@ from missionkit.vehicle.link.link_address import parse
 from missionkit.vehicle.link.link_lock import LinkLock
 
 START = vec(1.0, 2.0, 0.5)
+STILL = Command()
 BOTH = Share(pose=True, target="pad")
 
 
@@ -55,8 +56,8 @@ class Station:
     def send(self, name, **fields):
         self.sent.append((name, fields))
 
-    def tick(self, estimate):
-        self.sharing(SimpleNamespace(estimate=estimate), None)
+    def tick(self, estimate, command=STILL):
+        self.sharing(SimpleNamespace(estimate=estimate, command=command), None)
         return [name for name, _ in self.sent]
 
 
@@ -100,6 +101,21 @@ def test_a_target_goes_out_once_each_time_it_is_seen():
     assert len(station.tick(seen(now=5.1, seen_at=5.08))) == 2
     assert Station(Share(target="pad")).tick(seen(seen_at=None)) == []
     assert Station(Share(target="tree")).tick(seen()) == []
+
+
+@pytest.mark.parametrize("frame", [LOCAL_NED, BODY_FRD])
+def test_the_pad_of_a_precision_landing_goes_out_at_every_tick(frame):
+    station = Station(SHARE_NOTHING, frame)
+    pad = LandingTarget("pad", vec(1.0, 2.0, 5.0))
+    landing = Command(action=Action.PRECISION_LAND, landing_target=pad)
+    for n in range(3):
+        station.tick(seen(now=5.0 + 0.05 * n), landing)
+    station.tick(seen(now=5.15), landing._replace(landing_target=None))
+    assert [name for name, _ in station.sent] == ["LANDING_TARGET"] * 3
+    fields = station.sent[-1][1]
+    assert fields["time_usec"] == 105_100_000
+    place = vec(12.0, 4.0, 0.5) if frame == LOCAL_NED else vec(2.0, -1.0, 5.0)  # it heads east
+    assert [fields[axis] for axis in "xyz"] == pytest.approx(place)
 
 
 def test_without_an_origin_nothing_can_be_placed():
@@ -169,7 +185,8 @@ def test_both_messages_are_what_pymavlink_reads(tmp_path):
             for n in range(200):
                 if {"VISION_POSITION_ESTIMATE", "LANDING_TARGET"} <= set(peer.heard):
                     break
-                sharing(SimpleNamespace(estimate=seen(5.0 + n, 5.0 + n, 5.0 + n)), None)
+                ticked = seen(5.0 + n, 5.0 + n, 5.0 + n)
+                sharing(SimpleNamespace(estimate=ticked, command=STILL), None)
                 await asyncio.sleep(0.02)
         finally:
             link.close()
@@ -191,4 +208,4 @@ def test_both_messages_are_what_pymavlink_reads(tmp_path):
 def test_an_adapter_that_is_not_connected_shares_nothing(tmp_path):
     address = parse("udpin://127.0.0.1:14999")
     vehicle = MavsdkVehicle(address, lock=LinkLock(address, tmp_path), share=BOTH)
-    vehicle.tell(SimpleNamespace(estimate=seen()), None)
+    vehicle.tell(SimpleNamespace(estimate=seen(), command=STILL), None)

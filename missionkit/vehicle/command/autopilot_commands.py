@@ -136,6 +136,7 @@ class Commander:
             Action.ARM: self._arm,
             Action.HOLD: self._hold,
             Action.LAND: self._land,
+            Action.PRECISION_LAND: self._land_precisely,
             Action.RETURN: self._return,
             Action.DISARM: self._disarm,
             OFFBOARD_MODE: self._offboard,
@@ -178,6 +179,9 @@ class Commander:
         if not self._order("land", None):
             return Result(CommandOutcome.ABANDONED, "someone else has control")
         return self._ask(Ask(CMD_LAND, (None,) * 7, self._in_mode("land"), CONFIRM))
+
+    def _land_precisely(self) -> Result:
+        return self._mode(self._dialect.precise, self._dialect.precise_word)
 
     def _return(self) -> Result:
         if not self._order("return", None):

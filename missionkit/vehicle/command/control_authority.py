@@ -83,8 +83,10 @@ def ends(order: str, height: float | None, mode: str, where: Whereabouts) -> boo
     if (order, mode) == ("take_off", "hold"):
         wanted = 0.0 if height is None else height - min(EARLY_END_HEIGHT, EARLY_END_SHARE * height)
         return where.height is not None and where.height >= wanted and not where.on_ground
-    if (order, mode) == ("land", "hold"):
+    if order in {"land", "precision_land"} and mode == "hold":
         return where.on_ground is True
+    if (order, mode) == ("precision_land", "land"):
+        return True  # it lost the pad, or is at its end
     if order == "return" and mode in {"land", "hold"}:
         home = where.from_home is not None and where.from_home <= AT_HOME
         return where.on_ground is True or home

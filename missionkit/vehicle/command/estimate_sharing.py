@@ -1,10 +1,11 @@
 """Sends the mission's estimates to the autopilot: its visual pose, and the landing target.
 
     VISION_POSITION_ESTIMATE    the estimate, at every tick at which vision corrects it
-    LANDING_TARGET              the target's estimated position, once for each sighting
+    LANDING_TARGET              the target's estimated position, once for each sighting; at every
+                                tick while the autopilot lands on it
 
-Nothing goes out unless it was wanted. Both are of the autopilot's local frame, but for ArduPilot's
-LANDING_TARGET, which it takes relative to the body. Sources: MAVLink common.xml; PX4
+Nothing else goes out unless it was wanted. Both are of the autopilot's local frame, but for
+ArduPilot's LANDING_TARGET, which it takes relative to the body. Sources: MAVLink common.xml; PX4
 `mavlink_receiver.cpp`; ArduPilot `AC_PrecLand_Companion.cpp`.
 """
 
@@ -16,7 +17,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from missionkit.geometry import Vec3, conjugate, norm, rotate, to_euler
-from missionkit.messages import Estimate, Observation, Record, Target
+from missionkit.messages import Estimate, LandingTarget, Observation, Record, Target
 from missionkit.vehicle.autopilot_dialect import LOCAL_NED
 
 VISION_AGE = 0.5  # s since vision last corrected the estimate
@@ -72,6 +73,10 @@ class Sharing:
         at = self._stamp(seen.now)
         if at is not None and self._share.pose and visual(seen):
             self._give("VISION_POSITION_ESTIMATE", pose_fields(seen, int(1e6 * at), start))
+        pad = record.command.landing_target
+        if pad is not None:
+            self._land_on(pad, seen, start)
+            return
         target = seen.targets.get(self._share.target or "")
         if target is None or target.seen_at is None or target.seen_at == self._seen_at:
             return
@@ -80,6 +85,15 @@ class Sharing:
             return
         self._seen_at = target.seen_at
         fields = target_fields(target, seen, int(1e6 * at), start, self._frame)
+        self._give("LANDING_TARGET", fields)
+
+    def _land_on(self, pad: LandingTarget, seen: Estimate, start: Vec3) -> None:
+        """Tell the autopilot where the pad is on which it is landing."""
+        at, target = self._stamp(seen.now), seen.targets.get(pad.name)
+        if at is None or target is None or not _finite(pad.offset):
+            return
+        here = target._replace(position=seen.position + pad.offset)
+        fields = target_fields(here, seen, int(1e6 * at), start, self._frame)
         self._give("LANDING_TARGET", fields)
 
     def _give(self, name: str, fields: Fields) -> None:
