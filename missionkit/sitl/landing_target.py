@@ -21,7 +21,12 @@ PRECISION_MODE = "PRECLAND"  # of PX4
 
 
 def hear(state: SitlState, _: Channel, message: Message) -> None:
-    """Take in where the pad is."""
+    """Take in where the pad is.
+
+    Args:
+        state: of the autopilot, changed.
+        message: LANDING_TARGET.
+    """
     place = np.array((message.x, message.y, message.z))
     px4 = state.dialect.name == "px4"
     frame = mavlink.MAV_FRAME_LOCAL_NED if px4 else mavlink.MAV_FRAME_BODY_FRD
