@@ -79,18 +79,25 @@ async function compute() {
 
 const SIGNS = { same: "=", earlier: "◀", later: "▶", new: "+", missing: "−" };
 
+/** A decision without its time, which has a column of its own. */
+function worded(decision) {
+  return (decision ?? "–").replace(/^[\d.]+ s /, "");
+}
+
 function Decisions({ it }) {
   const until = it.evidence_until;
   return html`<table>
       <thead>
-        <tr><th scope="col">at</th><th scope="col">flown</th><th scope="col">would be</th><th scope="col"></th></tr>
+        <tr><th scope="col">at</th><th scope="col">decision</th><th scope="col">would be</th></tr>
       </thead>
       <tbody>
         ${it.rows.map(
           (row) => html`<tr class=${row.kind}>
             <td><button type="button" onClick=${() => tell({ t: "seek", at: row.at })}>${seconds(row.at)}</button></td>
-            <td class="cut">${row.was ?? "–"}</td>
-            <td class="cut">${row.now ?? "–"}</td>
+            <td class="wrap">
+              ${worded(row.was ?? row.now)}
+              ${row.kind !== "same" && row.was && row.now && html`<br />now ${row.now}`}
+            </td>
             <td>${SIGNS[row.kind]} ${row.kind}</td>
           </tr>`,
         )}

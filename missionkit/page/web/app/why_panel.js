@@ -11,6 +11,7 @@ const ASK_EVERY = 1000; // ms while it is open
 const asked = signal(""); // id of the transition
 const found = signal(null); // the server's answer
 const failed = signal("");
+let askedAt = null; // time of the flight
 
 /** Open the panel for a transition. */
 export function askWhy(id) {
@@ -19,8 +20,12 @@ export function askWhy(id) {
   asked.value = id;
 }
 
+/** Ask again; a recording that stands still has nothing new to say. */
 async function refresh(id) {
-  const at = mission.value?.source === "recording" ? { at: live("now").value ?? 0 } : {};
+  const now = live("now").value;
+  if (mission.value?.source === "recording" && found.value && now === askedAt) return;
+  askedAt = now;
+  const at = mission.value?.source === "recording" ? { at: now ?? 0 } : {};
   try {
     const answer = await get("/api/why", { transition: id, ...at });
     if (asked.value === id) found.value = answer;
@@ -60,7 +65,7 @@ export function WhyPanel() {
 
 function Answer({ it }) {
   const next = it.if_nothing_changes;
-  return html`<p class="answer">${it.text}</p>
+  return html`<p class="answer">${it.text.split("\n")[0]}</p>
     ${!!it.conjuncts?.length &&
     html`<ul class="conjuncts">
       ${it.conjuncts.map((each) => html`<${Conjunct} key=${each.guard} it=${each} />`)}
