@@ -118,8 +118,9 @@ def run(
         raise UsageError("--camera needs --vehicle: the simulator draws what the camera sees")
     if system is not None and not over_mavlink:
         raise UsageError("--system needs --vehicle: the simulator has one vehicle")
-    if bind is not None and not page:
-        raise UsageError("--bind says where the page is served: add --page")
+    of_page = {"--bind": bind, "--tls-cert": tls_cert, "--tls-key": tls_key, "--tiles": tiles}
+    if not page and (given := [name for name, value in of_page.items() if value is not None]):
+        raise UsageError(f"{given[0]} is about the page: add --page")
     if share and not over_mavlink:
         raise UsageError("--share needs --vehicle: the simulator has no autopilot to send to")
     order = RunOptions(

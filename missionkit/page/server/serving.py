@@ -68,9 +68,10 @@ def serve(
         announce: says how to get in, once the page can be reached.
 
     Raises:
-        UsageError: the address cannot be served.
+        UsageError: the address cannot be served, or the file of map tiles not be used.
     """
     with listening(where) as bound:
+        server = server_of(source, where, bound, tokens)
         announce(address_of(where, bound, tokens))
         with suppress(KeyboardInterrupt):  # the server has ended in order by then
-            server_of(source, where, bound, tokens).run(sockets=[bound])
+            server.run(sockets=[bound])
