@@ -13,21 +13,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from heapq import heappop, heappush
 from math import inf
-from typing import Any, NamedTuple, TypeGuard, cast
+from typing import NamedTuple
 
 from missionkit.chart.checks.exploration import clocks
 from missionkit.chart.checks.exploration.concrete_flight import Run, Ticked
 from missionkit.chart.checks.exploration.concrete_run import Concrete, Does
 from missionkit.chart.checks.exploration.exploration_result import Exploration, Link
 from missionkit.chart.checks.exploration.explored_chart import ExploredChart
-from missionkit.chart.checks.exploration.observations import Edge, Observed, Step, sooner
-from missionkit.chart.checks.guard_regions import GuardRegion
-from missionkit.chart.checks.interval_boxes import covered, intersection
+from missionkit.chart.checks.exploration.observations import Edge, Step, sooner
+from missionkit.chart.checks.exploration.requirement_truth import Moments
 from missionkit.chart.model import guard_expressions as ex
 from missionkit.chart.model.requirements import Moment, Requirement
-from missionkit.chart.semantics.guard_compiler import of_chart
 from missionkit.chart.semantics.requirement_watch import results
-from missionkit.chart.semantics.robustness import leaves, opened_up
 
 Way = Sequence[tuple[int, Edge, int]]  # from a node to another
 
@@ -47,18 +44,6 @@ class Proof(NamedTuple):
     standing: Standing
     run: Run | None = None  # flown by the engine
     always: bool = False  # every run breaks it
-
-
-class Truth(NamedTuple):
-    """Whether something may hold and surely holds, and may fail and surely fails."""
-
-    may: bool
-    surely: bool
-    may_not: bool
-    surely_not: bool
-
-
-HOLDS, FAILS = Truth(True, True, False, False), Truth(False, False, True, True)  # noqa: FBT003
 
 
 class State(NamedTuple):
@@ -88,15 +73,11 @@ class _Prover:
         self.chart = chart = concrete.chart
         self.explored = concrete.explored
         self.model = requirement
-        self.guards = chart.analysed.mission.guards
         always = requirement.always
         self.fails = None if always is None else ex.Not(always, always.place)
         self.limit = inf if requirement.limit is None else requirement.limit
         self.refuting = False  # only the chart's own states and variables count as sure
-        self.truths: dict[tuple[int, int], Truth] = {}  # by the identities of boxes and guard
-        self.ends: dict[tuple[int, int], Truth] = {}  # by those of what is seen and moment
-        self.regions: dict[int, GuardRegion] = {}
-        self.opened: dict[int, Moment] = {}  # by the identity of the moment, which the model keeps
+        self.moments = Moments(chart)
 
     def proof(self) -> Proof:
         """Return what is known of the requirement."""
@@ -113,17 +94,17 @@ class _Prover:
 
     def _of_what_must_come(self) -> Proof:
         """Refute what never comes, or not in time, once it is called for."""
-        model, response = self.model, self.model.response
+        model, response, truth = self.model, self.model.response, self.moments.truth
         wanted = model.existence if response is None else response.then
         called = model.after if response is None else response.when
         if not self.explored.complete:
             return Proof(model, Standing.OPEN)
-        ends = [it for it in self._edges() if self._truth(wanted, it[1]).may]
+        ends = [it for it in self._edges() if truth(wanted, it[1]).may]
         soon = sooner(self.explored.edges, ends)
         if called is None:
             late = self._too_late(soon.get(0, inf))
             return Proof(model, Standing.REFUTED if late else Standing.OPEN, always=late)
-        calls = [(n, edge) for n, edge in self._edges() if self._truth(called, edge).may]
+        calls = [(n, edge) for n, edge in self._edges() if truth(called, edge).may]
         scoped = model.while_ is not None or (
             response is not None and (model.after or model.before)
         )
@@ -131,7 +112,7 @@ class _Prover:
             return Proof(model, Standing.PROVED)
         for number, edge in () if scoped else calls:
             late = self._too_late(min(soon.get(to, inf) for to in edge.to))
-            if late and self._truth(called, edge).surely and not self._truth(wanted, edge).may:
+            if late and truth(called, edge).surely and not truth(wanted, edge).may:
                 return self._refuted(self._path(number, edge), _taking(edge.step))
         return Proof(model, Standing.OPEN)
 
@@ -156,7 +137,7 @@ class _Prover:
         return seconds == inf or seconds > self.limit
 
     def _answered(self, wanted: Moment | None, edge: Edge) -> bool:
-        return self._truth(wanted, edge).surely
+        return self.moments.truth(wanted, edge).surely
 
     def _edges(self) -> Iterator[tuple[int, Edge]]:
         for number, edges in self.explored.edges.items():
@@ -244,66 +225,10 @@ class _Prover:
     def _happens(self, moment: Moment | None, edge: Edge, *, sure: bool) -> bool:
         if moment is None:
             return False
-        truth = self._truth(moment, edge)
+        truth = self.moments.truth(moment, edge)
         if sure and self.refuting:
-            return truth.surely and all(map(self._is_of_chart, self._leaves(moment)))
+            return truth.surely and self.moments.of_chart(moment)
         return truth.surely if sure else truth.may
-
-    def _leaves(self, moment: Moment) -> Iterator[Moment]:
-        yield from leaves(self._opened(moment))
-
-    def _is_of_chart(self, leaf: Moment) -> bool:
-        return isinstance(leaf, ex.Enter | ex.In | ex.Finished) or self._assigned(leaf)
-
-    def _truth(self, moment: Moment | None, edge: Edge) -> Truth:
-        """Return what is known of a guard or an entry at the end of a tick."""
-        observed = edge.observed
-        if moment is None or observed is None:
-            return FAILS
-        key = (id(observed), id(moment))
-        truth = self.ends.get(key)
-        if truth is None:
-            truth = self.ends[key] = self._of(self._opened(moment), observed)
-        return truth
-
-    def _opened(self, moment: Moment) -> Moment:
-        if id(moment) not in self.opened:
-            self.opened[id(moment)] = opened_up(moment, self.guards)
-        return self.opened[id(moment)]
-
-    def _of(self, moment: Moment, observed: Observed) -> Truth:
-        match moment:
-            case ex.All(parts=parts):
-                return _all([self._of(part, observed) for part in parts])
-            case ex.Any(parts=parts):
-                return _not(_all([_not(self._of(part, observed)) for part in parts]))
-            case ex.Not(part=part):
-                return _not(self._of(part, observed))
-            case ex.Enter(state=state):
-                return HOLDS if state in observed.entered else FAILS
-            case _:
-                return self._leaf(moment, observed)
-
-    def _leaf(self, guard: ex.Expression, observed: Observed) -> Truth:
-        if isinstance(guard, ex.In | ex.Finished) or self._assigned(guard):
-            return HOLDS if of_chart(guard)(cast("Any", observed)).holds else FAILS
-        key = (id(observed.boxes), id(guard))
-        if key not in self.truths:
-            boxes = observed.boxes
-            if id(guard) not in self.regions:
-                self.regions[id(guard)] = self.chart.analysed.reader.truth(guard)
-            truth = self.regions[id(guard)]
-            self.truths[key] = Truth(
-                bool(intersection(boxes, truth.may, sure=False)),
-                covered(boxes, truth.surely),
-                bool(intersection(boxes, truth.may_not, sure=False)),
-                covered(boxes, truth.surely_not),
-            )
-        return self.truths[key]
-
-    def _assigned(self, guard: Moment) -> TypeGuard[ex.VariableGuard]:
-        """Say whether a guard compares a variable that the chart itself sets."""
-        return isinstance(guard, ex.VariableGuard) and guard.name in self.chart.assigned
 
     def _way(self, came: Came, here: Product, edge: Edge) -> Way:
         """Return the way to a place in the search, and one more edge from it."""
@@ -326,16 +251,3 @@ class _Prover:
 
 def _taking(step: Step) -> Does:
     return lambda tried: tried.taken == step.taken
-
-
-def _all(parts: list[Truth]) -> Truth:
-    return Truth(
-        all(part.may for part in parts),
-        all(part.surely for part in parts),
-        any(part.may_not for part in parts),
-        any(part.surely_not for part in parts),
-    )
-
-
-def _not(truth: Truth) -> Truth:
-    return Truth(truth.may_not, truth.surely_not, truth.may, truth.surely)
