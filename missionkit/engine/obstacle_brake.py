@@ -28,7 +28,7 @@ def braked(
         seen: the estimate at this tick.
     """
     velocity = brake.brake(acting.scan, seen, setpoint.velocity, guidance)
-    slower = finite(setpoint._replace(velocity=velocity))
-    if slower is None or velocity is setpoint.velocity:
+    if velocity is setpoint.velocity:
         return setpoint, control
-    return slower, control._replace(pushed=True)
+    slower = finite(setpoint._replace(velocity=velocity))
+    return (setpoint, control) if slower is None else (slower, control._replace(pushed=True))

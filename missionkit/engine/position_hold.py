@@ -27,7 +27,7 @@ def standing(
         seen: the estimate at this tick.
     """
     if mode is Mode.NONE or guidance is not None or not hold_point.known(seen):
-        return acting._replace(held=None)
+        return acting if acting.held is None else acting._replace(held=None)
     if acting.held is not None:
         return acting
     return acting._replace(held=law.hold_point(seen))

@@ -64,8 +64,9 @@ def sense(
         state = plan.navigator.read(navigation)
     tracking, tracks = _tracking(plan, memory, found, state, seen.now, contain)
     targets = {**_known(plan, state), **tracks}
-    looks = (with_detected(_believed(look, state), tracks) for look in found.looks)
-    found = found._replace(looks=tuple(looks))
+    if found.looks:
+        looks = (with_detected(_believed(look, state), tracks) for look in found.looks)
+        found = found._replace(looks=tuple(looks))
     status = seen.status or before.status
     home = before.home
     if home is None and status is not None and status.armed:

@@ -59,7 +59,8 @@ class VelocityLaw(NamedTuple):
         """Take in what was scanned, whatever the state does."""
         if self.brake is None:
             return acting
-        return acting._replace(scan=self.brake.noted(acting.scan, seen))
+        scan = self.brake.noted(acting.scan, seen)
+        return acting if scan is acting.scan else acting._replace(scan=scan)
 
     def blind(self, acting: BehaviorState, guidance: Guidance | None, seen: Estimate) -> bool:
         """Say whether the guidance leads past obstacles that can no longer be seen.

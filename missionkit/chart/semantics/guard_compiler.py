@@ -300,7 +300,7 @@ def _not(part: GuardFunction) -> GuardFunction:
         verdict = part(question)
         holds = None if verdict.holds is None else not verdict.holds
         margin = None if verdict.margin is None else -verdict.margin
-        return verdict._replace(holds=holds, margin=margin)
+        return Verdict(holds, verdict.why, verdict.value, verdict.threshold, margin)
 
     return ask
 

@@ -71,9 +71,12 @@ def watched(
     following = stepped(each.pattern, each.limit, memory, sample, now)
     if each.to is None or (following.opened is None and memory.opened is None):
         return following
-    if not _broken(each, following, sample):
+    known = following.broken_since is not None
+    if _broken(each, following, sample):
+        return following if known else following._replace(broken_since=now)
+    if known or following.acted:
         return following._replace(broken_since=None, acted=False)
-    return following if following.broken_since is not None else following._replace(broken_since=now)
+    return following
 
 
 def across_gap(each: WatchedRequirement, memory: MonitorMemory, now: float) -> MonitorMemory:
