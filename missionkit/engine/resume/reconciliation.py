@@ -22,7 +22,8 @@ from missionkit.engine.resume.restore_chart import fitted
 from missionkit.errors import VehicleError
 from missionkit.messages import VehicleStatus
 
-MISSION_MODES = frozenset(("hold", "offboard", "take_off", "land"))  # modes that are not a pilot's
+MISSION_MODES = frozenset(("hold", "offboard", "take_off", "land", "precision_land"))
+"""Modes that are not a pilot's."""
 
 FAILSAFE_MODES = frozenset(("return", "smart_return", "brake"))  # modes that failsafes choose too
 
@@ -74,7 +75,9 @@ CASES: tuple[ResumeCase, ...] = (
     ),
     ResumeCase("in the air, landing", ResumeAction.GO_ON, lambda it, s: s.in_air and it.landing),
     ResumeCase(
-        "the autopilot is landing", ResumeAction.LAND, lambda _, s: s.in_air and s.mode == "land"
+        "the autopilot is landing",
+        ResumeAction.LAND,
+        lambda _, s: s.in_air and s.mode in {"land", "precision_land"},
     ),
     ResumeCase(
         "in the air, in a state that the chart no longer has",
