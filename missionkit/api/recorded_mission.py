@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import shutil
@@ -12,6 +13,7 @@ from pathlib import Path
 from missionkit.api.missions import LoadedMission, load
 from missionkit.api.run_origin import Origin, plugin_changes, plugins_named, text_of
 from missionkit.errors import FileError, Problem, UsageError
+from missionkit.recorder import value_codec
 from missionkit.recorder.journal_reader import Journal
 
 BINARY = re.compile(r"\d+ bytes, SHA-256 [0-9a-f]{64}")  # stands for a file that is no text
@@ -65,6 +67,17 @@ def origin_of(journal: Journal) -> Origin:
     if not isinstance(origin, Origin):
         raise UsageError(f"{journal.path}: it does not describe a mission")
     return origin
+
+
+def basis_of(journal: Journal) -> str:
+    """Return a digest of the files and parameters that a flight stands on.
+
+    Raises:
+        UsageError: the journal was changed.
+    """
+    it = origin_of(journal)
+    text = value_codec.written((it.mission, it.settings, it.plugins, it.texts))
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def check_plugins(path: Path, origin: Origin, plugins: Sequence[Path]) -> None:

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.api.recorded_mission import mission_flown
-from missionkit.engine.prepared_mission import prepare
+from missionkit.api.recorded_mission import basis_of, mission_flown
+from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.errors import UsageError
 from missionkit.recorder.flight_journal import JOURNAL_FILE
 from missionkit.recorder.journal_reader import Journal, read_journal
@@ -76,7 +76,8 @@ def replay(
     """
     files = [Path(it) for it in plugins]
     paths = [path for it in runs_in([Path(run)]) for path in journals(it)]
-    return tuple(_replayed(read_journal(path), since, files) for path in paths)
+    plans: dict[str, PreparedMission] = {}  # flights that stand on the same share one
+    return tuple(_replayed(read_journal(path), since, files, plans) for path in paths)
 
 
 def runs_in(folders: Sequence[Path]) -> list[Path]:
@@ -115,10 +116,15 @@ def journals(run: Path) -> list[Path]:
     return found
 
 
-def _replayed(journal: Journal, since: float, plugins: Sequence[Path]) -> Replay:
-    with tempfile.TemporaryDirectory() as folder:
-        mission = mission_flown(journal, Path(folder), plugins)
-        plan = prepare(mission.model, mission.catalogue)
+def _replayed(
+    journal: Journal, since: float, plugins: Sequence[Path], plans: dict[str, PreparedMission]
+) -> Replay:
+    basis = basis_of(journal)
+    if basis not in plans:
+        with tempfile.TemporaryDirectory() as folder:
+            mission = mission_flown(journal, Path(folder), plugins)
+            plans[basis] = prepare(mission.model, mission.catalogue)
+    plan = plans[basis]
     if journal.ticks and since > journal.ticks[-1][0]:
         last = journal.ticks[-1][0]
         raise UsageError(

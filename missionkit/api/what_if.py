@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from missionkit.api.missions import NO_SETTINGS, LoadedMission, load
-from missionkit.api.recorded_mission import mission_flown, origin_of
+from missionkit.api.recorded_mission import basis_of, mission_flown, origin_of
 from missionkit.api.replay import journals
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.errors import FileError, MissionkitError, UsageError
-from missionkit.recorder import value_codec
 from missionkit.recorder.journal_reader import Journal, read_journal
 from missionkit.replays.decision_table import DecisionTable, compared
 from missionkit.replays.replayed_flight import replayed
@@ -164,9 +163,7 @@ def _answer(question: Question, run: Path, prepared: Prepared) -> WhatIf:
 
 def _prepared(question: Question, journal: Journal, prepared: Prepared) -> PreparedAnswer:
     """Return the mission that decides; flights that stand on the same share one."""
-    origin = origin_of(journal)
-    stands = (origin.mission, origin.settings, origin.plugins, origin.texts)
-    key = hashlib.sha256(value_codec.written(stands).encode()).hexdigest()
+    key = basis_of(journal)
     if key not in prepared:
         with tempfile.TemporaryDirectory() as folder:
             prepared[key] = _prepare(question, journal, Path(folder))
