@@ -79,6 +79,7 @@ class ExploredChart:
             for name, ways in analysed.ways.items()
             for compiled_way, way in zip(states[name].transitions, ways, strict=True)
         }
+        self.apart = False  # it is one region of several
         self.judges_itself = _judges_itself(analysed)
         self.off_ground = off_ground(analysed, self.ways)
         self.failsafes = {way.number: way.text for way in failsafes}
@@ -158,6 +159,7 @@ class ExploredChart:
     def with_one(self, parallel: str, region: str) -> ExploredChart:
         """Return the chart with one of the regions of a parallel state alone."""
         other = copy(self)
+        other.apart = True
         other.moves = NotedMoves()
         alone = replace(self.chart.states[parallel], children=(region,))
         states = {**self.chart.states, parallel: alone}

@@ -248,7 +248,8 @@ class Search:
         oracle.situation = situation
         here = configuration(chart, node.memory.active)
         memory = self._prepared(node, situation)
-        in_air = not here.flying and memory.started and situation.pick(2) == 1
+        may_fly = memory.started or self.chart.apart  # another region may fly from the start
+        in_air = not here.flying and may_fly and situation.pick(2) == 1
         seen = SEEN._replace(
             state=memory.state,
             entered_at=memory.entered[memory.state],
