@@ -49,6 +49,7 @@ studies: .venv/ready
 	$(BIN)/python -m studies.precision_task
 	$(BIN)/python -m studies.resume
 	$(BIN)/python -m studies.record_kills
+	$(BIN)/python -m studies.page
 	$(BIN)/python -m studies.fuzz
 	$(BIN)/python -m studies.soundness
 	$(BIN)/python -m studies.hover
