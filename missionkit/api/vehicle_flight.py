@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from missionkit.api.vehicle_camera import camera_of
+from missionkit.behaviors.land_on import LandOn
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.clock import RealTime
 from missionkit.engine.flight_end import FlownFlight
@@ -87,6 +88,7 @@ def vehicle_of(
         wanted=origin_wanted(mission),
         traffic=traffic,
         gimbal=mission.camera.gimbal is not None,
+        lands_precisely=lands_precisely(mission),
     )
 
 
@@ -96,6 +98,13 @@ def origin_wanted(mission: Mission) -> MissionOrigin | None:
         return None
     by_fixes = FIX_INPUT in relied_on(mission)
     return MissionOrigin(mission.origin.geodetic, mission.has_amsl, by_fixes)
+
+
+def lands_precisely(mission: Mission) -> bool:
+    """Say whether a mission orders the autopilot's own precision landing."""
+    behaviors = (it.state.behavior for it in mission.walk())
+    plugins = (None if it is None else it.plugin for it in behaviors)
+    return any(isinstance(it, LandOn) and it.by == "autopilot" for it in plugins)
 
 
 def relied_on(mission: Mission) -> frozenset[str]:

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from missionkit.api.vehicle_flight import lands_precisely
 from missionkit.chart.model.mission import Mission
 from missionkit.errors import UsageError, VehicleError
 
@@ -72,6 +73,8 @@ def _options(
         words.append(f"--home={place.lat!r},{place.lon!r},{place.alt!r}")
     if (start := mission.vehicle.start) is not None:
         words.append(f"--start={start[0]!r},{start[1]!r}")
+    if dialect == "ardupilot" and lands_precisely(mission):
+        words += ["--parameter", "PLND_ENABLED=1"]
     return [*words, *(word for fault in faults for word in ("--fault", fault))]
 
 

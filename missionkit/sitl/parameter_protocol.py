@@ -99,6 +99,7 @@ ARDUPILOT_PARAMETERS: dict[str, float] = {  # an int is an INT16
     "PSC_POSZ_P": 1.0,
     "RC_FS_TIMEOUT": 1.0,
     "PLND_ENABLED": 0,
+    "PLND_TYPE": 1,
     "RTL_ALT": 1500,
     "RTL_ALT_FINAL": 0,
     "RTL_CLIMB_MIN": 0,

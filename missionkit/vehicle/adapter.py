@@ -69,6 +69,7 @@ class MavsdkVehicle:
         wanted: the mission's origin, if it has one; None: the vehicle's home is the origin.
         traffic: to the other vehicles of its fleet, if it flies in one.
         gimbal: whether the camera is on a gimbal, whose attitude every frame then needs.
+        lands_precisely: the mission orders the autopilot's own precision landing.
     """
 
     def __init__(
@@ -86,6 +87,7 @@ class MavsdkVehicle:
         traffic: TrafficLink | None = None,
         *,
         gimbal: bool = False,
+        lands_precisely: bool = False,
     ) -> None:
         self.address = address
         self.cache = Cache(wall, QUEUED)
@@ -102,6 +104,7 @@ class MavsdkVehicle:
         self._system = system
         self._guard = guard
         self._wanted = wanted
+        self._lands_precisely = lands_precisely
         self._gimbal = gimbal
         self.traffic = traffic
         self._guardian: Guardian | None = None
@@ -118,6 +121,11 @@ class MavsdkVehicle:
     def dialect(self) -> Dialect:
         """The autopilot's dialect."""
         return self._joined.dialect
+
+    @property
+    def wants_set(self) -> tuple[str, ...]:
+        """Parameters of the autopilot that must not be 0 for this mission."""
+        return self.dialect.precise_parameters if self._lands_precisely else ()
 
     @property
     def state(self) -> AutopilotState:

@@ -40,6 +40,7 @@ class Dialect(NamedTuple):
     land: tuple[float, float, float] | None  # None: NAV_LAND
     precise: tuple[float, float, float]  # to land on LANDING_TARGET
     precise_word: str  # name of the mode in which it does
+    precise_parameters: tuple[str, ...]  # that must be set for it
     offboard_word: str  # name of the mode in which setpoints are obeyed
     hold_word: str  # name of the mode in which the vehicle holds
     warm: float  # s of setpoints before it enters that mode
@@ -116,6 +117,7 @@ PX4 = Dialect(
     land=None,
     precise=(1.0, 4.0, 9.0),
     precise_word="precision_land",
+    precise_parameters=(),
     offboard_word="offboard",
     hold_word="hold",
     warm=1.0,
@@ -157,8 +159,9 @@ ARDUPILOT = Dialect(
     hold=(1.0, 4.0, 0.0),  # not BRAKE, which refuses to arm
     offboard=(1.0, 4.0, 0.0),
     land=(1.0, 9.0, 0.0),
-    precise=(1.0, 9.0, 0.0),  # with PLND_ENABLED
+    precise=(1.0, 9.0, 0.0),
     precise_word="land",
+    precise_parameters=("PLND_ENABLED", "PLND_TYPE"),
     offboard_word=GUIDED_MODE,
     hold_word=GUIDED_MODE,
     warm=0.0,

@@ -44,7 +44,13 @@ def test_a_vehicle_without_faults_is_ready():
 
 LOST = {**GOOD.fix, "fix_type": 1}
 PIXELS = {"flow_x": 12, "flow_rate_x": 0.0, "flow_rate_y": 0.0}
+PRECISE = ("PLND_ENABLED",)
 FAULTS = [
+    (
+        {"to_be_set": PRECISE, "parameters": {**SAFE, "PLND_ENABLED": 0.0}},
+        *("PLND_ENABLED", FailsafeLevel.BAD, "would land by satellites"),
+    ),
+    ({"to_be_set": PRECISE}, "PLND_ENABLED", FailsafeLevel.WARNING, "could not be read"),
     ({"contested": True}, "system", FailsafeLevel.BAD, "two vehicles use the same system id"),
     ({"armed": None}, "state", FailsafeLevel.BAD, "no heartbeat"),
     ({"in_air": True}, "state", FailsafeLevel.WARNING, "already in the air"),

@@ -115,6 +115,7 @@ def parameters(vehicle: MavsdkVehicle) -> dict[str, float | None]:
     dialect = vehicle.dialect
     names = [it.parameter for it in dialect.failsafes]
     names += [name for it in dialect.thresholds for name in it.parameters]
+    names += vehicle.wants_set
     return {name: vehicle.link.parameter(name) for name in names}
 
 
@@ -146,6 +147,7 @@ def _found(
         flow=_fields(vehicle, "OPTICAL_FLOW_RAD") or _fields(vehicle, "OPTICAL_FLOW"),
         ranges=_drained(vehicle, "DISTANCE_SENSOR"),
         misplaced=vehicle.observer.misplaced,
+        to_be_set=vehicle.wants_set,
     )
 
 

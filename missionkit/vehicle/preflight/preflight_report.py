@@ -44,6 +44,7 @@ class Findings(NamedTuple):
     flow: Fields | None = None  # OPTICAL_FLOW_RAD or OPTICAL_FLOW
     ranges: Sequence[Fields] = ()  # DISTANCE_SENSOR, the last ones
     misplaced: str = ""  # why the mission cannot be flown from this home
+    to_be_set: Sequence[str] = ()  # parameters without which its landing is not a precise one
 
 
 class Check(NamedTuple):
@@ -112,6 +113,7 @@ def judged(vehicle: str, dialect: Dialect, found: Findings) -> PreflightReport:
         Check("ground", *sensor_checks.ground(found.flow, found.ranges)),
         *_parameters(dialect, found),
         *_thresholds(dialect, found),
+        *_precise_landing(found),
         *_north(found),
         *_clock(found),
     )
@@ -198,6 +200,22 @@ def _parameters(dialect: Dialect, found: Findings) -> list[Check]:
 
 def _thresholds(dialect: Dialect, found: Findings) -> list[Check]:
     return [Check(it.parameters[0], *it.judge(found.parameters)) for it in dialect.thresholds]
+
+
+def _precise_landing(found: Findings) -> list[Check]:
+    """Look for what an autopilot would otherwise leave out without a word."""
+    checks = []
+    for name in found.to_be_set:
+        value = found.parameters.get(name)
+        says = "on" if value else "could not be read: check it by hand"
+        level = FailsafeLevel.GOOD if value else FailsafeLevel.WARNING
+        if value == 0.0:
+            level = FailsafeLevel.BAD
+            says = (
+                "0, so it would land by satellites: the mission lands 'by: autopilot'; set it to 1"
+            )
+        checks.append(Check(name, level, says))
+    return checks
 
 
 def _north(found: Findings) -> list[Check]:
