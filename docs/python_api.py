@@ -449,7 +449,7 @@ EXAMPLES = {
     """,
     "Action": """
         >>> [action.value for action in missionkit.Action]
-        ['arm', 'take_off', 'hold', 'land', 'return', 'disarm']
+        ['arm', 'take_off', 'hold', 'land', 'precision_land', 'return', 'disarm']
     """,
     "Record": """
         >>> record.state, record.mode.value, record.problems
