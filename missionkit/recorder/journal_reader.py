@@ -81,7 +81,7 @@ def _ends(path: Path, ticks: Sequence[tuple[float, bytes]]) -> str:
         stream.seek(-len(MAGIC), os.SEEK_END)
         if stream.read() == MAGIC:
             return f"{path}: it can be read up to {until.removeprefix('at ')}: the rest is damaged"
-    return f"{path}: it ends {until}: the flight was killed, or the file was cut short"
+    return f"{path}: it ends {until}: the flight goes on, or was killed, or the file was cut short"
 
 
 def tick_of(journal: Journal, text: bytes) -> JournalTick:
