@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -24,6 +24,25 @@ RESULTS = {
     8: "only as COMMAND_INT",
     9: "unsupported frame",
 }
+
+
+def send_command(
+    wire: MessageLink, command: int, values: Sequence[float | None], attempt: int = 0
+) -> None:
+    """Send a COMMAND_LONG.
+
+    Args:
+        wire: the link.
+        command: MAV_CMD.
+        values: of its first parameters, None: NaN; the others are 0.
+        attempt: how often it was sent before.
+
+    Raises:
+        RuntimeError: there is no link.
+    """
+    params = (*values, *(0.0,) * (7 - len(values)))
+    named = {f"param{n}": value for n, value in enumerate(params, 1)}
+    wire.send("COMMAND_LONG", command=command, confirmation=attempt, **named)
 
 
 class CommandOutcome(StrEnum):
@@ -123,15 +142,13 @@ def _asked(
     desk: Desk, ask: Ask, begun: float, shown: Callable[[], bool]
 ) -> tuple[int, float] | None:
     """Ask until there is an answer, or telemetry shows that none is needed."""
-    params = (*ask.params, *(0.0,) * (7 - len(ask.params)))
-    named = {f"param{n}": value for n, value in enumerate(params, 1)}
 
     def settled() -> bool:
         return desk.acks.since(ask.command, begun) is not None or shown() or desk.give_up()
 
     for attempt in range(ATTEMPTS):
         if not desk.give_up():
-            desk.wire.send("COMMAND_LONG", command=ask.command, confirmation=attempt, **named)
+            send_command(desk.wire, ask.command, ask.params, attempt)
         if desk.cache.wait(settled, ATTEMPT):
             break
     return desk.acks.since(ask.command, begun)

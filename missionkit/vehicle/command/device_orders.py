@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Final
 
 from missionkit.messages import Device, DeviceOrder
-from missionkit.vehicle.command.command_transaction import RESULTS, Acks
+from missionkit.vehicle.command.command_transaction import RESULTS, Acks, send_command
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_link import MessageLink
 
@@ -121,15 +121,7 @@ class DeviceQueue:
             return
         if not self._attempts:
             self._asked = now
-        values = self._params(order)
-        params = dict.fromkeys((f"param{n}" for n in range(1, 8)), 0.0)
-        params |= {f"param{n}": value for n, value in enumerate(values, 1)}
+        with suppress(RuntimeError):  # no link: sent again
+            send_command(self._wire, self._command(order), self._params(order), self._attempts)
         self._attempts += 1
         self._sent = now
-        with suppress(RuntimeError):  # no link: sent again
-            self._wire.send(
-                "COMMAND_LONG",
-                command=self._command(order),
-                confirmation=self._attempts - 1,
-                **params,
-            )

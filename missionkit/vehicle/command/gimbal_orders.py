@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import Final
 
 from missionkit.messages import GimbalAngles
-from missionkit.vehicle.command.command_transaction import RESULTS, Acks
+from missionkit.vehicle.command.command_transaction import RESULTS, Acks, send_command
 from missionkit.vehicle.command.device_orders import ATTEMPTS, REFUSED, REPEAT_AFTER, UNSUPPORTED
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_link import MessageLink
@@ -65,7 +65,7 @@ class GimbalOrders:
         if wanted is None:
             return
         self._hear()
-        waited = (self._cache.wall() - self._sent_at) * self._pace
+        waited = self._silent_for
         if self._sent is None or _apart(self._sent, wanted) > LEAST_TURN:
             if waited >= LEAST_GAP:
                 self._send(wanted, attempt=1)
@@ -115,10 +115,8 @@ class GimbalOrders:
             self._order(PITCHYAW, (pitch, yaw, None, None, float(FLAGS)), attempt)
 
     def _order(self, command: int, values: tuple[float | None, ...], attempt: int) -> None:
-        params: dict[str, float | None] = dict.fromkeys((f"param{n}" for n in range(1, 8)), 0.0)
-        params |= {f"param{n}": value for n, value in enumerate(values, 1)}
         with suppress(RuntimeError):  # no link: sent again
-            self._wire.send("COMMAND_LONG", command=command, confirmation=attempt - 1, **params)
+            send_command(self._wire, command, values, attempt - 1)
 
 
 def _apart(a: GimbalAngles, b: GimbalAngles) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from missionkit.vehicle.command.command_transaction import Acks
+from missionkit.vehicle.command.command_transaction import Acks, send_command
 from missionkit.vehicle.link.message_cache import Cache
 from missionkit.vehicle.link.message_link import MessageLink
 
@@ -59,12 +59,5 @@ class Payload:
             self._asked = None
             return
         self._sent = now
-        params = {f"param{n}": 0.0 for n in range(2, 8)}
         with suppress(RuntimeError):  # no link: sent again until it is acknowledged
-            self._wire.send(
-                "COMMAND_LONG",
-                command=SET_ACTUATOR,
-                confirmation=0,
-                param1=1.0 if on else -1.0,
-                **params,
-            )
+            send_command(self._wire, SET_ACTUATOR, (1.0 if on else -1.0,))
