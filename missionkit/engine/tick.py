@@ -39,6 +39,7 @@ class Ticked(NamedTuple):
     record: Record
     took: tuple[float, float, float]  # s, sense, process, control; zeros without a stopwatch
     seen: Estimate  # what the chart was asked with
+    stopped: float = 0.0  # s by which a pause put off the clocks of the chart before that
     grounded: str = ""  # why the vehicle is not armed although the mission wants it
 
 
@@ -66,9 +67,10 @@ def tick(
     observation = with_ground_contact(observation, memory.senses.status, lands=memory.acting.lands)
     in_control = observation.in_control
     paused = pause.asked(memory.paused, observation.events)
+    stopped = 0.0
     if pause.reason(plan.chart, memory.chart, by_operator=paused, in_control=in_control):
-        chart = pause.stopped(memory.chart, observation.now - memory.now)
-        memory = memory._replace(chart=chart)
+        stopped = observation.now - memory.now
+        memory = memory._replace(chart=pause.stopped(memory.chart, stopped))
     senses, seen = sense(plan, memory, observation, contain)
     asked_with = seen
     t1 = stopwatch()
@@ -119,7 +121,7 @@ def tick(
     )
     following = FlightMemory(observation.now, senses, chart, acting, paused)
     took = (t1 - t0, t2 - t1, t3 - t2)
-    return Ticked(following, command, record, took, asked_with, grounded)
+    return Ticked(following, command, record, took, asked_with, stopped, grounded)
 
 
 def _with_gimbal(

@@ -6,7 +6,6 @@ import bisect
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from missionkit.engine import pause
 from missionkit.engine.flight_state import FlightMemory
 from missionkit.engine.prepared_mission import PreparedMission, begin
 from missionkit.engine.tick import tick
@@ -61,7 +60,6 @@ def replayed(
             return
         eye.shown = given.image
         observation = whole(given)
-        stopped = _stopped(plan, memory, observation)
         done = tick(plan, memory, observation, contain)
         memory, record = done.memory, done.record
         yield ReplayedTick(
@@ -73,18 +71,9 @@ def replayed(
             record,
             observation,
             done.seen,
-            stopped,
+            done.stopped,
         )
         number += 1
-
-
-def _stopped(plan: PreparedMission, memory: FlightMemory, observation: Observation) -> float:
-    """Return by how much (s) a pause puts off the clocks of the chart at this tick."""
-    by_operator = pause.asked(memory.paused, observation.events)
-    why = pause.reason(
-        plan.chart, memory.chart, by_operator=by_operator, in_control=observation.in_control
-    )
-    return observation.now - memory.now if why else 0.0
 
 
 def start_at(plan: PreparedMission, journal: Journal, since: float) -> ReplayStart:
