@@ -172,7 +172,8 @@ def smallest_change(
     if not found:
         return NONE_FOUND
     flyable = (it for it in found[:MOST_CONFIRMED] if not _refused(case, it))
-    return _described(case, next((it for it in flyable if _replays(case, it)), found[0]))
+    confirmed = next((it for it in flyable if _replays(case, it)), None)
+    return _described(case, confirmed or found[0], confirmed=confirmed is not None)
 
 
 def _numbers(
@@ -215,13 +216,13 @@ def _case(
     return _Case(mission, plan, journal, asked, how, ticks, sources)
 
 
-def _described(case: _Case, changes: Changes) -> SmallestChange:
+def _described(case: _Case, changes: Changes, *, confirmed: bool) -> SmallestChange:
     changed = with_numbers(case.mission.model, changes)
     assert changed is not None  # noqa: S101 - it was judged
     found = case.judged(changed)
     assert found is not None  # noqa: S101 - likewise
-    wrong = _refused(case, changes)
-    verified = not wrong and _replays(case, changes) and _no_less(case, changes)
+    wrong = "" if confirmed else _refused(case, changes)
+    verified = confirmed and _no_less(case, changes)
     words = " and ".join(
         f"{number.where} {value:g} instead of {number.value:g} (line {number.place.line})"
         for number, value in changes
