@@ -15,7 +15,7 @@ from missionkit.api.recorded_mission import origin_of
 from missionkit.api.replay import journals
 from missionkit.api.run_origin import Origin
 from missionkit.api.simulation import fault_of
-from missionkit.api.what_if import Question, mission_asked
+from missionkit.api.what_if import mission_asked, question_of
 from missionkit.engine.flight_loop import Operator
 from missionkit.errors import UsageError
 from missionkit.messages import ABORT, Observation, Record
@@ -121,9 +121,7 @@ def fork(
     if head.vehicle != SIMULATOR or not head.begins:
         what = "a resumed part" if head.vehicle == SIMULATOR else f"flown at {head.vehicle}"
         raise UsageError(f"{journal.path}: {what}: only a rehearsal from its start can be forked")
-    question = Question(
-        None if mission is None else Path(mission), settings, tuple(map(Path, plugins))
-    )
+    question = question_of(mission, settings, plugins)
     with tempfile.TemporaryDirectory() as folder:
         other = mission_asked(question, journal, Path(folder))
         ticks = [tick_of(journal, text) for _, text in journal.ticks]

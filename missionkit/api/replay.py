@@ -116,6 +116,18 @@ def journals(run: Path) -> list[Path]:
     return found
 
 
+def journal_from_start(run: str | Path) -> Journal:
+    """Return the first journal of a run, which must begin with the mission.
+
+    Raises:
+        UsageError: there is none, it cannot be read, or it is of a resumed part.
+    """
+    journal = read_journal(journals(Path(run))[0])
+    if not journal.head.begins:
+        raise UsageError(f"{journal.path}: this is a resumed part: only its first part can be used")
+    return journal
+
+
 def _replayed(
     journal: Journal, since: float, plugins: Sequence[Path], plans: dict[str, PreparedMission]
 ) -> Replay:

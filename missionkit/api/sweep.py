@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from missionkit.api.missions import NO_SETTINGS, LoadedMission
 from missionkit.api.recorded_mission import mission_flown
-from missionkit.api.replay import journals
+from missionkit.api.replay import journal_from_start
 from missionkit.api.transition_change import ReplayedChart, replayed_chart
 from missionkit.api.what_if import plain_section
 from missionkit.chart.model.mission import Mission
@@ -17,7 +17,7 @@ from missionkit.chart.semantics.chart_compiler import compile_mission
 from missionkit.engine.prepared_mission import prepare
 from missionkit.errors import FileError, UsageError, nearest
 from missionkit.messages import Fired
-from missionkit.recorder.journal_reader import Journal, read_journal
+from missionkit.recorder.journal_reader import Journal
 from missionkit.replays.chart_replay import first_difference
 from missionkit.replays.decision_sweep import (
     AS_FLOWN,
@@ -80,9 +80,7 @@ def sweep(
         FileError: the mission cannot be used by this version of missionkit.
         UsageError: there is no journal, no such parameter, or the range is empty.
     """
-    journal = read_journal(journals(Path(run))[0])
-    if not journal.head.begins:
-        raise UsageError(f"{journal.path}: this is a resumed part: only its first part can be used")
+    journal = journal_from_start(run)
     files = [Path(it) for it in plugins]
     with tempfile.TemporaryDirectory() as folder:
         mission = mission_flown(journal, Path(folder), files)

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 from missionkit.api.missions import NO_SETTINGS, LoadedMission, load
 from missionkit.api.recorded_mission import basis_of, mission_flown, origin_of
-from missionkit.api.replay import journals
+from missionkit.api.replay import journal_from_start, journals
 from missionkit.chart.model.guard_expressions import Use
 from missionkit.chart.model.mission import Mission
 from missionkit.engine.prepared_mission import PreparedMission, prepare
 from missionkit.errors import FileError, MissionkitError, UsageError
-from missionkit.recorder.journal_reader import Journal, read_journal
+from missionkit.recorder.journal_reader import Journal
 from missionkit.replays.decision_table import DecisionTable, compared
 from missionkit.replays.replayed_flight import replayed
 
@@ -37,6 +37,20 @@ class Question(NamedTuple):
     mission: Path | None
     settings: Mapping[str, object] = {}
     plugins: tuple[Path, ...] = ()
+
+
+def question_of(
+    mission: str | Path | None, settings: Mapping[str, object], plugins: Sequence[str | Path]
+) -> Question:
+    """Return a question as a user asks it.
+
+    Args:
+        mission: file of the other mission; None: the one that was flown.
+        settings: values of parameters that differ.
+        plugins: plug-in files.
+    """
+    other = None if mission is None else Path(mission)
+    return Question(other, settings, tuple(map(Path, plugins)))
 
 
 class PreparedAnswer(NamedTuple):
@@ -91,8 +105,7 @@ def what_if(
         >>> found.table.first is None, found.table.parted is None
         (True, False)
     """
-    other = None if mission is None else Path(mission)
-    return _answer(Question(other, settings, tuple(map(Path, plugins))), Path(run), {})
+    return _answer(question_of(mission, settings, plugins), Path(run), {})
 
 
 def what_if_each(
@@ -153,9 +166,7 @@ def _answers(question: Question, runs: Sequence[Path]) -> list[WhatIf | Missionk
 
 
 def _answer(question: Question, run: Path, prepared: Prepared) -> WhatIf:
-    journal = read_journal(journals(run)[0])
-    if not journal.head.begins:
-        raise UsageError(f"{journal.path}: this is a resumed part: only its first part can be used")
+    journal = journal_from_start(run)
     plan, notes = _prepared(question, journal, prepared)
     table = compared(replayed(plan, journal))
     return WhatIf(journal.path, table, (*([journal.ends] if journal.ends else []), *notes))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -10,7 +9,8 @@ from missionkit.api.fork import Fork, fork
 from missionkit.api.replay import runs_in
 from missionkit.api.what_if import WhatIf
 from missionkit.cli.overrides import overrides
-from missionkit.cli.what_if_command import plain_table, require_change, row_text, say
+from missionkit.cli.printing import say, say_json
+from missionkit.cli.what_if_command import plain_table, require_change, row_text
 from missionkit.errors import ExitCode
 
 
@@ -39,7 +39,7 @@ def flown_on(
     values = overrides(settings)
     found = [fork(run, mission, settings=values, plugins=plugins) for run in runs_in(folders)]
     if as_json:
-        print(json.dumps([_plain_fork(it) for it in found], indent=2))  # noqa: T201
+        say_json([_plain_fork(it) for it in found])
     else:
         for it in found:
             for line in _fork_lines(it):

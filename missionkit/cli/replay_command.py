@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from missionkit.api.replay import Replay
 from missionkit.api.replay import replay as replayed
+from missionkit.cli.printing import say, say_json
 from missionkit.engine.clock import stopwatch
-from missionkit.errors import ExitCode, printable
+from missionkit.errors import ExitCode
 
 
 def replay(run: Path, since: float, plugins: Sequence[Path], *, as_json: bool) -> ExitCode:
@@ -29,13 +29,13 @@ def replay(run: Path, since: float, plugins: Sequence[Path], *, as_json: bool) -
     parts = replayed(run, since=since, plugins=plugins)
     took = stopwatch() - begun
     if as_json:
-        print(json.dumps([_plain(part) for part in parts], indent=2))  # noqa: T201
+        say_json([_plain(part) for part in parts])
     else:
         for part in parts:
             for line in _lines(part):
-                _say(line)
+                say(line)
         flown = sum(part.until - part.since for part in parts)
-        _say(f"{flown:.1f} s of flight in {took:.1f} s")
+        say(f"{flown:.1f} s of flight in {took:.1f} s")
     return ExitCode.ENDED_SAFELY if any(it.difference for it in parts) else ExitCode.SUCCESS
 
 
@@ -54,7 +54,3 @@ def _plain(part: Replay) -> dict[str, object]:
         "journal": str(part.journal),
         "difference": None if difference is None else difference._asdict(),
     }
-
-
-def _say(text: str) -> None:
-    print(printable(text))  # noqa: T201

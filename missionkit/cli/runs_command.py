@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from missionkit.errors import ExitCode, UsageError, printable
+from missionkit.cli.printing import say, say_json
+from missionkit.errors import ExitCode, UsageError
 from missionkit.recorder.run_library import ListedRun, listed, runs_of, tag
 from missionkit.recorder.run_summary import Summary, outcome_text
 from missionkit.replays.decision_table import ComparedTransition, Taken, tabulated
@@ -54,12 +54,12 @@ def runs(folder: Path, wanted: Wanted, retag: Retag, *, as_json: bool) -> ExitCo
     if retag.add or retag.remove:
         found = [it._replace(tags=tag(it.folder, retag.add, retag.remove)) for it in found]
     if as_json:
-        print(json.dumps([_plain(it) for it in found], indent=2))  # noqa: T201
+        say_json([_plain(it) for it in found])
         return ExitCode.SUCCESS
     width = max((len(_name(it, folder)) for it in found), default=0)
     for it in found:
-        _say(_line(it, _name(it, folder), width))
-    _say(_count(found))
+        say(_line(it, _name(it, folder), width))
+    say(_count(found))
     return ExitCode.SUCCESS
 
 
@@ -82,12 +82,12 @@ def compare(one: Path, other: Path, *, as_json: bool) -> ExitCode:
             "fields": [{"field": name, "one": a, "other": b} for name, a, b in fields],
             "transitions": [_plain_row(row) for row in rows],
         }
-        print(json.dumps(plain, indent=2))  # noqa: T201
+        say_json(plain)
         return ExitCode.SUCCESS
     for name, a, b in fields:
-        _say(f"{name}: {a} | {b}")
+        say(f"{name}: {a} | {b}")
     for row in rows:
-        _say(_row(row))
+        say(_row(row))
     return ExitCode.SUCCESS
 
 
@@ -184,7 +184,3 @@ def _plain(run: ListedRun) -> dict[str, object]:
         "seed": None if it is None else it.seed,
         "faults": None if it is None else list(it.faults),
     }
-
-
-def _say(text: str) -> None:
-    print(printable(text))  # noqa: T201

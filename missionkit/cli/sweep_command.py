@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 from missionkit.api.replay import runs_in
 from missionkit.api.sweep import Sweep, sweep
 from missionkit.cli.overrides import overrides
-from missionkit.cli.what_if_command import say
+from missionkit.cli.printing import say, say_json
 from missionkit.errors import ExitCode, UsageError
 from missionkit.replays.decision_sweep import AS_FLOWN
 
@@ -46,7 +45,7 @@ def swept(
             {**it._asdict(), "journal": str(it.journal), "parts": [p._asdict() for p in it.parts]}
             for it in found
         ]
-        print(json.dumps(plain, indent=2))  # noqa: T201
+        say_json(plain)
     else:
         for it in found:
             for line in _sweep_lines(it):

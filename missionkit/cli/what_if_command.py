@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,6 +10,7 @@ from pathlib import Path
 from missionkit.api.replay import runs_in
 from missionkit.api.what_if import Question, WhatIf, what_if_each, without_copies
 from missionkit.cli.overrides import overrides
+from missionkit.cli.printing import say, say_json
 from missionkit.errors import ExitCode, MissionkitError, UsageError, printable
 from missionkit.replays.decision_table import ComparedTransition, Taken
 
@@ -66,7 +66,7 @@ def require_change(mission: Path | None, settings: Sequence[str]) -> None:
 
 def _show(found: Sequence[WhatIf], *, as_json: bool) -> None:
     if as_json:
-        print(json.dumps([plain_table(it) for it in found], indent=2))  # noqa: T201
+        say_json([plain_table(it) for it in found])
     else:
         for it in found:
             for line in _lines(it):
@@ -126,8 +126,3 @@ def plain_table(it: WhatIf) -> dict[str, object]:
         ],
         "notes": list(it.notes),
     }
-
-
-def say(text: str) -> None:
-    """Print a line."""
-    print(printable(text))  # noqa: T201

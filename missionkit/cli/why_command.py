@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from missionkit.api.why import Why
 from missionkit.api.why import why as asked
-from missionkit.errors import ExitCode, UsageError, printable
+from missionkit.cli.printing import say, say_json
+from missionkit.errors import ExitCode, UsageError
 
 
 def why(
@@ -38,11 +38,11 @@ def why(
     at = _time(moment.removeprefix("@") if moment else behind)
     answers = asked(run, states, at=at, changes=changes, plugins=plugins)
     if as_json:
-        print(json.dumps([_plain(it) for it in answers], indent=2))  # noqa: T201
+        say_json([_plain(it) for it in answers])
     else:
         for it in answers:
             for line in it.text.splitlines():
-                print(printable(line))  # noqa: T201
+                say(line)
     return ExitCode.SUCCESS
 
 

@@ -14,11 +14,12 @@ from typing import NamedTuple
 from pydantic import ValidationError
 
 from missionkit.errors import UsageError
+from missionkit.recorder.flight_journal import JOURNAL_FILE
 from missionkit.recorder.run_folder import write_whole
-from missionkit.recorder.run_summary import Summary
+from missionkit.recorder.run_summary import SUMMARY_FILE, Summary
 
-SUMMARY_FILE, TAGS_FILE = "summary.json", "tags.txt"
-MARKS = (SUMMARY_FILE, "flight.mcap", "journal.mcap", "origin.json")  # one of them makes a run
+TAGS_FILE, ORIGIN_FILE = "tags.txt", "origin.json"
+MARKS = (SUMMARY_FILE, "flight.mcap", JOURNAL_FILE, ORIGIN_FILE)  # one of them makes a run
 DEPTH = 3  # folders inside folders: a fleet's runs are two deep
 MOST_BYTES = 16 << 20  # of a summary
 TAG = re.compile(r"\w[\w.-]{0,63}")
@@ -138,7 +139,7 @@ def _runs(folder: Path, depth: int) -> Iterator[Path]:
 def _summary(run: Path) -> Summary:
     path = run / SUMMARY_FILE
     if not path.is_file():
-        unfinished = (run / "origin.json").is_file()
+        unfinished = (run / ORIGIN_FILE).is_file()
         why = "it is still flying, or can be resumed" if unfinished else "the flight was killed"
         raise UsageError(f"no {SUMMARY_FILE}: {why}")
     try:

@@ -17,6 +17,9 @@ from missionkit.version import __version__
 Outcome = Literal["success", "ended_safely", "crash"]
 
 
+SUMMARY_FILE = "summary.json"
+
+
 def outcome_text(outcome: str) -> str:
     """Return an outcome as a person would say it.
 
@@ -193,7 +196,7 @@ def timing_of(cycles: Sequence[Cycle]) -> Timing | None:
 
 def write_summary(folder: Path, summary: Summary) -> Path:
     """Write `summary.json` into a run's folder, whole or not at all."""
-    path = folder / "summary.json"
+    path = folder / SUMMARY_FILE
     write_whole(path, summary.model_dump_json(indent=2) + "\n")
     return path
 
@@ -204,5 +207,5 @@ def read_summary(folder: Path) -> Summary:
     Raises:
         FileNotFoundError: the run left none.
     """
-    text = (folder / "summary.json").read_text(encoding="utf-8")
+    text = (folder / SUMMARY_FILE).read_text(encoding="utf-8")
     return Summary.model_validate_json(text)
