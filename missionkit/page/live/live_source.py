@@ -11,7 +11,6 @@ from typing import Any
 from typing_extensions import override
 
 from missionkit.engine.clock import date, stopwatch
-from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.flown_track import FlownTrack
 from missionkit.page.facts.guard_series import SHOWN, GuardSeries
 from missionkit.page.facts.plain_values import given_number, text_of
@@ -21,7 +20,7 @@ from missionkit.page.live.pilot_seat import PilotSeat
 from missionkit.page.server.board import Board
 from missionkit.page.server.page_source import Feed, PageError, PageSource, StaticFacts
 from missionkit.page.server.sessions import Session
-from missionkit.page.server.why_desk import AskedWhy, WhyDesk
+from missionkit.page.server.why_desk import WhyDesk
 
 OLDEST_PRESS, OLDEST_SEEN, AHEAD = 1.0, 2.0, 0.5  # s
 SHORTEST_HOLD, SHORTEST_DANGEROUS = 500.0, 1500.0  # ms
@@ -142,11 +141,7 @@ class LiveSource(PageSource):
 
     @override
     async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
-        way = transition_of(self._static.mission, transition)
-        if way is None:
-            raise PageError("there is no such transition", 404)
-        source = way["source"] or state_at(self.timeline(), at)
-        return await self._why.answer(AskedWhy(source, way["to"], way["text"], at))
+        return await self._why.answer(self._static.mission, self.timeline(), transition, at)
 
     @override
     def feed(self, session: Session) -> Feed:

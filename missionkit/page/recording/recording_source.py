@@ -12,14 +12,13 @@ from typing import Any
 from typing_extensions import override
 
 from missionkit.errors import MissionkitError
-from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.mission_facts import chart_picture, mission_facts
 from missionkit.page.recording.playback import Playback
 from missionkit.page.recording.recorded_run import RecordedRun
 from missionkit.page.recording.what_if_answer import what_if_answer
 from missionkit.page.server.page_source import PageError, PageSource, StaticFacts
 from missionkit.page.server.sessions import Session
-from missionkit.page.server.why_desk import AskedWhy, WhyDesk
+from missionkit.page.server.why_desk import WhyDesk
 from missionkit.version import __version__
 
 
@@ -69,11 +68,7 @@ class RecordingSource(PageSource):
 
     @override
     async def why(self, transition: str, at: float | None) -> Mapping[str, object]:
-        way = transition_of(self._facts.mission, transition)
-        if way is None:
-            raise PageError("there is no such transition", 404)
-        source = way["source"] or state_at(self.timeline(), at)
-        return await self._why.answer(AskedWhy(source, way["to"], way["text"], at))
+        return await self._why.answer(self._facts.mission, self.timeline(), transition, at)
 
     @override
     def feed(self, session: Session) -> Playback:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from missionkit.engine.clock import stopwatch
 from missionkit.errors import MissionkitError
+from missionkit.page.facts.asked_transition import state_at, transition_of
 from missionkit.page.facts.plain_values import number
 from missionkit.page.server.page_source import PageError
 
@@ -51,12 +52,31 @@ class WhyDesk:
         self._whole: set[AskedWhy] = set()  # with the smallest change, or on its way
         self._rests_until = 0.0
 
-    async def answer(self, asked: AskedWhy) -> Mapping[str, object]:
+    async def answer(
+        self,
+        mission: Mapping[str, Any],
+        timeline: Mapping[str, Any],
+        transition: str,
+        at: float | None,
+    ) -> Mapping[str, object]:
         """Return the answer, perhaps one of a moment ago.
+
+        Args:
+            mission: as `/api/mission` answers.
+            timeline: as `/api/timeline` answers; it says what commanded where any state may.
+            transition: its id.
+            at: s; None: now.
 
         Raises:
             PageError: there is none.
         """
+        way = transition_of(mission, transition)
+        if way is None:
+            raise PageError("there is no such transition", 404)
+        source = way["source"] or state_at(timeline, at)
+        return await self._answered(AskedWhy(source, way["to"], way["text"], at))
+
+    async def _answered(self, asked: AskedWhy) -> Mapping[str, object]:
         known = self._answers.get(asked)
         if known is not None and (not self._growing or stopwatch() < self._rests_until):
             if not self._growing and asked not in self._whole:
