@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from missionkit import polygons
-from missionkit.geometry import Mat, conjugate, from_euler, rotate
+from missionkit.geometry import Mat, Vec3, conjugate, from_euler, rotate
 from missionkit.messages import CameraModel
 from missionkit.perception.aruco import Aruco
 from missionkit.units import Point
@@ -27,7 +27,6 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float 
     """
     out, right, up = standoff
     across, above, ahead = marker.offset
-    back = conjugate(camera.mount.rotation)
     unturned = from_euler(0.0, 0.0, -math.radians(turn_deg))
     corners = [
         (
@@ -38,18 +37,16 @@ def unseen(camera: CameraModel, marker: Aruco, standoff: Point, turn_deg: float 
         for x, y in CORNERS
     ]
     body = [rotate(unturned, np.array(it)) for it in corners]
-    seen = [rotate(back, it - camera.mount.translation) for it in body]
-    if any(float(it[2]) <= 0.0 for it in seen):
+    pixels = _pixels(camera, body)
+    if pixels is None:
         return "the marker lies beside or behind the camera"
-    pixels = np.array([(camera.matrix @ it / it[2])[:2] for it in seen])
-    size = np.array([camera.width - 1, camera.height - 1])
-    if (pixels < 0.0).any() or (pixels > size).any():
+    if not _in_picture(camera, pixels):
         column, row = pixels.mean(axis=0)
         return (
             f"the marker is not wholly in the picture: its centre lies at pixel {column:.0f}, "
             f"{row:.0f} of {camera.width} x {camera.height}, and it is {_extent(pixels)} px wide"
         )
-    area = abs(polygons.area([(x, y) for x, y in pixels.tolist()]))  # px²
+    area = _area(pixels)
     if not marker.min_area <= area <= marker.max_area:
         limit = "min_area" if area < marker.min_area else "max_area"
         bound = getattr(marker, limit)
@@ -80,15 +77,29 @@ def _whole(camera: CameraModel, marker: Aruco, height: float, heading: float) ->
         np.array((c * y + s * x, c * x - s * y, height - above))
         for x, y in ((across + i * marker.size, along + j * marker.size) for i, j in CORNERS)
     ]
+    pixels = _pixels(camera, body)
+    if pixels is None or not _in_picture(camera, pixels):
+        return False
+    return marker.min_area <= _area(pixels)
+
+
+def _pixels(camera: CameraModel, corners: list[Vec3]) -> Mat | None:
+    """Return where a lens without distortion shows points (3,), m, FRD; None: not before it."""
     back = conjugate(camera.mount.rotation)
-    seen = [rotate(back, it - camera.mount.translation) for it in body]
+    seen = [rotate(back, it - camera.mount.translation) for it in corners]
     if any(float(it[2]) <= 0.0 for it in seen):
-        return False
-    pixels = np.array([(camera.matrix @ it / it[2])[:2] for it in seen])
+        return None
+    return np.array([(camera.matrix @ it / it[2])[:2] for it in seen])
+
+
+def _in_picture(camera: CameraModel, pixels: Mat) -> bool:
     size = np.array([camera.width - 1, camera.height - 1])
-    if (pixels < 0.0).any() or (pixels > size).any():
-        return False
-    return marker.min_area <= abs(polygons.area([(x, y) for x, y in pixels.tolist()]))
+    return not ((pixels < 0.0).any() or (pixels > size).any())
+
+
+def _area(pixels: Mat) -> float:
+    """Return the area (px²) of a marker."""
+    return abs(polygons.area([(x, y) for x, y in pixels.tolist()]))
 
 
 def _extent(pixels: Mat) -> int:

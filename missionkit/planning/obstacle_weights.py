@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from missionkit.messages import Points
+from missionkit.planning.polygon_cells import crossed
 from missionkit.polygons import edges, unfit
 from missionkit.positions import GroundPosition
 from missionkit.units import Number
@@ -54,12 +55,7 @@ def factors_at(points: Points, weights: Sequence[ObstacleWeight]) -> Factors:
 
 def _inside(weight: ObstacleWeight, points: Points) -> npt.NDArray[np.bool_]:
     """Return which points lie in a polygon, as `polygons.contains` does for one."""
-    north, east = points[:, 0], points[:, 1]
     inside = np.zeros(len(points), dtype=bool)
-    for (n1, e1), (n2, e2) in edges(weight.polygon):
-        if e1 != e2:
-            crosses = ((e1 > east) != (e2 > east)) & (
-                north < (n2 - n1) * (east - e1) / (e2 - e1) + n1
-            )
-            inside ^= crosses
+    for a, b in edges(weight.polygon):
+        inside ^= crossed(np.array(a[::-1]), np.array(b[::-1]), points[:, 1], points[:, 0])
     return inside

@@ -50,13 +50,20 @@ def _touched(corners: Corner, rows: int, columns: int) -> Grid:
     inside = np.zeros((rows, columns), np.bool_)
     cut = np.zeros((rows, columns), np.bool_)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        inside ^= _crossed(a, b, row, column)
+        inside ^= crossed(a, b, row, column)
         cut |= _cut(a, b, row, column)
     return inside | cut
 
 
-def _crossed(a: Corner, b: Corner, row: Corner, column: Corner) -> Grid:
-    """Say for which points a ray along the row meets the edge (even-odd rule)."""
+def crossed(a: Corner, b: Corner, row: Corner, column: Corner) -> Grid:
+    """Say for which points a ray along the row meets an edge (even-odd rule).
+
+    Args:
+        a: (2,), row and column, of the edge's begin.
+        b: (2,), of its end.
+        row: of the points.
+        column: of the points.
+    """
     if a[0] == b[0]:
         return np.zeros(np.broadcast(row, column).shape, np.bool_)
     between = (a[0] > row) != (b[0] > row)

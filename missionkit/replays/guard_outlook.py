@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 SPAN = 60.0  # s of the past that a line is fitted to
 FEWEST = 10  # values
 LONGEST = 3600.0  # s; a line is no evidence for longer
@@ -17,6 +15,18 @@ class Outlook(NamedTuple):
 
     after: float  # s from the time in question
     evidence: str  # a sentence
+
+
+def slope_of(points: Sequence[tuple[float, float]]) -> float:
+    """Return how much a value grows in a second, by least squares.
+
+    Args:
+        points: time (s) and value, at two times at least.
+    """
+    mean_at = sum(at for at, _ in points) / len(points)
+    mean = sum(value for _, value in points) / len(points)
+    spread = sum((at - mean_at) ** 2 for at, _ in points)
+    return sum((at - mean_at) * (value - mean) for at, value in points) / spread
 
 
 def outlook(guard: str, margins: Sequence[tuple[float, float]]) -> Outlook | None:
@@ -30,8 +40,7 @@ def outlook(guard: str, margins: Sequence[tuple[float, float]]) -> Outlook | Non
     recent = [(at, it) for at, it in margins if now - at <= SPAN]
     if len(recent) < FEWEST:
         return None
-    rows = np.array(recent)
-    slope = float(np.polyfit(rows[:, 0] - now, rows[:, 1], 1)[0])
+    slope = slope_of(recent)
     after = -margin / slope if slope > 0.0 else LONGEST
     if not after < LONGEST:
         return None

@@ -7,6 +7,7 @@ from collections import deque
 from missionkit.chart.semantics.compiled_chart import Chart
 from missionkit.messages import Record
 from missionkit.page.facts.plain_values import number
+from missionkit.replays.guard_outlook import slope_of
 
 SPAN = 60.0  # s over which the trend is taken
 LEAST_SPAN = 10.0  # s; a shorter past says nothing
@@ -37,11 +38,7 @@ class BatteryTrend:
         """Return how much charge is lost in a second; None: that is not known."""
         if not self._past or self._past[-1][0] - self._past[0][0] < LEAST_SPAN:
             return None
-        count = len(self._past)
-        mean_at = sum(at for at, _ in self._past) / count
-        mean = sum(charge for _, charge in self._past) / count
-        spread = sum((at - mean_at) ** 2 for at, _ in self._past)
-        return -sum((at - mean_at) * (charge - mean) for at, charge in self._past) / spread
+        return -slope_of(self._past)
 
     def facts(self, record: Record) -> dict[str, object] | None:
         """Return what the page shows of the battery at a tick."""
