@@ -50,6 +50,9 @@ studies: .venv/ready
 	$(BIN)/python -m studies.resume
 	$(BIN)/python -m studies.record_kills
 	$(BIN)/python -m studies.page
+	$(BIN)/python -m studies.replay
+	$(BIN)/python -m studies.why
+	$(BIN)/python -m studies.planted_edits
 	$(BIN)/python -m studies.fuzz
 	$(BIN)/python -m studies.soundness
 	$(BIN)/python -m studies.hover

@@ -206,7 +206,7 @@ class LandOn(Behavior):
         return self._towards(seen, target, view, on, floor, note)
 
     def _by_autopilot(self, seen: Estimate, target: Target, view: PadView, on: OnTheWay) -> Step:
-        """Bring the vehicle over the pad, and let the autopilot land on what it is told of it."""
+        """Bring the vehicle over the pad, and let the autopilot land on it."""
         status = seen.status
         goal = Goal(target.position, None, seen.now, self.target)
         if on.down and status is not None and not status.in_air and not status.armed:

@@ -23,7 +23,7 @@ class Action(StrEnum):
 
 
 class LandingTarget(NamedTuple):
-    """The pad of a precision landing, as the autopilot is told of it at every tick."""
+    """The pad of a precision landing, sent to the autopilot at every tick."""
 
     name: str  # of the target
     offset: Vec3  # (3,), m, NED, from the vehicle

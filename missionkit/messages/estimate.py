@@ -95,7 +95,7 @@ class Estimate(NamedTuple):
     ground: GroundFrame | None = None  # objects in the frame that came since the last tick
     traffic: tuple[OtherVehicle, ...] = ()  # all other vehicles of the fleet
     gimbal: GimbalReading | None = None  # the newest, fresh or not
-    operator_silence: float | None = None  # s, of the pilot at the page; None: nobody was there
+    operator_silence: float | None = None  # s, of the pilot at the page; None: no pilot has come
     utc: float | None = None  # s since 1970; None: not known
     # where the chart stands, as of the last tick:
     state: str = ""

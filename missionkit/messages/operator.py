@@ -22,5 +22,5 @@ class OperatorAction(NamedTuple):
 class OperatorReport(NamedTuple):
     """The pilot at the page, as of one tick."""
 
-    silent_for: float | None = None  # s of the wall without a sign of life; None: nobody was there
+    silent_for: float | None = None  # s of the wall without a sign of life; None: no pilot has come
     actions: tuple[OperatorAction, ...] = ()  # since the last tick

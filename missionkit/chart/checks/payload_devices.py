@@ -39,7 +39,7 @@ def problems_of(chart: AnalysedChart) -> Iterator[Problem]:
 
 
 def _gimbal(plugin: Gimbal, camera: Camera, place: Place, says: str) -> Iterator[Problem]:
-    """Yield what keeps a gimbal from turning as it is told."""
+    """Yield what keeps a gimbal from turning as it is ordered."""
     section = camera.gimbal
     if section is None or camera.use == "none":
         lacks = "has no 'gimbal'" if section is None else "is 'use: none'"
