@@ -25,6 +25,7 @@ from missionkit.messages import (
     VehicleStatus,
 )
 from missionkit.sim import disturbances, kernel_layout
+from missionkit.sim.autopilot_flight import AutopilotFlight
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.fault_injection import Fault, InjectedFaults, refuse_foreign
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
@@ -32,11 +33,10 @@ from missionkit.sim.gimbal import SimulatedGimbal
 from missionkit.sim.ground_truth import TrueTrack
 from missionkit.sim.herd_grading import HerdTrack
 from missionkit.sim.obstacle_distance import ring
-from missionkit.sim.pad_landing import PadTarget, velocity_to_pad
+from missionkit.sim.pad_landing import PadTarget
 from missionkit.sim.plant import Plant
 from missionkit.sim.position_control import velocity_for
 from missionkit.sim.random_blocks import Normals, streams
-from missionkit.sim.return_flight import ReturnFlight, velocity_home
 from missionkit.sim.sensor_inbox import Inbox
 from missionkit.sim.sensors import (
     BaroSensor,
@@ -104,10 +104,7 @@ class SimulatedVehicle(SimulatedPort):
         self._link = rngs["link"]
         self._fixes: deque[Gnss] = deque()
         self._orders: deque[tuple[int, Action, float | None]] = deque()
-        self._home = (0.0, 0.0)  # m, north and east, where it armed
-        self._return: ReturnFlight | None = None  # while the autopilot flies home
-        self._precise = False  # while the autopilot lands on the pad that it is told of
-        self._pad: PadTarget | None = None
+        self._own = AutopilotFlight(world.autopilot.return_height)
         self._cycle = NO_CYCLE
         self._ids = frozenset(marker.id for marker in world.all_markers)
         self._inbox = Inbox()
@@ -169,20 +166,16 @@ class SimulatedVehicle(SimulatedPort):
             self._gimbal.order(command.gimbal, self.now)
         if command.landing_target is not None:
             here = self._plant.state[:3]
-            self._pad = PadTarget(self.now, here + command.landing_target.offset)
+            self._own.hear(PadTarget(self.now, here + command.landing_target.offset))
         action = command.action
-        steered = (
-            self._plant.mode == kernel_layout.OFFBOARD
-            and self._return is None
-            and not self._precise
-        )
+        steered = self._plant.mode == kernel_layout.OFFBOARD and not self._own.mode
         if action is None and command.setpoint is None and steered:
             action = Action.HOLD
         if action is not None:
             step = max(self._plant.step + 1, round(due * kernel_layout.RATE))
             self._orders.append((step, action, command.height))
         if command.setpoint is not None:
-            self._return, self._precise = None, False
+            self._own.end()
             self._plant.tell(velocity_for(command.setpoint, self._plant.state), due)
 
     @override
@@ -223,8 +216,8 @@ class SimulatedVehicle(SimulatedPort):
 
     def _fly(self, stop: int) -> None:
         plant = self._plant
-        self._fly_home()
-        self._fly_to_pad()
+        if self._own.mode:
+            self._own.steer(plant, ready=self.ready)
         first = plant.step // kernel_layout.IMU_EVERY + 1
         faults = self._injected
         plant.mislead(
@@ -270,53 +263,15 @@ class SimulatedVehicle(SimulatedPort):
         """Carry out an action now; return whether the autopilot accepted it."""
         plant = self._plant
         if action is Action.PRECISION_LAND:
-            return self._land_precisely()
+            return self._own.land_precisely(plant)
         if action is Action.RETURN:
-            able = plant.armed and not plant.on_ground
-            if not able or plant.memory[kernel_layout.GNSS_OK] <= 0.0:
-                return False
-            if self._return is None:
-                top = self.world.autopilot.return_height
-                self._return = ReturnFlight.begun(self._home, plant.state, top)
-                self._precise = False
-            return True
+            return self._own.go_home(plant)
         taken = plant.order(action, height, ready=self.ready)
         if taken:
-            self._return, self._precise = None, False
+            self._own.end()
         if taken and action is Action.ARM:
-            self._home = float(plant.state[0]), float(plant.state[1])
+            self._own.armed_at(plant.state)
         return taken
-
-    def _land_precisely(self) -> bool:
-        """Begin to land on the pad, or go on with it; return whether the autopilot does."""
-        if not self._plant.armed or self._plant.on_ground:
-            return False
-        landing = kernel_layout.MODES[self._plant.mode] == "land"
-        if not self._precise and not landing:
-            self._return, self._precise = None, True
-        return True
-
-    def _fly_to_pad(self) -> None:
-        """Steer the next stretch down on the pad; land where that ends."""
-        if not self._precise:
-            return
-        velocity = velocity_to_pad(self._pad, self._plant.state[:3], self.now)
-        if velocity is not None:
-            self._plant.tell(velocity, self.now)
-            return
-        self._precise = False
-        self._plant.order(Action.LAND, None, ready=self.ready)
-
-    def _fly_home(self) -> None:
-        """Steer the next stretch of the autopilot's way home; land at its end."""
-        if self._return is None:
-            return
-        velocity = velocity_home(self._return, self._plant.state)
-        if velocity is not None:
-            self._plant.tell(velocity, self.now)
-            return
-        self._return = None
-        self._plant.order(Action.LAND, None, ready=self.ready)
 
     def _sense(self) -> None:
         step, now = self._plant.step, self.now
@@ -391,8 +346,7 @@ class SimulatedVehicle(SimulatedPort):
             energy = float(plant.memory[kernel_layout.ENERGY])
             self._inbox.battery = self._gauge.measure(now, energy, self._power())
         if heartbeat:
-            mode = "return" if self._return is not None else kernel_layout.MODES[plant.mode]
-            mode = "precision_land" if self._precise else mode
+            mode = self._own.mode or kernel_layout.MODES[plant.mode]
             self._inbox.status = VehicleStatus(
                 now, plant.armed, not plant.on_ground, self.ready, mode
             )

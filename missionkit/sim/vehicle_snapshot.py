@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from missionkit.sim.autopilot_flight import AutopilotFlight
 from missionkit.sim.camera_feed import Feed
 from missionkit.sim.camera_renderer import Renderer
 from missionkit.sim.flow_sensor import FlowSensor, RangeSensor
@@ -43,8 +44,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     SimulatedVehicle: (
         *("payload", "_injected", "_plant", "_feed", "_gnss", "_baro", "_mag", "_gauge", "_scan"),
         *("_flow", "_range", "_outside", "devices", "photos", "_gimbal"),
-        *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_home", "_return"),
-        *("_precise", "_pad"),
+        *("_heartbeat", "_ranges", "_link", "_fixes", "_orders", "_cycle", "_own"),
     ),
     FreeFlyer: (
         *("payload", "_injected", "_plant", "_camera", "_gauge", "_heartbeat", "_orders", "_cycle"),
@@ -66,6 +66,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
     BatteryGauge: ("beat", "sag"),
     Beat: ("_next",),
     SimulatedGimbal: ("_turning", "_rng"),
+    AutopilotFlight: ("_home", "_return", "_precise", "_pad"),
 }
 
 
